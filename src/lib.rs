@@ -1,7 +1,8 @@
 //! Linewright: from assume-guarantee contracts to a running virtual production line.
 //!
-//! A program begins with a [`Project`](engine::project::Project): files in; verdicts, station libraries and runs out. This runs a line for an hour of
-//! its time, from station libraries that a C compiler has just made:
+//! A program begins with a [`Project`](engine::project::Project): files in; verdicts, station
+//! libraries and runs out. This runs a line for an hour of its time, from station libraries that a
+//! C compiler has just made:
 //!
 //! ```
 //! use linewright::engine::{project::Project, simulation::SimulationOptions};
@@ -26,8 +27,9 @@
 //!      ─extract→ mealy::Machine (verified) ─emit→ station::Package ─load→ line::Plant ─run→ line::Trace ─→ report
 //! ```
 //!
-//! Three narrow waists hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and [`line::Trace`]. To solve a specification of
-//! one's own, begin with [`game::solve`]; to read another tool's, with [`interchange::read`].
+//! Three narrow waists hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and
+//! [`line::Trace`]. To solve a specification of one's own, begin with [`game::solve`]; to read
+//! another tool's, with [`interchange::read`].
 
 pub mod cli;
 

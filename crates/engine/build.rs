@@ -1,9 +1,11 @@
-//! Gives the engine a hash of all that decides its results, so that it never takes what another version of it has remembered for its own.
+//! Gives the engine a hash of all that decides its results, so that it never takes what another
+//! version of it has remembered for its own.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
-/// Relative to this crate: every crate below `cli`, the C that stations are made of, and the packages that they are built with.
+/// Relative to this crate: every crate below `cli`, the C that stations are made of, and the
+/// packages that they are built with.
 const SOURCES: [&str; 3] = ["..", "../../ffi", "../../Cargo.lock"];
 
 fn main() {

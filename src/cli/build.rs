@@ -52,7 +52,8 @@ impl Target {
         matches!(self, Self::Windows | Self::Msvc)
     }
 
-    /// The compiler for it; none for the sources. Units have several, and take what there is: see [`fmi::toolchains`].
+    /// The compiler for it; none for the sources. Units have several, and take what there is: see
+    /// [`fmi::toolchains`].
     pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
         let found = match self {
             Self::Linux => Ok(Some(Toolchain::shipping())),
@@ -74,8 +75,9 @@ impl Target {
 `linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
 needs none. `fmu` takes what there is.")]
 pub struct Arguments {
-    /// A file with machines or lines, and the name of one of them; without a name, the machines of all lines that the file declares, with
-    /// the sizes that they have there, and the machines that it declares beside, with their default sizes
+    /// A file with machines or lines, and the name of one of them; without a name, the machines of
+    /// all lines that the file declares, with the sizes that they have there, and the machines that
+    /// it declares beside, with their default sizes
     #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
     pub selection: Option<Selection>,
     /// What to build; can be given several times
@@ -87,7 +89,8 @@ pub struct Arguments {
     /// The layout of Plant Simulation's UF_Value [default: an assumed, unverified one]
     #[arg(long, value_name = "FILE")]
     pub profile: Option<PathBuf>,
-    /// Build the library that finds the layout of UF_Value, and the SimTalk that calls it; with a profile, what confirms it
+    /// Build the library that finds the layout of UF_Value, and the SimTalk that calls it; with a
+    /// profile, what confirms it
     #[arg(long, conflicts_with = "selection")]
     pub probe: bool,
     /// Compile again what is there already
@@ -193,13 +196,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     }
     debug_assert!(has_errors(&findings) || synthesis.is_complete());
-    // What is wrong with a line keeps no library from being built, but it is an error all the same, as it is for `check` and `run`.
+    // What is wrong with a line keeps no library from being built, but it is an error all the same,
+    // as it is for `check` and `run`.
     let controlled = |machine: &Machine| synthesis.of(machine);
     for line in &library.lines {
         if chosen.lines.iter().any(|l| std::ptr::eq(*l, line)) {
             lines::judge(line, controlled, &settings.limits, &mut findings);
         } else {
-            // Its parts are not followed, so what is not sure of their routes stays so, and it is not what was asked for.
+            // Its parts are not followed, so what is not sure of their routes stays so, and it is
+            // not what was asked for.
             findings.retain(|f| !lines::is_doubt(f, line));
         }
     }

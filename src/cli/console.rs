@@ -1,4 +1,5 @@
-//! Where results, findings and progress go: results to standard output, everything else to standard error.
+//! Where results, findings and progress go: results to standard output, everything else to standard
+//! error.
 
 use super::options::{Color, Format};
 use crate::diagnostics::{Diagnostic, json, render, sarif};
@@ -29,7 +30,8 @@ struct Failed {
 }
 
 impl Console {
-    /// A console. `Auto` colours a stream when it is a terminal, unless `NO_COLOR` (or `CLICOLOR`) says otherwise.
+    /// A console. `Auto` colours a stream when it is a terminal, unless `NO_COLOR` (or `CLICOLOR`)
+    /// says otherwise.
     pub fn new(format: Format, color: Color) -> Self {
         let color = match color {
             Color::Auto => ColorChoice::Auto,
@@ -39,7 +41,8 @@ impl Console {
         Self { format, color }
     }
 
-    /// Prints a result. When nobody reads it any more (a closed pipe) that is no failure: the exit code stays the verdict's.
+    /// Prints a result. When nobody reads it any more (a closed pipe) that is no failure: the exit
+    /// code stays the verdict's.
     pub fn result(&self, text: &str) -> anyhow::Result<()> {
         self.part(text).map(|_| ())
     }
@@ -52,7 +55,8 @@ impl Console {
             .context("standard output cannot be written")
     }
 
-    /// Prints a document in JSON that is one of many: in one line. Gives whether somebody still reads it.
+    /// Prints a document in JSON that is one of many: in one line. Gives whether somebody still
+    /// reads it.
     pub fn line(&self, document: &impl Serialize) -> anyhow::Result<bool> {
         let mut text = serde_json::to_string(document)?;
         text.push('\n');
@@ -87,7 +91,8 @@ impl Console {
         self.remark(&self.render(sources, findings))
     }
 
-    /// Prints the findings of a command that has no result. In JSON and SARIF they are then the document on standard output.
+    /// Prints the findings of a command that has no result. In JSON and SARIF they are then the
+    /// document on standard output.
     pub fn failed(
         &self,
         command: &str,
@@ -104,8 +109,8 @@ impl Console {
         }
     }
 
-    /// Says why a command was ended by a fault of this program. Where a format for programs was asked for, that is the document, unless one
-    /// was printed already.
+    /// Says why a command was ended by a fault of this program. Where a format for programs was
+    /// asked for, that is the document, unless one was printed already.
     pub fn aborted(&self, command: &str, finding: &Diagnostic) -> anyhow::Result<()> {
         let sources = SourceMap::default();
         if PRINTED.load(Ordering::Relaxed) {

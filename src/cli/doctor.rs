@@ -1,7 +1,9 @@
-//! `linewright doctor`: what there is on this computer for building station libraries, and what a probe has found.
+//! `linewright doctor`: what there is on this computer for building station libraries, and what a
+//! probe has found.
 //!
-//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A compiler for Windows is one more thing
-//! that may be missing: a warning, and the way out. 2 without a C compiler.
+//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A compiler
+//! for Windows is one more thing that may be missing: a warning, and the way out. 2 without a C
+//! compiler.
 
 mod probe;
 
@@ -121,7 +123,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// What is said where no compiler for Windows is found, or the one that would be taken compiles nothing.
+/// What is said where no compiler for Windows is found, or the one that would be taken compiles
+/// nothing.
 fn no_windows(survey: &Survey) -> Option<Diagnostic> {
     let (why, help) = match survey.windows() {
         None => {

@@ -9,9 +9,11 @@ use crate::engine::files::Loaded;
 pub enum ExitCode {
     /// All is well.
     Success = 0,
-    /// There are findings of severity error: an unrealizable contract, a violated rule, a failed validation.
+    /// There are findings of severity error: an unrealizable contract, a violated rule, a failed
+    /// validation.
     Findings = 1,
-    /// It could not run: bad arguments, an unreadable file, a file that does not parse, a missing compiler.
+    /// It could not run: bad arguments, an unreadable file, a file that does not parse, a missing
+    /// compiler.
     CannotRun = 2,
     /// It gave up at a limit.
     GaveUp = 3,
@@ -46,8 +48,8 @@ impl ExitCode {
         }
     }
 
-    /// The code for some findings. With `deny_warnings`, a warning counts as an error does; that the command came to a limit counts whatever
-    /// the finding's severity is.
+    /// The code for some findings. With `deny_warnings`, a warning counts as an error does; that
+    /// the command came to a limit counts whatever the finding's severity is.
     pub fn of(findings: &[Diagnostic], deny_warnings: bool) -> Self {
         findings
             .iter()

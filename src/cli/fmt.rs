@@ -1,7 +1,8 @@
 //! `linewright fmt`: lays `.lw` files out in the one way.
 //!
-//! A file is written only where that changes it, and only after [`format::checked`] has read the new text and found that it says the
-//! same: a mistake of the formatter is reported, and leaves the file as it is.
+//! A file is written only where that changes it, and only after [`format::checked`] has read the
+//! new text and found that it says the same: a mistake of the formatter is reported, and leaves the
+//! file as it is.
 
 use super::console;
 use super::console::Console;
@@ -158,7 +159,8 @@ impl Work {
     /// A file's text as it should be, or nothing where it does not parse.
     ///
     /// # Errors
-    /// When the deadline is past. Parsing is not interrupted, so this may be found out a little later.
+    /// When the deadline is past. Parsing is not interrupted, so this may be found out a little
+    /// later.
     fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, Late> {
         self.deadline.check()?;
         let file = self.sources.add(name, text);
@@ -209,7 +211,8 @@ impl Work {
     }
 }
 
-/// The lines that differ, from the first to the last, each with its number; not more than a screen of them.
+/// The lines that differ, from the first to the last, each with its number; not more than a screen
+/// of them.
 fn difference(before: &str, after: &str) -> String {
     const MOST: usize = 20;
     let (old, new): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());

@@ -18,7 +18,8 @@ use std::path::PathBuf;
 The contract says the same as the file, so checking either gives the same verdict. Names that the \
 language does not take are replaced, and listed in comments.")]
 pub struct Arguments {
-    /// A specification of gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or in TLSF (.tlsf)
+    /// A specification of gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or
+    /// in TLSF (.tlsf)
     #[arg(value_name = "FILE")]
     pub file: String,
     /// The file to write; without it, the contract goes to standard output

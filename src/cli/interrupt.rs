@@ -1,6 +1,8 @@
-//! Ctrl-C: the first one is a deadline that is past, so that what is known is printed; the second one ends the program.
+//! Ctrl-C: the first one is a deadline that is past, so that what is known is printed; the second
+//! one ends the program.
 //!
-//! A command that looks at its deadline watches; during any other, Ctrl-C ends the program as it always does.
+//! A command that looks at its deadline watches; during any other, Ctrl-C ends the program as it
+//! always does.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -45,7 +47,8 @@ impl Drop for Watch {
     }
 }
 
-/// Whether Ctrl-C was pressed, for a command that it ends in the ordinary way: from now on it counts as not pressed.
+/// Whether Ctrl-C was pressed, for a command that it ends in the ordinary way: from now on it
+/// counts as not pressed.
 pub fn take() -> bool {
     INTERRUPTED.swap(false, Ordering::SeqCst)
 }

@@ -1,8 +1,8 @@
 //! The command line: one file a subcommand, and what they share.
 //!
-//! Results go to standard output, everything else to standard error; what the exit codes mean is said in [`exit`]. A command
-//! gives an [`exit::ExitCode`] for everything the user can cause, and an `anyhow` error, printed and answered with 2, for what
-//! keeps it from running at all.
+//! Results go to standard output, everything else to standard error; what the exit codes mean is
+//! said in [`exit`]. A command gives an [`exit::ExitCode`] for everything the user can cause, and
+//! an `anyhow` error, printed and answered with 2, for what keeps it from running at all.
 
 pub mod algebra;
 pub mod build;
@@ -37,11 +37,6 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
 use options::GlobalOptions;
 use std::ffi::OsString;
-use std::time::Duration;
-
-/// How long a command may need after its time limit to print what it knows. Then it is ended: it may be parsing, which does not look at
-/// the clock.
-const GRACE: Duration = Duration::from_secs(2);
 
 /// From assume-guarantee contracts to a running virtual production line.
 #[derive(Debug, Parser)]
@@ -66,7 +61,8 @@ pub enum Command {
     Check(check::Arguments),
     /// Synthesize a controller from a contract
     Synth(synth::Arguments),
-    /// Play a contract step by step: the plant against its controller, or the machine against the counterstrategy
+    /// Play a contract step by step: the plant against its controller, or the machine against the
+    /// counterstrategy
     Step(step::Arguments),
     /// Build the station library of a machine
     Build(build::Arguments),
@@ -90,7 +86,8 @@ pub enum Command {
     Import(import::Arguments),
     /// Say what a finding means, with a minimal contract that shows it
     Explain(explain::Arguments),
-    /// Say what skills may follow what: check programs, watch calls, print automata, by the rules of skill orders
+    /// Say what skills may follow what: check programs, watch calls, print automata, by the rules
+    /// of skill orders
     Order(order::Arguments),
     /// Look things up in DIN 8580 and VDI 2860
     Din(din::Arguments),
@@ -145,16 +142,18 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 impl Arguments {
-    /// When the command is ended even if it does not look at its time limit. What goes on for as long as its user likes is not.
+    /// When the command is ended even if it does not look at its time limit. What goes on for as
+    /// long as its user likes is not.
     fn last_moment(&self) -> Deadline {
         let endless = match &self.command {
             Command::Step(_) => true,
             Command::Check(check) => check.watch,
             _ => false,
         };
-        match self.options.timeout {
-            Some(limit) if !endless => Deadline::after(self.options.began, limit).extended(GRACE),
-            _ => Deadline::NONE,
+        if endless {
+            Deadline::NONE
+        } else {
+            self.options.last_moment()
         }
     }
 }
@@ -167,7 +166,8 @@ fn overdue(command: &str, late: Late) -> Diagnostic {
 }
 
 impl Command {
-    /// Whether it looks at its deadline all the while. `step` does while it solves; what comes after is a dialogue.
+    /// Whether it looks at its deadline all the while. `step` does while it solves; what comes
+    /// after is a dialogue.
     fn has_deadline(&self) -> bool {
         match self {
             Self::Check(_)

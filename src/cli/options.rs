@@ -13,6 +13,10 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+/// How long a command may need after its time limit to print what it knows. Then it is ended: it
+/// may be parsing, which does not look at the clock.
+const GRACE: Duration = Duration::from_secs(2);
+
 /// How results and findings look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
@@ -127,7 +131,8 @@ pub struct GlobalOptions {
     /// Read `import std...` from this folder instead of the bundled library
     #[arg(long, global = true, value_name = "DIR")]
     pub library: Option<PathBuf>,
-    /// Say more: `check` also names the file of each contract and the kernel that solved it, and how every assumption is met
+    /// Say more: `check` also names the file of each contract and the kernel that solved it, and
+    /// how every assumption is met
     #[arg(long, short, global = true)]
     pub verbose: bool,
     /// When the command began: its time limit counts from here, whatever it is doing.
@@ -166,6 +171,13 @@ impl GlobalOptions {
             memory_mib: Some(self.memory),
             ..Limits::default()
         }
+    }
+
+    /// When the command is ended even if it does not look at its time limit.
+    pub fn last_moment(&self) -> Deadline {
+        self.timeout.map_or(Deadline::NONE, |limit| {
+            Deadline::after(self.began, limit).extended(GRACE)
+        })
     }
 
     /// How to solve.

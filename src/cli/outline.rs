@@ -1,9 +1,10 @@
 //! Which declaration a place in a file belongs to, from the text alone.
 //!
-//! A contract that does not parse is not in the library, yet `check` has to list it, and its findings under it. So this
-//! looks for nothing but `contract NAME`, `machine NAME`, `line NAME`, `skills NAME {`, and for the brace that closes each. The first three
-//! are reserved words: one that begins a line begins a declaration, also where a brace before it is missing. `skills` may be a name, too; what
-//! follows tells.
+//! A contract that does not parse is not in the library, yet `check` has to list it, and its
+//! findings under it. So this looks for nothing but `contract NAME`, `machine NAME`, `line NAME`,
+//! `skills NAME {`, and for the brace that closes each. The first three are reserved words: one
+//! that begins a line begins a declaration, also where a brace before it is missing. `skills` may
+//! be a name, too; what follows tells.
 
 use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::{is_component, is_skill_set, is_skills_head};

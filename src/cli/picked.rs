@@ -22,8 +22,9 @@ pub struct Picked<'a> {
     pub notes: Vec<Diagnostic>,
 }
 
-/// The machines that a selection names, or those of the line that it names. Without a name those of the file's lines, with the sizes that they
-/// have there, as `run` would build them; and those that the file declares and no line of it uses, with their default sizes.
+/// The machines that a selection names, or those of the line that it names. Without a name those of
+/// the file's lines, with the sizes that they have there, as `run` would build them; and those that
+/// the file declares and no line of it uses, with their default sizes.
 pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Picked<'a>> {
     let library = &loaded.library;
     let declared = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
@@ -83,8 +84,8 @@ fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnosti
     ))
 }
 
-/// The same machines under names whose files differ: of two that would be written to the same file, such as one machine in two sizes, the
-/// second is called `Printer_2`.
+/// The same machines under names whose files differ: of two that would be written to the same file,
+/// such as one machine in two sizes, the second is called `Printer_2`.
 pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
     // SimTalk does not tell capitals from small letters either.
     let keys = |name: &str| [file_stem(name), name.to_lowercase()];

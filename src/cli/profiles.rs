@@ -1,4 +1,5 @@
-//! Profiles of `UF_Value` as files: read for `build` and `doctor`, and what is said of one that is unverified.
+//! Profiles of `UF_Value` as files: read for `build` and `doctor`, and what is said of one that is
+//! unverified.
 
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::files;
@@ -10,7 +11,8 @@ use std::path::Path;
 /// No profile is larger.
 const LARGEST_FILE: u64 = 1 << 20;
 
-/// The profile of a file, or the assumed one where none is given. The file's text is added to `sources`.
+/// The profile of a file, or the assumed one where none is given. The file's text is added to
+/// `sources`.
 pub fn load(path: Option<&Path>, sources: &mut SourceMap) -> Result<Profile, Vec<Diagnostic>> {
     let Some(path) = path else {
         return Ok(Profile::assumed());

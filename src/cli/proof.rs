@@ -1,4 +1,5 @@
-//! `check --proof`: why a contract is realizable, for whoever does not want to believe it. `docs/proof.md` says what is to be checked.
+//! `check --proof`: why a contract is realizable, for whoever does not want to believe it.
+//! `docs/proof.md` says what is to be checked.
 
 use super::console::schema;
 use crate::game::{Rank, Ranking};

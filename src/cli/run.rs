@@ -98,7 +98,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         return Ok(options.exit_code(&findings));
     }
 
-    // A line that refuses parts can be run, and its run shows how often; that it does is an error all the same.
+    // A line that refuses parts can be run, and its run shows how often; that it does is an error
+    // all the same.
     let of_machine = |machine: &Machine| synthesis.of(machine);
     lines::judge(line, of_machine, &settings.limits, &mut findings);
 

@@ -36,7 +36,8 @@ impl std::str::FromStr for Selection {
 }
 
 impl Selection {
-    /// Loads the file; where it has errors, they are printed and the command's exit code is given instead.
+    /// Loads the file; where it has errors, they are printed and the command's exit code is given
+    /// instead.
     pub fn load(
         &self,
         command: &str,
@@ -45,8 +46,8 @@ impl Selection {
         Self::sound(self.read(options), command, options)
     }
 
-    /// The same for a command that needs nothing but the declaration of that name: what is wrong within others of the file
-    /// does not matter, as long as the file can be read.
+    /// The same for a command that needs nothing but the declaration of that name: what is wrong
+    /// within others of the file does not matter, as long as the file can be read.
     pub fn load_alone(
         &self,
         command: &str,
@@ -91,7 +92,8 @@ impl Selection {
         Ok(Ok(loaded))
     }
 
-    /// What is meant among `all`: that of the name, or else everything that the file itself declares. It may be nothing.
+    /// What is meant among `all`: that of the name, or else everything that the file itself
+    /// declares. It may be nothing.
     pub fn find<'a, T>(
         &self,
         loaded: &Loaded,

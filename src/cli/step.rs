@@ -36,7 +36,8 @@ controller exists.
 In a script and in a pipe, what is wrong with a command is said on standard error, the next one is run, and the exit code is 1 \
 in the end.")]
 pub struct Arguments {
-    /// A file with contracts, and the name of one of them; it may be left out where there is only one
+    /// A file with contracts, and the name of one of them; it may be left out where there is only
+    /// one
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// Run the commands in this file, one a line
@@ -161,7 +162,8 @@ fn opponent(
     if let Some(machine) = known {
         return Ok(Ok(Opponent::Counterstrategy(machine)));
     }
-    // Saying why it is unrealizable ended at a limit of its own. Who cannot keep the guarantees that clash cannot keep more.
+    // Saying why it is unrealizable ended at a limit of its own. Who cannot keep the guarantees
+    // that clash cannot keep more.
     let specification = lost(&contract.specification, &checked.core);
     let gave_up = |limit: game::Limit| {
         let name = &contract.name;

@@ -31,14 +31,16 @@ A controller is written only after it was verified against its contract. One wit
 then its forms are json, c, st and plcopen. `--emit spc`, `slugsin`, `spectra` and `tlsf` write the specification itself, for other tools, and \
 need no controller.")]
 pub struct Arguments {
-    /// A file with contracts, and the name of one of them; without a name, all that the file declares. Also a specification of
-    /// gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra (.spectra), or in TLSF (.tlsf)
+    /// A file with contracts, and the name of one of them; without a name, all that the file
+    /// declares. Also a specification of gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra
+    /// (.spectra), or in TLSF (.tlsf)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
     /// The form of the controller; can be given several times
     #[arg(long, value_enum, default_value = "json")]
     pub emit: Vec<Emit>,
-    /// Instead of a controller, of a contract that has none: the plant's machine that beats every controller (json, dot, svg)
+    /// Instead of a controller, of a contract that has none: the plant's machine that beats every
+    /// controller (json, dot, svg)
     #[arg(long)]
     pub counterstrategy: bool,
     /// What a machine shall be good at, where there is a choice; functions always take short ways
@@ -264,7 +266,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// The counterstrategy of a contract that has no controller; otherwise a finding says why there is none.
+/// The counterstrategy of a contract that has no controller; otherwise a finding says why there is
+/// none.
 fn counterstrategy<'c>(
     checked: &'c CheckedContract,
     span: Span,
@@ -296,7 +299,8 @@ struct Results {
 }
 
 impl Results {
-    /// Adds files of a contract. A finding (LW504), and none of them, where one has the name of another contract's file.
+    /// Adds files of a contract. A finding (LW504), and none of them, where one has the name of
+    /// another contract's file.
     fn add(
         &mut self,
         contract: &str,
@@ -326,7 +330,8 @@ fn file_name(name: &str, ending: &str) -> String {
     format!("{name}{mark}.{ending}")
 }
 
-/// The files of one of its written forms, by name. A finding (LW204) where that form would be too large.
+/// The files of one of its written forms, by name. A finding (LW204) where that form would be too
+/// large.
 fn write_files(
     controller: &mealy::Controller,
     emit: Emit,

@@ -1,5 +1,5 @@
-//! The closed composition of synthesized controllers: against an exploration of all states by hand, on random machines and on the
-//! laboratory's, and with controllers that were changed.
+//! The closed composition of synthesized controllers: against an exploration of all states by hand,
+//! on random machines and on the laboratory's, and with controllers that were changed.
 
 mod brute;
 mod contradictory;
@@ -24,7 +24,8 @@ fn pick(random: &mut Random, bound: usize) -> usize {
     random.below(bound as u64) as usize
 }
 
-/// What a verdict says, in the words of the exploration. Every run in it is one that the controllers make.
+/// What a verdict says, in the words of the exploration. Every run in it is one that the
+/// controllers make.
 fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
     let mut found = Found {
         completes: true,
@@ -83,7 +84,7 @@ fn compared(machine: &Machine, controllers: &[mealy::Controller], what: &str) ->
     explored
 }
 
-// ---- random machines ---------------------------------------------------------------------------------------------------
+// ---- random machines ----------------------------------------------------------------------------
 
 const LEAD: &[&str] = &[
     "assume served: always eventually (c = 0 or e)",
@@ -249,8 +250,9 @@ fn random_machines_are_decided_as_by_hand() {
     assert!(seen.iter().all(|n| *n > 20 && *n < rounds - 20), "{seen:?}");
 }
 
-/// Justice that nobody meets, by component: on the run on which nothing ever happens (`c = 0`, nothing is done, the call stays what it
-/// is) each of these stays false. Some are about what comes from outside, alone or beside what others set.
+/// Justice that nobody meets, by component: on the run on which nothing ever happens (`c = 0`,
+/// nothing is done, the call stays what it is) each of these stays false. Some are about what comes
+/// from outside, alone or beside what others set.
 const UNMET: [&[&str]; 3] = [
     &[
         "job = none",
@@ -268,7 +270,8 @@ const UNMET: [&[&str]; 3] = [
     &["a", "a and s", "c = 2", "s and (a or c = 1)"],
 ];
 
-/// A machine in which the assumption `unmet` of a component is never met. What else is assumed leaves that run there is.
+/// A machine in which the assumption `unmet` of a component is never met. What else is assumed
+/// leaves that run there is.
 fn unmet(random: &mut Random, component: usize, formula: &str) -> String {
     let mut own = [
         some(random, &LEAD[1..]),
@@ -300,8 +303,9 @@ machine M {{
     )
 }
 
-/// What a component waits for and nobody brings is open: no proof meets it, and none hands it on to whoever calls the machine, be it a
-/// plant or a line. The same of controllers: those that do nothing at all leave it unmet.
+/// What a component waits for and nobody brings is open: no proof meets it, and none hands it on to
+/// whoever calls the machine, be it a plant or a line. The same of controllers: those that do
+/// nothing at all leave it unmet.
 #[test]
 fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
     let mut random = Random::new(24);
@@ -368,7 +372,7 @@ fn idle(random: &mut Random, machine: &Machine, component: usize) -> mealy::Cont
     table.into()
 }
 
-// ---- the laboratory's machines -----------------------------------------------------------------------------------------
+// ---- the laboratory's machines ------------------------------------------------------------------
 
 fn machine(file: &str) -> Machine {
     let path = format!("{}/examples/{file}.lw", env!("CARGO_MANIFEST_DIR"));

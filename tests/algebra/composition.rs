@@ -1,7 +1,8 @@
-//! The composition of a coordinator and its actions: what fits is discharged, and each way of not fitting is found.
+//! The composition of a coordinator and its actions: what fits is discharged, and each way of not
+//! fitting is found.
 //!
-//! The machine below is sound. Each test changes one thing in its text and names the finding that must appear; that the
-//! unchanged text has none shows that the finding comes from the change.
+//! The machine below is sound. Each test changes one thing in its text and names the finding that
+//! must appear; that the unchanged text has none shows that the finding comes from the change.
 
 use linewright::contract;
 use linewright::game::{self, Limits, Outcome};
@@ -244,7 +245,8 @@ fn an_operation_that_cannot_begin_is_found() {
     );
 }
 
-/// Two coordinators, each with a job of its own kind; what an action is asked for is set by the job.
+/// Two coordinators, each with a job of its own kind; what an action is asked for is set by the
+/// job.
 const TWO: &str = "
 moore contract Lead {
     input job: {none, near, far}

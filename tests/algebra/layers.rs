@@ -1,5 +1,6 @@
-//! Machines within machines: the flat machine against its parts, proofs by promises against proofs of everything, and what is wrong in a
-//! machine of machines. That their libraries do the same as the interpreter is tested in `station/layers.rs`.
+//! Machines within machines: the flat machine against its parts, proofs by promises against proofs
+//! of everything, and what is wrong in a machine of machines. That their libraries do the same as
+//! the interpreter is tested in `station/layers.rs`.
 
 use crate::support;
 use crate::support::root;
@@ -102,7 +103,8 @@ fn what_runs_is_flat_and_what_is_proved_is_not() {
     assert!((cell.idle_watts - 15.0).abs() < 1e-9);
 }
 
-/// All that is to be proved of a machine, with inner machines as their promises, and with all their components.
+/// All that is to be proved of a machine, with inner machines as their promises, and with all their
+/// components.
 fn both_ways(machine: &Machine) -> Vec<[(System, Claim); 2]> {
     let short = machine.abstracted();
     let mut all = vec![[of_machine(short), of_machine(machine)]];
@@ -133,7 +135,8 @@ fn what_promises_show_the_components_show_too() {
     }
 }
 
-/// Without one guarantee of a coordinator: whatever still follows from promises follows from the components as well.
+/// Without one guarantee of a coordinator: whatever still follows from promises follows from the
+/// components as well.
 #[test]
 fn of_a_damaged_coordinator_promises_never_show_more() {
     let cell = cell();

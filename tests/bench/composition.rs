@@ -1,8 +1,9 @@
-//! The assembly cell in one piece and in parts: the holistic contract solved as a game, against its parts solved one by one and the proof that
-//! together they refine it.
+//! The assembly cell in one piece and in parts: the holistic contract solved as a game, against its
+//! parts solved one by one and the proof that together they refine it.
 //!
-//! Each row is `linewright check` as a user starts it, on copies with other default sizes: user and system time of the process, everything
-//! solved and proved anew. The paper's tool had not finished its own holistic contract of such a cell after six hours.
+//! Each row is `linewright check` as a user starts it, on copies with other default sizes: user and
+//! system time of the process, everything solved and proved anew. The paper's tool had not finished
+//! its own holistic contract of such a cell after six hours.
 //!
 //!     cargo bench --bench composition
 

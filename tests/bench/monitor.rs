@@ -1,10 +1,12 @@
-//! Monitors of skill orders: skills a second, of the pick-and-place unit with both rules, on one core.
+//! Monitors of skill orders: skills a second, of the pick-and-place unit with both rules, on one
+//! core.
 //!
 //!     cargo bench --bench monitor
 //!
-//! A legal program of four million random skills is read in one run, and call by call; by our monitor, by the emitted C (compiled with
-//! `cc -O2`, loaded as a library), and by the compiled automaton of the regular expression for the same rules (regex-automata, minimised),
-//! which is asked after every skill whether it may go on, and as it searches by itself.
+//! A legal program of four million random skills is read in one run, and call by call; by our
+//! monitor, by the emitted C (compiled with `cc -O2`, loaded as a library), and by the compiled
+//! automaton of the regular expression for the same rules (regex-automata, minimised), which is
+//! asked after every skill whether it may go on, and as it searches by itself.
 
 #[expect(dead_code, reason = "only its random numbers are needed")]
 #[path = "../solver/random.rs"]
@@ -30,7 +32,8 @@ type Reset = unsafe extern "C" fn(*mut u32);
 type CallOne = unsafe extern "C" fn(*mut u32, u32) -> i32;
 type Run = unsafe extern "C" fn(*mut u32, *const u8, usize) -> usize;
 
-/// The rules from up: Left, Right, Up, Down, Grip and Release are the bytes 0 to 5. The language is prefix-closed.
+/// The rules from up: Left, Right, Up, Down, Grip and Release are the bytes 0 to 5. The language is
+/// prefix-closed.
 const RULES: &str = r"(?s-u)(?:[\x00\x01\x02\x04]*\x03[\x03\x04\x05]*\x02)*[\x00\x01\x02\x04]*(?:\x03[\x03\x04\x05]*)?";
 
 /// Random skills that are all allowed.
@@ -109,7 +112,8 @@ fn monitors(criterion: &mut Criterion) {
     group.bench_function("C, one run", |b| {
         b.iter(|| {
             let program = black_box(&program);
-            // SAFETY: the state is the only field of the monitor, and the program has that many bytes.
+            // SAFETY: the state is the only field of the monitor, and the program has that many
+            // bytes.
             let count = unsafe {
                 reset(&raw mut state);
                 run(&raw mut state, program.as_ptr(), program.len())

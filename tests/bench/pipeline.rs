@@ -1,11 +1,12 @@
-//! From contracts to loaded libraries, for the laboratory's whole line: what a first run costs and what a second, and where the
-//! time goes.
+//! From contracts to loaded libraries, for the laboratory's whole line: what a first run costs and
+//! what a second, and where the time goes.
 //!
-//! The first table is of the program as a user starts it, `run examples/ice-lab/line.lw --parts 50`, with user and system
-//! time of the process and of all that it starts (the C compiler above all). It holds the 50 products too, so that it is an
-//! upper bound for the way from contracts to loaded libraries. The times come from the shell's `times`: children that were
-//! waited for, on every Unix, and no unsafe call of `getrusage`. The rest measures each stage inside this process, one after
-//! the other on one core.
+//! The first table is of the program as a user starts it,
+//! `run examples/ice-lab/line.lw --parts 50`, with user and system time of the process and of all
+//! that it starts (the C compiler above all). It holds the 50 products too, so that it is an upper
+//! bound for the way from contracts to loaded libraries. The times come from the shell's `times`:
+//! children that were waited for, on every Unix, and no unsafe call of `getrusage`. The rest
+//! measures each stage inside this process, one after the other on one core.
 
 use criterion::{Criterion, criterion_group};
 use linewright::contract::machine::Machine;

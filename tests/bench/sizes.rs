@@ -1,9 +1,10 @@
-//! How the cost of a controller grows with each size of the laboratory's contracts, one parameter at a time, and what the line at
-//! real size costs as a whole.
+//! How the cost of a controller grows with each size of the laboratory's contracts, one parameter
+//! at a time, and what the line at real size costs as a whole.
 //!
-//! Each row is one `linewright synth` as a user starts it, on a copy of the contract with another default for the parameter: user and
-//! system time of the process, the largest number of BDD nodes, the controller's states or decisions, and the bytes of its C
-//! compiled as the station libraries are. Nothing is remembered between rows. Times come from the shell's `times`, as in `pipeline`.
+//! Each row is one `linewright synth` as a user starts it, on a copy of the contract with another
+//! default for the parameter: user and system time of the process, the largest number of BDD nodes,
+//! the controller's states or decisions, and the bytes of its C compiled as the station libraries
+//! are. Nothing is remembered between rows. Times come from the shell's `times`, as in `pipeline`.
 //!
 //!     cargo bench --bench sizes            all rows, then the line
 //!     cargo bench --bench sizes -- Turn    the rows of one contract
@@ -75,7 +76,8 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Runs a program, and gives what it printed and its processor time with that of all it started, in seconds.
+/// Runs a program, and gives what it printed and its processor time with that of all it started, in
+/// seconds.
 fn timed(arguments: &[&str], folder: &Path) -> (String, f64) {
     let output = Command::new("sh")
         .args(["-c", r#""$@" 2>&1; times"#, "sh"])

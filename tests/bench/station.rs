@@ -1,13 +1,15 @@
-//! Station libraries: what a step and an operation cost, and what each form of a controller and each level of optimisation is worth.
-//! These are the figures behind `crates/station/src/toolchain/mod.rs` and `src/cli/controller.rs`.
+//! Station libraries: what a step and an operation cost, and what each form of a controller and
+//! each level of optimisation is worth. These are the figures behind
+//! `crates/station/src/toolchain/mod.rs` and `src/cli/controller.rs`.
 //!
 //!     cargo bench --bench station                 all three tables
 //!     cargo bench --bench station -- shipped      every machine of the laboratory, and at real size: steps, operations, what surrounds them
 //!     cargo bench --bench station -- forms        tables beside functions on growing machines
 //!     cargo bench --bench station -- levels       levels of optimisation
 //!
-//! Steps are those of random walks that keep the assumptions, replayed through `lw_step`; operations go through `simulate`, as
-//! Plant Simulation calls it. Every time is the best of nine, since the machine has other work to do.
+//! Steps are those of random walks that keep the assumptions, replayed through `lw_step`;
+//! operations go through `simulate`, as Plant Simulation calls it. Every time is the best of nine,
+//! since the machine has other work to do.
 
 #[expect(dead_code, reason = "a walk needs its random numbers only")]
 #[path = "../station/differential.rs"]
@@ -93,7 +95,8 @@ fn build(machine: &Machine, controllers: &[mealy::Controller], toolchain: &Toolc
     }
 }
 
-/// Plant wires of steps that keep all assumptions, one step after the other; an empty entry is a reset.
+/// Plant wires of steps that keep all assumptions, one step after the other; an empty entry is a
+/// reset.
 fn walk(controlled: &Controlled) -> Vec<Vec<i64>> {
     let machine = &controlled.machine;
     let mut interpreter =
@@ -238,7 +241,8 @@ fn shipped() {
     }
 }
 
-/// A file of the laboratory with a machine whose size is a parameter: its default, and what it is replaced by.
+/// A file of the laboratory with a machine whose size is a parameter: its default, and what it is
+/// replaced by.
 struct Series {
     machine: &'static str,
     file: &'static str,
@@ -343,7 +347,8 @@ fn sized(series: &Series, size: &str) -> Arc<Machine> {
     Arc::new(machine.unwrap_or_else(|| panic!("{:?}", loaded.findings)))
 }
 
-/// Explicit machines, and how many splits and leaves they take in bytes; `None` when they grow too large.
+/// Explicit machines, and how many splits and leaves they take in bytes; `None` when they grow too
+/// large.
 fn tables(machine: &Machine) -> Option<(Vec<mealy::Controller>, String)> {
     let limits = Limits {
         most_nodes: Some(1_000_000),

@@ -1,4 +1,5 @@
-//! What holds for every text, whoever wrote it. The fuzz targets and the ordinary tests share this file.
+//! What holds for every text, whoever wrote it. The fuzz targets and the ordinary tests share this
+//! file.
 
 #[path = "solve.rs"]
 mod solve;
@@ -19,7 +20,8 @@ use linewright::order::{self, Skills};
 use linewright::source::FileId;
 use std::sync::Arc;
 
-/// Specifications of longer texts are not written: that may take as long as it likes, the reader may not.
+/// Specifications of longer texts are not written: that may take as long as it likes, the reader
+/// may not.
 const SHORT: usize = 400;
 
 /// Sets of skills are examined that are no larger than this.
@@ -27,8 +29,8 @@ const MOST_SKILLS: usize = 6;
 const MOST_RULES: usize = 4;
 const MOST_STATES: usize = 30;
 
-/// Reads a text: every finding lies within it, there is a specification exactly if no finding is an error, and what is written
-/// from it can be read.
+/// Reads a text: every finding lies within it, there is a specification exactly if no finding is an
+/// error, and what is written from it can be read.
 pub fn reader(format: Format, text: &str) {
     let reading = read(format, "fuzz", FileId(0), text);
     assert_eq!(
@@ -73,8 +75,8 @@ pub fn language(text: &str) {
     }
 }
 
-/// Loads, checks and synthesizes small contracts: those of the text that the bytes are, or else one made from them. Gives what
-/// became of each.
+/// Loads, checks and synthesizes small contracts: those of the text that the bytes are, or else one
+/// made from them. Gives what became of each.
 pub fn contract_of(bytes: &[u8]) -> Vec<Solved> {
     let own = std::str::from_utf8(bytes).ok();
     if let Some(text) = own.filter(|text| text.contains("contract")) {

@@ -1,4 +1,5 @@
-//! Conditions and numbers of a generated contract. What stands within another expression is an atom or has parentheses.
+//! Conditions and numbers of a generated contract. What stands within another expression is an atom
+//! or has parentheses.
 
 use super::{Array, Generator, Kind, Leaf, Place};
 

@@ -1,8 +1,9 @@
-//! Small contracts out of any bytes. Each byte decides one thing, and where there are none left the simplest is taken, so that
-//! a change of a byte is a change of a contract, and every text ends.
+//! Small contracts out of any bytes. Each byte decides one thing, and where there are none left the
+//! simplest is taken, so that a change of a byte is a change of a contract, and every text ends.
 //!
-//! What is written follows the grammar always, and the rules behind it mostly: types fit, only inputs are assumed to begin
-//! somehow, and so on. What is left over for the resolver to refuse are the finer points of these.
+//! What is written follows the grammar always, and the rules behind it mostly: types fit, only
+//! inputs are assumed to begin somehow, and so on. What is left over for the resolver to refuse are
+//! the finer points of these.
 
 #[path = "expressions.rs"]
 mod expressions;

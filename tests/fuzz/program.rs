@@ -1,4 +1,5 @@
-//! What holds for every text that is read as a program of calls. The fuzz target and the ordinary tests share this file.
+//! What holds for every text that is read as a program of calls. The fuzz target and the ordinary
+//! tests share this file.
 
 use linewright::cli::order::program::{Program, read};
 use linewright::contract::load;
@@ -32,8 +33,9 @@ fn of(name: &str, text: &str) -> Program {
     read(&sources, file, skills())
 }
 
-/// Reads a text as a program and as a table: every finding and every call lies within it, and calls that were read are read again from either form.
-/// Gives how many calls there are; none of what has a finding.
+/// Reads a text as a program and as a table: every finding and every call lies within it, and calls
+/// that were read are read again from either form. Gives how many calls there are; none of what has
+/// a finding.
 pub fn program(text: &str) -> usize {
     let mut calls = 0;
     for name in ["fuzz.txt", "fuzz.csv"] {

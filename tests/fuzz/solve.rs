@@ -1,5 +1,6 @@
-//! One small specification through everything that `check` and `synth` do with it: both kernels, and the naive solver where
-//! it is small enough for that, have to agree, and what is made of the verdict has to be right.
+//! One small specification through everything that `check` and `synth` do with it: both kernels,
+//! and the naive solver where it is small enough for that, have to agree, and what is made of the
+//! verdict has to be right.
 
 #[path = "../solver/game.rs"]
 mod game;
@@ -27,7 +28,8 @@ pub enum Solved {
 /// Specifications of more bits are left alone.
 const MOST_BITS: u32 = 10;
 
-/// Valuations that the naive solver is asked about: it looks at every pair of them for every formula.
+/// Valuations that the naive solver is asked about: it looks at every pair of them for every
+/// formula.
 const MOST_VALUATIONS: u64 = 64;
 
 const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::OxiDd];

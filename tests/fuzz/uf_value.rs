@@ -1,5 +1,5 @@
-//! What holds for every text as a profile of `UF_Value`, or as the dump of a probe. The fuzz targets and the ordinary tests share this
-//! file.
+//! What holds for every text as a profile of `UF_Value`, or as the dump of a probe. The fuzz
+//! targets and the ordinary tests share this file.
 
 use linewright::diagnostics::{Diagnostic, has_errors};
 use linewright::source::FileId;

@@ -1,5 +1,5 @@
-//! Other tools' specifications: what the readers take and refuse, and the verdicts on what they take. What is written and read again is
-//! proved in `round_trips.rs`.
+//! Other tools' specifications: what the readers take and refuse, and the verdicts on what they
+//! take. What is written and read again is proved in `round_trips.rs`.
 
 mod meaning;
 
@@ -76,7 +76,8 @@ proptest! {
     }
 }
 
-/// The cases of `tests/cases/interchange`: what is expected stands in the comment behind the line that causes it.
+/// The cases of `tests/cases/interchange`: what is expected stands in the comment behind the line
+/// that causes it.
 fn cases() -> Vec<(Format, PathBuf, String)> {
     specifications(&support::root().join("tests/cases/interchange"))
         .into_iter()
@@ -151,7 +152,8 @@ fn messages_as_a_person_reads_them() {
     });
 }
 
-/// Files that take more than two seconds in a release build: only the tests that are left out by default decide them.
+/// Files that take more than two seconds in a release build: only the tests that are left out by
+/// default decide them.
 fn is_large(path: &Path) -> bool {
     let name = path.to_string_lossy();
     let large = [
@@ -166,8 +168,8 @@ fn is_large(path: &Path) -> bool {
     large.iter().any(|word| name.contains(word))
 }
 
-/// The verdict on a benchmark, as several tools have given it: by folder, or for the mixed folders as the files say of
-/// themselves.
+/// The verdict on a benchmark, as several tools have given it: by folder, or for the mixed folders
+/// as the files say of themselves.
 fn known_verdict(path: &Path) -> bool {
     let folder = path.parent().and_then(Path::file_name).expect("a folder");
     match folder.to_string_lossy().as_ref() {

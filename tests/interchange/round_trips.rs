@@ -1,7 +1,8 @@
-//! What is written in another tool's format, or as a contract, is read again and proved to be the same game.
+//! What is written in another tool's format, or as a contract, is read again and proved to be the
+//! same game.
 //!
-//! Where a format cannot say something, [`lower`] says it with helper variables first. The proof then is about what was lowered;
-//! that lowering keeps the verdict is a test of its own.
+//! Where a format cannot say something, [`lower`] says it with helper variables first. The proof
+//! then is about what was lowered; that lowering keeps the verdict is a test of its own.
 
 mod equivalence;
 mod words;
@@ -88,7 +89,8 @@ proptest! {
     }
 }
 
-/// The proof sees every formula that is missing or turned into its opposite, one that keeps bits within their domain included.
+/// The proof sees every formula that is missing or turned into its opposite, one that keeps bits
+/// within their domain included.
 #[test]
 fn a_change_is_found() {
     let path = support::root().join("examples/other-tools/arbiter.structuredslugs");
@@ -142,7 +144,8 @@ fn benchmarks() -> Option<Vec<(PathBuf, Specification)>> {
     Some(found)
 }
 
-/// A contract printed from a public file is the same game: so it has the same verdict, and the same strategies.
+/// A contract printed from a public file is the same game: so it has the same verdict, and the same
+/// strategies.
 #[test]
 fn public_files_are_the_same_as_contracts() {
     let Some(files) = benchmarks() else { return };

@@ -45,10 +45,11 @@ fn file(semantics: &str, target: &str, main: &str) -> String {
     )
 }
 
-/// The public files and what is known of them, from the files themselves: the `STATUS` line at the end of the decomposed ones; title
-/// and comment of `amba_case_study_unreal`, from which "removing this assumption makes the specification unrealizable" is the only
-/// difference to `amba_case_study`; the notes in the lift, which is "also realisable" without its assumptions. `generalized_buffer` is
-/// a conjunction of Streett conditions, which GR(1) cannot say.
+/// The public files and what is known of them, from the files themselves: the `STATUS` line at the
+/// end of the decomposed ones; title and comment of `amba_case_study_unreal`, from which "removing
+/// this assumption makes the specification unrealizable" is the only difference to
+/// `amba_case_study`; the notes in the lift, which is "also realisable" without its assumptions.
+/// `generalized_buffer` is a conjunction of Streett conditions, which GR(1) cannot say.
 const KNOWN: [(&str, Option<bool>); 6] = [
     ("amba_case_study", Some(true)),
     ("amba_case_study_unreal", Some(false)),

@@ -1,6 +1,7 @@
-//! Files with mistakes in them. What is expected stands beside the code that causes it: `//~ LW103` says that a finding with this
-//! code begins on this line (several codes for several findings, `//~^ LW103` for the line above). A test wants exactly these,
-//! and that every finding names a next step; a snapshot a file shows the messages as a person reads them.
+//! Files with mistakes in them. What is expected stands beside the code that causes it: `//~ LW103`
+//! says that a finding with this code begins on this line (several codes for several findings,
+//! `//~^ LW103` for the line above). A test wants exactly these, and that every finding names a
+//! next step; a snapshot a file shows the messages as a person reads them.
 //!
 //! Folders named `shared` hold what the cases import.
 

@@ -1,5 +1,5 @@
-//! What the fuzzers have found worth keeping, replayed with what they want of any text; see tests/fuzz. Every case file and
-//! some random bytes come along.
+//! What the fuzzers have found worth keeping, replayed with what they want of any text; see
+//! tests/fuzz. Every case file and some random bytes come along.
 
 use crate::check::Solved;
 use crate::{check, program, support, uf_value};
@@ -62,7 +62,8 @@ fn other_tools_formats() {
     }
 }
 
-/// Profiles of `UF_Value` and dumps of the probe: the corpus, the example, and every other text of the repository, which is neither.
+/// Profiles of `UF_Value` and dumps of the probe: the corpus, the example, and every other text of
+/// the repository, which is neither.
 #[test]
 fn layouts() {
     let example = support::root().join("examples/plant-simulation/mock.dump.txt");

@@ -1,12 +1,14 @@
-//! The explanation pages: every code has one, with an example in which `check` finds that very code and nothing else, and says what
-//! to do next; with a section that says how to repair it; and in what is repaired, `check` finds nothing at all.
+//! The explanation pages: every code has one, with an example in which `check` finds that very code
+//! and nothing else, and says what to do next; with a section that says how to repair it; and in
+//! what is repaired, `check` finds nothing at all.
 
 use crate::support;
 use linewright::diagnostics::{codes, explanations};
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// Codes that no contract shows: they need a plant that runs, a compiler, a damaged file, or a limit. Their pages show a console.
+/// Codes that no contract shows: they need a plant that runs, a compiler, a damaged file, or a
+/// limit. Their pages show a console.
 const NOT_IN_A_CONTRACT: &[&str] = &[
     "LW001", "LW007", "LW204", "LW311", "LW312", "LW317", "LW403", "LW404", "LW405", "LW406",
     "LW407", "LW409", "LW501", "LW502", "LW503", "LW504", "LW505", "LW506", "LW507", "LW530",

@@ -1,5 +1,5 @@
-//! The formatter: what it prints is read as the tree that it was given, every comment stays, formatting twice changes nothing, and
-//! every file of the repository is formatted.
+//! The formatter: what it prints is read as the tree that it was given, every comment stays,
+//! formatting twice changes nothing, and every file of the repository is formatted.
 
 mod repository;
 mod trees;
@@ -43,7 +43,8 @@ const BETWEEN: &[&str] = &[
     "\r\n// cN \r\n\r\n",
 ];
 
-/// The text with some of them put where they change nothing of what it says: one that does is left out.
+/// The text with some of them put where they change nothing of what it says: one that does is left
+/// out.
 fn with_comments(text: &str, places: &[(usize, usize)]) -> String {
     let (tree, _) = read(text);
     let mut text = text.to_owned();

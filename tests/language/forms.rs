@@ -1,6 +1,8 @@
-//! What LW201 tells to write is accepted when it is put in place: `tests/cases/resolve/outside_gr1_shapes.lw`, formula by formula.
+//! What LW201 tells to write is accepted when it is put in place:
+//! `tests/cases/resolve/outside_gr1_shapes.lw`, formula by formula.
 //!
-//! That the forms mean what they say is a test beside them, `crates/language/src/contract/formula/forms/tests.rs`.
+//! That the forms mean what they say is a test beside them,
+//! `crates/language/src/contract/formula/forms/tests.rs`.
 
 use linewright::contract::load;
 use linewright::diagnostics::{Diagnostic, codes};

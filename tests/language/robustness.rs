@@ -1,5 +1,6 @@
-//! Whatever text comes in: the parser and the resolver end soon, without a panic, on the stack of an ordinary thread, and what they say
-//! can be shown. Every file of the repository is damaged in many ways; then come texts that are known to hurt parsers.
+//! Whatever text comes in: the parser and the resolver end soon, without a panic, on the stack of
+//! an ordinary thread, and what they say can be shown. Every file of the repository is damaged in
+//! many ways; then come texts that are known to hurt parsers.
 
 use linewright::contract::{Library, load};
 use linewright::diagnostics::{Diagnostic, has_errors, json, render, sarif};

@@ -1,5 +1,6 @@
-//! SARIF documents against the schema of the standard (OASIS, 2.1.0), by a validator that is not ours: Python's `jsonschema`
-//! (`sarif`). `check` of every case file gives one, `check` of the library, and `explain`.
+//! SARIF documents against the schema of the standard (OASIS, 2.1.0), by a validator that is not
+//! ours: Python's `jsonschema` (`sarif`). `check` of every case file gives one, `check` of the
+//! library, and `explain`.
 
 use crate::support;
 use serde_json::Value;
@@ -71,7 +72,8 @@ static DOCUMENTS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
         let text = sarif(&folder, &["check", name, "--timeout", "2"]);
         documents.push((name.replace('/', "__"), text));
     }
-    // A clean library; a file without a place for its finding, in a folder whose name is no URI as it stands.
+    // A clean library; a file without a place for its finding, in a folder whose name is no URI as
+    // it stands.
     documents.push((
         "library".to_owned(),
         sarif(support::root(), &["check", "contracts"]),

@@ -1,6 +1,7 @@
-//! What formulas mean. Random formulas are written out as text with as few brackets and in as many notations as the grammar allows;
-//! the parser has to find the tree they were written from, and what the resolver makes of them has to have, at every valuation, the
-//! value that a direct evaluation of the syntax tree gives. That evaluation knows nothing of the resolver.
+//! What formulas mean. Random formulas are written out as text with as few brackets and in as many
+//! notations as the grammar allows; the parser has to find the tree they were written from, and
+//! what the resolver makes of them has to have, at every valuation, the value that a direct
+//! evaluation of the syntax tree gives. That evaluation knows nothing of the resolver.
 #![expect(
     clippy::match_same_arms,
     reason = "an arm is an option with its weight"
@@ -33,9 +34,10 @@ contract Test {
     define total = h[0] + m
 ";
 
-// ---- trees, and their text ---------------------------------------------------------------------------------------------
+// ---- trees, and their text ----------------------------------------------------------------------
 
-/// A formula as it is generated. Operators are named as in the canonical form that trees are compared in.
+/// A formula as it is generated. Operators are named as in the canonical form that trees are
+/// compared in.
 #[derive(Debug, Clone)]
 enum Tree {
     /// A name or literal.
@@ -126,7 +128,8 @@ fn leaf(text: impl Into<String>) -> Tree {
     Tree::Leaf(text.into())
 }
 
-/// A truth value. `next`: whether it may hold `next`; `bound`: whether the number `i` in 0..2 is in sight.
+/// A truth value. `next`: whether it may hold `next`; `bound`: whether the number `i` in 0..2 is in
+/// sight.
 fn condition(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
     if depth == 0 {
         return match c.pick(6) {
@@ -278,7 +281,8 @@ fn number(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
     }
 }
 
-/// Writes a tree where the grammar wants something of at least `min`; `last`: whether nothing follows but a closing bracket or word.
+/// Writes a tree where the grammar wants something of at least `min`; `last`: whether nothing
+/// follows but a closing bracket or word.
 fn write_tree(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
     let own = match tree {
         Tree::Leaf(_) | Tree::Index(..) | Tree::Call(..) => ATOM,
@@ -385,9 +389,10 @@ fn write_tree(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut Strin
     }
 }
 
-// ---- one form for both kinds of trees ------------------------------------------------------------------------------------
+// ---- one form for both kinds of trees -----------------------------------------------------------
 
-/// An operator and its operands. Where grouping does not matter, operands of the same operator are drawn in.
+/// An operator and its operands. Where grouping does not matter, operands of the same operator are
+/// drawn in.
 fn join(op: &str, operands: Vec<String>) -> String {
     let open = format!("({op} ");
     let free = ["and", "or", "xor", "<->", "+", "*"].contains(&op);
@@ -478,7 +483,7 @@ fn form_of(e: &Expr) -> String {
     join(op, operands)
 }
 
-// ---- the meaning, directly ---------------------------------------------------------------------------------------------
+// ---- the meaning, directly ----------------------------------------------------------------------
 
 #[derive(Debug, Clone, PartialEq)]
 enum Value {
@@ -716,7 +721,7 @@ proptest! {
     }
 }
 
-// ---- notations and precedence ------------------------------------------------------------------------------------------
+// ---- notations and precedence -------------------------------------------------------------------
 
 /// The tree of a formula in canonical form.
 fn tree_of(formula: &str) -> String {
@@ -778,7 +783,8 @@ fn all_notations_agree() {
     }
 }
 
-/// The rows of the table in tests/cases/README.md, section "Precedence": a formula, and the same with all its brackets.
+/// The rows of the table in tests/cases/README.md, section "Precedence": a formula, and the same
+/// with all its brackets.
 fn table() -> Vec<(String, String)> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/README.md");
     let text = std::fs::read_to_string(path).expect("the page");

@@ -1,5 +1,5 @@
-//! Records, arrays of whatever, units and definitions with parameters: a contract that uses them says the same as one that is
-//! written out by hand.
+//! Records, arrays of whatever, units and definitions with parameters: a contract that uses them
+//! says the same as one that is written out by hand.
 
 use linewright::contract::load;
 use linewright::diagnostics::Severity;
@@ -33,8 +33,8 @@ fn valuation(specification: &Specification, seed: u64) -> Vec<i64> {
         .collect()
 }
 
-/// Both contracts hold in the same steps. `differ` counts how often each of the formulas is true and false, so that nothing is
-/// compared that is always true.
+/// Both contracts hold in the same steps. `differ` counts how often each of the formulas is true
+/// and false, so that nothing is compared that is always true.
 fn same(short: &str, long: &str) {
     let (a, b) = (read(short), read(long));
     let domains = |s: &Specification| -> Vec<(i64, i64)> {

@@ -1,4 +1,5 @@
-//! Skills and their orders, from text to what automata are made of. Mistakes are in `cases/`, the layout in `format/`.
+//! Skills and their orders, from text to what automata are made of. Mistakes are in `cases/`, the
+//! layout in `format/`.
 
 use crate::support;
 use linewright::automata::regex::Regex;
@@ -464,7 +465,8 @@ fn many_orders_are_not_deep() {
     assert_eq!(library.skills[0].rules.len(), 601);
 }
 
-/// What is wrong with a set is wrong with the machines that call its skills, and with nothing else of the file.
+/// What is wrong with a set is wrong with the machines that call its skills, and with nothing else
+/// of the file.
 #[test]
 fn check_lists_a_set_and_blames_nobody_else() {
     let folder = tempfile::tempdir().expect("a folder");

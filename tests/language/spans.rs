@@ -21,7 +21,8 @@ fn formula(file: &mut File) -> &mut Expr {
     expr
 }
 
-/// Every part of a formula stands where its span says, with all its brackets: read alone, that text is the same part.
+/// Every part of a formula stands where its span says, with all its brackets: read alone, that text
+/// is the same part.
 #[test]
 fn spans_hold_brackets_that_match() {
     for (written, whole) in [

@@ -1,9 +1,11 @@
-//! Table I of the paper, as printed and in each of its readings, and sketches of the authors' public demo: `tests/cases/table1`.
+//! Table I of the paper, as printed and in each of its readings, and sketches of the authors'
+//! public demo: `tests/cases/table1`.
 //!
-//! The first line of a file says what it is an example of: `// expect: NAME VERDICT`, the verdict on its contract of that
-//! name, or `// expect: LWxxx`, the finding for which it is refused. `// finds: LWxxx LWxxx` lists the codes of all findings, of any
-//! severity, in ascending order, and `// says: TEXT` is a note of one of them. The contract's controller is extracted and verified
-//! where there is one.
+//! The first line of a file says what it is an example of: `// expect: NAME VERDICT`, the verdict
+//! on its contract of that name, or `// expect: LWxxx`, the finding for which it is refused.
+//! `// finds: LWxxx LWxxx` lists the codes of all findings, of any severity, in ascending order,
+//! and `// says: TEXT` is a note of one of them. The contract's controller is extracted and
+//! verified where there is one.
 
 use crate::support;
 use linewright::game::{Limits, Outcome, solve};
@@ -114,7 +116,8 @@ fn every_reading_has_its_verdict() {
         }
         verdicts.push(format!("{name}: {expected:?}"));
     }
-    // None may get lost: each contract of the table, in the readings that can be told apart, and the sketches.
+    // None may get lost: each contract of the table, in the readings that can be told apart, and
+    // the sketches.
     assert_eq!(verdicts.len(), 8, "{verdicts:#?}");
 }
 

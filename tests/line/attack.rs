@@ -1,6 +1,6 @@
-//! Random machines and lines against what is proved of them: none that is proved has a run in which a part is refused, stuck, lost or
-//! missing, unless a premise of the proof names it; and enough of those that are not proved really fail. `tests/README.md` says how this
-//! is run for long.
+//! Random machines and lines against what is proved of them: none that is proved has a run in which
+//! a part is refused, stuck, lost or missing, unless a premise of the proof names it; and enough of
+//! those that are not proved really fail. `tests/README.md` says how this is run for long.
 
 mod found;
 mod judge;
@@ -158,7 +158,8 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
     }
 }
 
-/// `run`, with compiled libraries, finds the errors that `check` finds, refuses nothing else, and comes to what the interpreter comes to.
+/// `run`, with compiled libraries, finds the errors that `check` finds, refuses nothing else, and
+/// comes to what the interpreter comes to.
 fn agrees(
     world: &World,
     name: &str,
@@ -263,7 +264,8 @@ fn reduced_disagreement(text: &str, folder: &Path) -> String {
     })
 }
 
-/// What is left of a file whose machines are all sound: first by declarations, then by lines, as long as `fails` says so.
+/// What is left of a file whose machines are all sound: first by declarations, then by lines, as
+/// long as `fails` says so.
 fn smaller(text: &str, folder: &Path, fails: impl Fn(&Report, &str, &Path) -> bool) -> String {
     let cache = folder.join("cache");
     let file = folder.join("reduced.lw");

@@ -1,4 +1,5 @@
-//! What the proof of a line says of its calls, clause by clause of the theorem in `docs/proof.md`: small lines, each with what has to be said of it.
+//! What the proof of a line says of its calls, clause by clause of the theorem in `docs/proof.md`:
+//! small lines, each with what has to be said of it.
 
 use crate::support::linewright;
 use linewright::contract::load;
@@ -174,7 +175,8 @@ fn chance_sees_to_a_branch_or_the_proof_says_that_it_rests_on_it() {
     proved(&rework("", 0), &[]);
     let always = "defect on P probability 100 %: again becomes 1";
     open(&rework(always, 0), &[], &["LW409"]);
-    // Two types of one kind of branch: what one of them does is fixed by how it is made, and nothing says that both go on.
+    // Two types of one kind of branch: what one of them does is fixed by how it is made, and
+    // nothing says that both go on.
     let fixed = "line L {
     part P { property x: 0..9 = 0 }
     source s: P every 10 s
@@ -691,7 +693,8 @@ fn a_store_that_is_always_empty_is_told() {
     assert_eq!(premises(&row), ["stock_of_R_at_b"], "{row:#}");
 }
 
-/// What could not all be looked at is not taken for all that there is: many defects of one part, and joins of many values.
+/// What could not all be looked at is not taken for all that there is: many defects of one part,
+/// and joins of many values.
 #[test]
 fn what_was_not_looked_at_is_not_taken_for_nothing() {
     let defects = "        defect on P probability 50 %: one of h becomes 3 - it\n".repeat(6);
@@ -713,7 +716,8 @@ fn what_was_not_looked_at_is_not_taken_for_nothing() {
     ));
     assert_eq!(row["proof"], "safe", "{row:#}");
 
-    // Four types with thirty values each; the value of the first decides, and 29 of them are refused.
+    // Four types with thirty values each; the value of the first decides, and 29 of them are
+    // refused.
     let mut line = String::from("line L {\n");
     for part in ["P", "Q", "R", "S"] {
         let _ = writeln!(line, "    part {part} {{ property a: 0..29 = 0 }}");
@@ -746,7 +750,8 @@ fn what_was_not_looked_at_is_not_taken_for_nothing() {
     assert_ne!(row["proof"], "proved", "{row:#}");
 }
 
-/// A part that chance has brought into a loop without a way out stays there, though each new part had a chance to leave.
+/// A part that chance has brought into a loop without a way out stays there, though each new part
+/// had a chance to leave.
 #[test]
 fn a_loop_without_a_way_out_is_no_matter_of_chance() {
     let line = |defect: &str| {
@@ -838,7 +843,8 @@ fn a_line_divides_as_real_numbers_are_divided() {
     }
 }
 
-/// A machine that is wrong in itself is judged where it is used; a file that cannot be understood is not used at all.
+/// A machine that is wrong in itself is judged where it is used; a file that cannot be understood
+/// is not used at all.
 #[test]
 fn what_stands_beside_a_line_has_to_be_understood() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -905,7 +911,8 @@ fn judged(line: &str) -> [(i32, String); 3] {
     })
 }
 
-/// What is wrong with the calls of a line is an error of all commands, although libraries are built and parts are made.
+/// What is wrong with the calls of a line is an error of all commands, although libraries are built
+/// and parts are made.
 #[test]
 fn all_commands_refuse_what_following_the_parts_shows() {
     for code in ["LW414", "LW415", "LW416"] {
@@ -961,7 +968,8 @@ line L {
 }
 ";
 
-/// A machine cannot begin alone, and can in the machine that it stands in, where its signal is another wire.
+/// A machine cannot begin alone, and can in the machine that it stands in, where its signal is
+/// another wire.
 const INNER: &str = "import std.coordination.single
 contract Act {
     input asked, ready: bool
@@ -1025,8 +1033,8 @@ fn all_commands_judge_skills_and_inner_machines_alike() {
     }
 }
 
-/// The resolver does not know the values of parts, so it doubts a last route with a condition. Where following the parts shows that it
-/// always holds, none of the commands says so.
+/// The resolver does not know the values of parts, so it doubts a last route with a condition.
+/// Where following the parts shows that it always holds, none of the commands says so.
 #[test]
 fn all_commands_agree_on_routes_with_conditions() {
     let line = |condition: &str| {

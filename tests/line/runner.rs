@@ -1,4 +1,5 @@
-//! The runner, on lines built by hand and controllers that answer what the test wants: no solver, no C.
+//! The runner, on lines built by hand and controllers that answer what the test wants: no solver,
+//! no C.
 #![expect(clippy::float_cmp, reason = "the times of these lines are exact")]
 
 mod belts;

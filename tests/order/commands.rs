@@ -1,4 +1,5 @@
-//! Skill orders on the command line: documents, exit codes, the forms of programs, what is emitted. The READMEs show the rest.
+//! Skill orders on the command line: documents, exit codes, the forms of programs, what is emitted.
+//! The READMEs show the rest.
 
 use crate::support;
 use crate::support::linewright;
@@ -54,7 +55,8 @@ fn a_violation_has_its_step_its_rule_and_the_way_out() {
     assert_eq!(program["findings"][0]["span"]["line"], 5);
 }
 
-/// Whatever a command finds, its document says first what it is, of which skills, and at which level.
+/// Whatever a command finds, its document says first what it is, of which skills, and at which
+/// level.
 #[test]
 fn documents_begin_alike() {
     let program = "examples/pick-and-place/intended.txt";
@@ -593,7 +595,8 @@ fn the_strongest_level_still_takes_the_intended_program() {
     }
 }
 
-/// The rules hold at the level that they were found for: with them in the file, nothing more can be left out there, and the level is the same.
+/// The rules hold at the level that they were found for: with them in the file, nothing more can be
+/// left out there, and the level is the same.
 #[test]
 fn a_strongest_level_is_its_own_strongest_level() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -788,7 +791,8 @@ fn rules_without_a_table_are_watched_all_the_same() {
         &["order", "monitor", "many.lw", "--emit", "c"],
     );
     assert_eq!(emitted.status.code(), Some(3), "{}", error(&emitted));
-    // All components stand at `a`: what the rules forbid is allowed once the one before has been called to `b`.
+    // All components stand at `a`: what the rules forbid is allowed once the one before has been
+    // called to `b`.
     let watched = watched(
         &folder.path().join("many.lw"),
         "A5\nB4\nA5\nA5 & B9\nA5 & B5\n",

@@ -1,7 +1,8 @@
 //! Skill orders against brute force.
 //!
-//! What rules mean is written down a second time, by quantifiers over the positions of a word and without automata (`naive`, `expression`);
-//! it shares no code with `crates/language/src/order` but the shape of its data. Everything that the automata say is compared with that.
+//! What rules mean is written down a second time, by quantifiers over the positions of a word and
+//! without automata (`naive`, `expression`); it shares no code with `crates/language/src/order` but
+//! the shape of its data. Everything that the automata say is compared with that.
 //!
 //! | file | what it shows |
 //! |---|---|

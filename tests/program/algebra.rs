@@ -1,4 +1,5 @@
-//! The algebra on the command line: operands, ports, verdicts and exit codes, the documents, one controller of all, two states of a library.
+//! The algebra on the command line: operands, ports, verdicts and exit codes, the documents, one
+//! controller of all, two states of a library.
 
 use crate::support;
 use crate::support::linewright;
@@ -213,8 +214,9 @@ fn a_contract_refines_itself_and_expressions_are_operands() {
     assert_eq!(document["counterexample"]["kind"], "lasso");
 }
 
-/// Without an environment that keeps the old assumptions every contract refines the old one: that is said, not only that it does. For `check`,
-/// which asks for safety step by step, no machine keeps the old one.
+/// Without an environment that keeps the old assumptions every contract refines the old one: that
+/// is said, not only that it does. For `check`, which asks for safety step by step, no machine
+/// keeps the old one.
 #[test]
 fn that_nothing_was_promised_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -314,7 +316,8 @@ moore contract Robot {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
-/// The outside sees `y` before it answers, and copies it. That `x` is promised again and again binds no single step.
+/// The outside sees `y` before it answers, and copies it. That `x` is promised again and again
+/// binds no single step.
 #[test]
 fn a_promise_about_inputs_does_not_blind_the_environment() {
     let output = compat_of(

@@ -1,7 +1,8 @@
-//! The built program, end to end: the exit code and the whole message of every bad input, and what is left on disk.
+//! The built program, end to end: the exit code and the whole message of every bad input, and what
+//! is left on disk.
 //!
-//! What is fed to it stands in `tests/cases/cli` and `tests/cases/line`; what it prints, in snapshots. Every message says what
-//! is wrong and what to do next.
+//! What is fed to it stands in `tests/cases/cli` and `tests/cases/line`; what it prints, in
+//! snapshots. Every message says what is wrong and what to do next.
 
 mod cache;
 mod disk;

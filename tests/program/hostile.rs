@@ -1,5 +1,6 @@
-//! The program from outside, on damaged files: no panic, no hang, limits kept, an exit code that means something, and no file that is
-//! damaged further. `tests/README.md` says how it is run for long.
+//! The program from outside, on damaged files: no panic, no hang, limits kept, an exit code that
+//! means something, and no file that is damaged further. `tests/README.md` says how it is run for
+//! long.
 
 mod attempt;
 mod corpus;

@@ -1,5 +1,6 @@
-//! What uses what, as ARCHITECTURE.md states it. Cargo keeps circles out; here stand the dependencies that each crate may have, and within
-//! a crate of several modules the order in which these may import each other. Sources are read as text; comments and strings do not count.
+//! What uses what, as ARCHITECTURE.md states it. Cargo keeps circles out; here stand the
+//! dependencies that each crate may have, and within a crate of several modules the order in which
+//! these may import each other. Sources are read as text; comments and strings do not count.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -65,7 +66,8 @@ const ORDER: [(&str, &[&str]); 4] = [
     ("solver", &["symbolic", "game", "mealy"]),
 ];
 
-/// Files below the first may not name the second, though its crate is there for others; the third are exceptions.
+/// Files below the first may not name the second, though its crate is there for others; the third
+/// are exceptions.
 const FORBIDDEN: [(&str, &str, &[&str]); 3] = [
     // What prints our language has to know its words.
     (
@@ -138,7 +140,8 @@ fn used_modules(path: &Path, code: &str) -> Vec<String> {
             used.extend(names(&code[at + "crate::".len()..]));
         }
     }
-    // `super` in an inner module counts from there; only what stands at the left margin is surely the file's own.
+    // `super` in an inner module counts from there; only what stands at the left margin is surely
+    // the file's own.
     let depth = path.iter().count() - usize::from(path.ends_with("mod.rs"));
     for line_start in std::iter::once(0).chain(code.match_indices('\n').map(|(i, _)| i + 1)) {
         let line = &code[line_start..];
@@ -230,16 +233,21 @@ fn raw_string(text: &str) -> Option<usize> {
     text[open..].find(&end).map(|at| open + at + end.len())
 }
 
-fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).expect("src can be read") {
-        let path = entry.expect("src can be read").path();
+/// The files with one of these extensions in a folder and the folders in it, in order.
+pub(super) fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let entries = std::fs::read_dir(folder).expect("the folder can be read");
+    for entry in entries {
+        let path = entry.expect("the folder can be read").path();
+        let extension = path.extension().and_then(|e| e.to_str());
         if path.is_dir() {
-            sources(&path, files);
-        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.extend(files_below(&path, extensions));
+        } else if extension.is_some_and(|e| extensions.contains(&e)) {
             files.push(path);
         }
     }
     files.sort();
+    files
 }
 
 /// The dependencies of a manifest, those of tests left out.
@@ -288,10 +296,10 @@ fn crates_use_what_they_may() {
 
 /// The sources of the program and of its crates, as paths relative to the root.
 fn all_sources() -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    sources(&root().join("src"), &mut files);
+    let mut files = files_below(&root().join("src"), &["rs"]);
     for (name, _) in CRATES {
-        sources(&root().join("crates").join(name).join("src"), &mut files);
+        let folder = root().join("crates").join(name).join("src");
+        files.extend(files_below(&folder, &["rs"]));
     }
     let relative = |f: PathBuf| f.strip_prefix(root()).expect("it lies within").to_owned();
     files.into_iter().map(relative).collect()
@@ -311,7 +319,8 @@ fn modules_use_only_those_before_them() {
     assert!(report.is_empty(), "{report}");
 }
 
-/// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table says.
+/// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table
+/// says.
 const CLOCKS: [(&str, &str); 13] = [
     ("crates/core/src/deadline.rs", "`--timeout`"),
     ("src/cli/options.rs", "when a command began"),
@@ -354,8 +363,8 @@ fn identifiers(code: &str) -> impl Iterator<Item = &str> {
     code.split(|c: char| !c.is_alphanumeric() && c != '_')
 }
 
-/// Proofs count their work, so that a verdict does not depend on how busy the computer is. A clock is only read where it is about
-/// `--timeout`, about files or about what took how long.
+/// Proofs count their work, so that a verdict does not depend on how busy the computer is. A clock
+/// is only read where it is about `--timeout`, about files or about what took how long.
 #[test]
 fn no_clock_and_no_race_decides() {
     let mut report = String::new();

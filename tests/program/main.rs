@@ -7,6 +7,7 @@ mod imports;
 mod project;
 mod readme;
 mod step;
+mod style;
 #[path = "../support/mod.rs"]
 mod support;
 mod watch;

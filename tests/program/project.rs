@@ -1,4 +1,5 @@
-//! The library as another program uses it: `engine::project`, from files to verdicts, station libraries and runs.
+//! The library as another program uses it: `engine::project`, from files to verdicts, station
+//! libraries and runs.
 
 use linewright::engine::pipeline::Verdict;
 use linewright::engine::project::{Project, ProjectError};

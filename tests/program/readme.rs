@@ -1,11 +1,13 @@
-//! What the READMEs say is what the program does: every `console` block of every README.md is run, and every example in the
-//! help.
+//! What the READMEs say is what the program does: every `console` block of every README.md is run,
+//! and every example in the help.
 //!
-//! A file's blocks run one after the other in one folder with copies of `contracts` and `examples`. In a block, `$ ` begins a
-//! command (for `sh`; `> ` continues it), `? 2` the exit code where it is not 0, and the rest is what it prints, both streams
-//! together. In the output `[..]` stands for any text within a line, and a line `...` for any lines. `cargo run --release --`
-//! is the built program; `cargo test` and what installs something is not run. A block fenced with a file's name (```` ```lw cell.lw ````)
-//! is written to that file first. trycmd does none of: shells, cargo, files, so this is a small runner of our own.
+//! A file's blocks run one after the other in one folder with copies of `contracts` and `examples`.
+//! In a block, `$ ` begins a command (for `sh`; `> ` continues it), `? 2` the exit code where it is
+//! not 0, and the rest is what it prints, both streams together. In the output `[..]` stands for
+//! any text within a line, and a line `...` for any lines. `cargo run --release --` is the built
+//! program; `cargo test` and what installs something is not run. A block fenced with a file's name
+//! (```` ```lw cell.lw ````) is written to that file first. trycmd does none of: shells, cargo,
+//! files, so this is a small runner of our own.
 
 use crate::support;
 use clap::CommandFactory as _;

@@ -1,5 +1,6 @@
-//! Plays: every script in `tests/cases/step` with its transcript, what may be moved against direct evaluation, and scripts that a
-//! play has written itself. The first line of a script says what is played.
+//! Plays: every script in `tests/cases/step` with its transcript, what may be moved against direct
+//! evaluation, and scripts that a play has written itself. The first line of a script says what is
+//! played.
 
 use crate::support;
 use crate::support::assumed::Assumed;
@@ -195,8 +196,8 @@ impl Chance {
     }
 }
 
-/// The contracts of the library, as plants play them: a move is refused exactly when direct evaluation says that it breaks an
-/// assumption.
+/// The contracts of the library, as plants play them: a move is refused exactly when direct
+/// evaluation says that it breaks an assumption.
 #[test]
 fn moves_are_refused_when_they_break_an_assumption_and_only_then() {
     let mut report = String::new();

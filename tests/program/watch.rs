@@ -1,4 +1,5 @@
-//! `check --watch` as a process: what it prints when files change, come, go, are imported, or are half written, and how it ends.
+//! `check --watch` as a process: what it prints when files change, come, go, are imported, or are
+//! half written, and how it ends.
 //!
 //! The deadlines are there to end a test that fails; no time is measured.
 #![cfg(unix)]

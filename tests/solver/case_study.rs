@@ -78,7 +78,8 @@ fn every_format_is_written_and_always_the_same() {
     }
 }
 
-/// What gr1c's format says, step by step: from each node, every successor is what the machine does on its inputs.
+/// What gr1c's format says, step by step: from each node, every successor is what the machine does
+/// on its inputs.
 #[test]
 fn the_gr1c_automaton_is_the_machine() {
     let specification = fixtures::pick(2);

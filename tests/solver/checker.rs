@@ -1,5 +1,5 @@
-//! A checker of proofs, by what stands in `docs/proof.md` and nothing else: valuations are counted through, formulas are
-//! evaluated directly, diagrams are walked from their roots.
+//! A checker of proofs, by what stands in `docs/proof.md` and nothing else: valuations are counted
+//! through, formulas are evaluated directly, diagrams are walked from their roots.
 
 use super::game;
 use super::random::Random;
@@ -89,8 +89,8 @@ impl Proof {
         Ok(proof)
     }
 
-    /// Whether a function holds of a state. An edge is 0 (false), 1 (true), or twice a node's number, which counts from 1; one
-    /// more for its negation.
+    /// Whether a function holds of a state. An edge is 0 (false), 1 (true), or twice a node's
+    /// number, which counts from 1; one more for its negation.
     pub fn holds(&self, mut edge: usize, state: &[i64]) -> bool {
         let mut negated = false;
         loop {
@@ -250,7 +250,8 @@ pub fn accepts(
                                     && proof.holds(*wait, &next))
                     };
                     let possible = |x: &&Vec<i64>| {
-                        // Assumptions on transitions speak of next inputs; the next outputs do not matter to them.
+                        // Assumptions on transitions speak of next inputs; the next outputs do not
+                        // matter to them.
                         all(&assume.invariants, x, &[]) && all(&assume.safety, state, x)
                     };
                     let all_moves: Vec<&Vec<i64>> = inputs.iter().filter(possible).collect();

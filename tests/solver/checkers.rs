@@ -1,6 +1,7 @@
-//! Who checks the checkers: the verifier of machines, the verifier of counterstrategies and the certifier of functions are given
-//! artefacts that are wrong in each way their definitions forbid, and have to name the clause; and they are made wrong
-//! themselves, place by place, which has to be noticed.
+//! Who checks the checkers: the verifier of machines, the verifier of counterstrategies and the
+//! certifier of functions are given artefacts that are wrong in each way their definitions forbid,
+//! and have to name the clause; and they are made wrong themselves, place by place, which has to be
+//! noticed.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -41,7 +42,8 @@ struct Case {
     specification: Specification,
     artefact: Artefact,
     limits: Limits,
-    /// The clauses that it breaks, as they are printed; nothing where it is right. A checker names one of them.
+    /// The clauses that it breaks, as they are printed; nothing where it is right. A checker names
+    /// one of them.
     broken: BTreeSet<String>,
     /// Whether it is one clause, and none of a later stage is broken besides.
     alone: bool,
@@ -249,7 +251,8 @@ const SPECIFICATIONS: u64 = 240;
 /// As many changes to each artefact.
 const CHANGES: usize = 60;
 
-/// As many artefacts of a kind are looked at with limits, and as many of those with an output that nothing mentions.
+/// As many artefacts of a kind are looked at with limits, and as many of those with an output that
+/// nothing mentions.
 const LIMITED: usize = 40;
 
 /// Whether a clause is told once all was looked at, as is that nothing is wrong.
@@ -261,7 +264,8 @@ fn has_spare(specification: &Specification) -> bool {
     specification.variables.iter().any(|v| v.name == "spare")
 }
 
-/// Artefacts with as little work as they need and with less, and right ones with numbers that are too large.
+/// Artefacts with as little work as they need and with less, and right ones with numbers that are
+/// too large.
 fn limited(cases: &[Case]) -> Vec<Case> {
     let mut found = Vec::new();
     let mut counts: BTreeMap<(&str, bool), usize> = BTreeMap::new();
@@ -304,8 +308,8 @@ fn limited(cases: &[Case]) -> Vec<Case> {
     found
 }
 
-/// As many products of a kind are looked at, as many proofs of which states are tried without their steps, as many of games
-/// that end, and as many counterstrategies whose machine has goals alone.
+/// As many products of a kind are looked at, as many proofs of which states are tried without their
+/// steps, as many of games that end, and as many counterstrategies whose machine has goals alone.
 const FURTHER: usize = 60;
 
 /// How many states a machine has.
@@ -712,7 +716,8 @@ fn no_mutant_of_a_checker_survives() {
     );
 }
 
-/// As many of a hundred mutants are noticed; of the others it is shown that nothing can notice them.
+/// As many of a hundred mutants are noticed; of the others it is shown that nothing can notice
+/// them.
 const LEAST_KILLED: usize = 98;
 
 /// Mutants that are said to be equivalent are tried on one case in so many.
@@ -731,7 +736,8 @@ fn row(mutant: u32) -> Option<&'static equivalent::Equivalent> {
     rows.find(|e| e.number == number)
 }
 
-/// Rows of the table of equivalent mutants that are none, and survivors that are not in it; as text.
+/// Rows of the table of equivalent mutants that are none, and survivors that are not in it; as
+/// text.
 fn compare(survivors: &[(u32, usize)]) -> (Vec<String>, Vec<String>) {
     let line = |e: &equivalent::Equivalent| {
         let (file, function, right, wrong) = (e.file, e.function, e.right, e.wrong);
@@ -760,7 +766,8 @@ fn compare(survivors: &[(u32, usize)]) -> (Vec<String>, Vec<String>) {
 /// Cases that ask more switches are left to the test of the clauses.
 const MOST_WORK: u64 = 20_000;
 
-/// Runs the cases that come by a mutant's place until one of them notices it, those first that noticed others.
+/// Runs the cases that come by a mutant's place until one of them notices it, those first that
+/// noticed others.
 fn trial(
     mutant: u32,
     cases: &[Case],
@@ -823,5 +830,6 @@ enum Told {
     Nothing,
 }
 
-/// What asks as many switches has no end, and a hundred times as many as the case asks when nothing is wrong.
+/// What asks as many switches has no end, and a hundred times as many as the case asks when nothing
+/// is wrong.
 const ENDLESS: u64 = 20 * MOST_WORK;

@@ -1,5 +1,5 @@
-//! Why a specification is unrealizable: cores, counterstrategies, plays and repairs, on random specifications and on the
-//! public benchmarks.
+//! Why a specification is unrealizable: cores, counterstrategies, plays and repairs, on random
+//! specifications and on the public benchmarks.
 
 mod bench;
 mod legal;
@@ -42,7 +42,8 @@ fn repairs_of_random_specifications() {
     assert!(lost > 200);
 }
 
-/// The lines that `check` suggests are contract text that does what it says: put into the file, each mends it.
+/// The lines that `check` suggests are contract text that does what it says: put into the file,
+/// each mends it.
 #[test]
 fn suggested_lines_can_be_put_into_the_file() {
     let mut tried = 0;

@@ -1,4 +1,5 @@
-//! Controllers as functions: certified by a path of their own, the same as machines, and the same as the C made from them.
+//! Controllers as functions: certified by a path of their own, the same as machines, and the same
+//! as the C made from them.
 
 mod certified;
 mod compiled;

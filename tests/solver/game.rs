@@ -1,4 +1,5 @@
-//! The naive solver: all valuations, all pairs of valuations, sets as bits of a word, the fixpoint as the textbook has it.
+//! The naive solver: all valuations, all pairs of valuations, sets as bits of a word, the fixpoint
+//! as the textbook has it.
 
 use linewright::game::{GuaranteeKind, GuaranteeRef};
 use linewright::gr1::{
@@ -8,7 +9,8 @@ use linewright::gr1::{
 /// A set of valuations.
 pub type Set = u128;
 
-/// One formula, over every pair of valuations: for each current one the set of next ones for which it holds.
+/// One formula, over every pair of valuations: for each current one the set of next ones for which
+/// it holds.
 pub type Relation = Vec<Set>;
 
 /// The formulas of a side by kind.
@@ -44,7 +46,8 @@ pub struct Environment {
     pub stuck_at_start: bool,
     pub dead_end: bool,
     pub forced: bool,
-    /// From how many of the valuations that can occur, and how many can; then for a machine without guarantees.
+    /// From how many of the valuations that can occur, and how many can; then for a machine without
+    /// guarantees.
     pub forced_states: [u32; 2],
     pub forced_recklessly_states: [u32; 2],
     /// No play keeps all assumptions.
@@ -290,7 +293,8 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// The valuations that occur when both sides keep their safety; a Moore machine's answers are right for all legal inputs.
+    /// The valuations that occur when both sides keep their safety; a Moore machine's answers are
+    /// right for all legal inputs.
     pub fn occurring(&self, rules: &Rules, start: Set) -> Set {
         let groups = self.groups();
         let mut reachable = start;
@@ -335,7 +339,8 @@ impl<'a> Board<'a> {
         let mut reckless = self.rules(&Subset::Only(&[]));
         let first = reckless.env_start & reckless.sys_start;
         let anywhere = self.occurring(&reckless, first);
-        // Both sides as one: a set of valuations from which all assumptions are met again and again.
+        // Both sides as one: a set of valuations from which all assumptions are met again and
+        // again.
         let lasting = self.lasting(&reckless.env_step, &reckless.assumptions, self.all());
         reckless.goals = vec![vec![0; self.valuations.len()]];
         let recklessly = self.winning(&reckless) & anywhere;
@@ -351,8 +356,8 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// The valuations of `within` from which some path of these steps stays there for ever and meets all of `justice` again
-    /// and again.
+    /// The valuations of `within` from which some path of these steps stays there for ever and
+    /// meets all of `justice` again and again.
     pub fn lasting(&self, steps: &Relation, justice: &[Relation], within: Set) -> Set {
         let count = self.valuations.len();
         let mut z = within;

@@ -1,4 +1,5 @@
-//! A contract that has changed a little starts from what the version before has left: the same verdicts and the same region.
+//! A contract that has changed a little starts from what the version before has left: the same
+//! verdicts and the same region.
 
 use crate::random;
 use crate::random::Random;
@@ -65,8 +66,9 @@ fn thin_side(r: &mut Random, side: &mut Side, invariants: bool) {
     }
 }
 
-/// The version before is made of the later one by taking guarantees away, and the later one by taking assumptions away: so the old
-/// region may be used. In every third case the rule is broken, by removing assumed invariants too; then it may not.
+/// The version before is made of the later one by taking guarantees away, and the later one by
+/// taking assumptions away: so the old region may be used. In every third case the rule is broken,
+/// by removing assumed invariants too; then it may not.
 #[test]
 fn the_last_region_changes_nothing() {
     let (mut used, mut refused, mut shrunk) = (0, 0, 0);

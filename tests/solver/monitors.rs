@@ -1,4 +1,5 @@
-//! Past operators, counters and patterns as monitors, against their definitions on every lasso of up to six positions.
+//! Past operators, counters and patterns as monitors, against their definitions on every lasso of
+//! up to six positions.
 
 mod circuit;
 mod games;
@@ -28,7 +29,8 @@ fn monitors_of(case: &Case) -> (Monitors, Player) {
     (monitors, player)
 }
 
-/// The obligations of each pattern hold exactly where its formula does, also when they are taken apart to be assumed.
+/// The obligations of each pattern hold exactly where its formula does, also when they are taken
+/// apart to be assumed.
 #[test]
 fn patterns_mean_their_formulas() {
     let count = |case: &Case| {
@@ -62,8 +64,9 @@ fn patterns_mean_their_formulas() {
     assert_eq!(cases.len(), 25 + 10 * 4);
 }
 
-/// What the table in the module's text says, and that it cannot be less: so many pasts have to be told apart, since some future is
-/// right after one of them and wrong after the other. (A past after which every future is wrong needs no state.)
+/// What the table in the module's text says, and that it cannot be less: so many pasts have to be
+/// told apart, since some future is right after one of them and wrong after the other. (A past
+/// after which every future is wrong needs no state.)
 #[test]
 fn monitors_have_few_bits() {
     let bits = |case: &Case| -> u32 {

@@ -1,4 +1,5 @@
-//! Proofs of verdicts are accepted by a checker of its own (`proof/checker.rs`), and damaged ones are not.
+//! Proofs of verdicts are accepted by a checker of its own (`proof/checker.rs`), and damaged ones
+//! are not.
 
 use crate::checker::{Clause, Extent, accepts, valuations};
 use crate::random::Random;

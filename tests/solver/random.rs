@@ -1,4 +1,5 @@
-//! Random specifications, small enough for sets of valuations to be 128-bit words, and mutations of machines.
+//! Random specifications, small enough for sets of valuations to be 128-bit words, and mutations of
+//! machines.
 
 use linewright::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
@@ -94,8 +95,8 @@ pub fn specification(r: &mut Random) -> Specification {
     with_formulas(r, timing, variables, &chances)
 }
 
-/// A specification with an integer and with at least two justice formulas on either side, so that the three fixpoints really
-/// lie within each other. Safety is rarer, or it would decide too often.
+/// A specification with an integer and with at least two justice formulas on either side, so that
+/// the three fixpoints really lie within each other. Safety is rarer, or it would decide too often.
 pub fn specification_with_goals(r: &mut Random) -> Specification {
     let timing = timing(r);
     let ranges = [(-1, 1), (2, 4), (0, 3), (-2, 2)];

@@ -34,7 +34,8 @@ thread_local! {
     } };
 }
 
-/// Asked at a place with `count` mutants, the first of which has the number `first`: which of them is on, counted from 1.
+/// Asked at a place with `count` mutants, the first of which has the number `first`: which of them
+/// is on, counted from 1.
 pub fn at(first: u32, count: u32) -> u32 {
     STATE.with(|state| {
         let asked = state.asked.get() + 1;
@@ -55,7 +56,8 @@ pub fn at(first: u32, count: u32) -> u32 {
     })
 }
 
-/// A loop that is cut short: 1 over nothing, 2 over all but the first, 3 over the first only, 0 over all.
+/// A loop that is cut short: 1 over nothing, 2 over all but the first, 3 over the first only, 0
+/// over all.
 pub fn shortened<I: IntoIterator>(all: I, how: u32) -> Take<Skip<I::IntoIter>> {
     let most = match how {
         1 => 0,
@@ -82,7 +84,8 @@ pub fn is_on() -> bool {
     STATE.with(|state| state.on.get().is_some())
 }
 
-/// Runs something without a mutant; gives with it which mutants' places it comes by, and how often switches were asked.
+/// Runs something without a mutant; gives with it which mutants' places it comes by, and how often
+/// switches were asked.
 pub fn recorded<T>(run: impl FnOnce() -> T) -> (T, Vec<bool>, u64) {
     STATE.with(|state| {
         state.on.set(None);

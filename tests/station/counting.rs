@@ -7,7 +7,8 @@ use linewright::mealy;
 use linewright::source::Span;
 use std::sync::Arc;
 
-/// The manipulator with a whole number that every operation sets to what another property says, whatever that is.
+/// The manipulator with a whole number that every operation sets to what another property says,
+/// whatever that is.
 pub fn counting() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     let (machine, controllers) = fixtures::manipulator();
     let mut machine = (*machine).clone();

@@ -1,8 +1,8 @@
 //! A library against the interpreter, step by step: the same outputs, the same errors.
 //!
-//! To be run over every machine of a line. Inputs are drawn at random, but so that the walk gets somewhere: for each step
-//! it is decided by lot whether the step should succeed, break an assumption, or leave a domain, and among some candidates
-//! the first that does so is taken.
+//! To be run over every machine of a line. Inputs are drawn at random, but so that the walk gets
+//! somewhere: for each step it is decided by lot whether the step should succeed, break an
+//! assumption, or leave a domain, and among some candidates the first that does so is taken.
 
 use linewright::contract::machine::Machine;
 use linewright::gr1::Domain;
@@ -51,7 +51,8 @@ impl Random {
     }
 }
 
-/// Builds the machine's library in `folder`, and lets it and the interpreter make `steps` random steps side by side.
+/// Builds the machine's library in `folder`, and lets it and the interpreter make `steps` random
+/// steps side by side.
 ///
 /// # Panics
 /// When they differ in outputs or errors.

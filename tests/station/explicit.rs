@@ -1,7 +1,8 @@
 //! Controllers for fixtures, by trying out every valuation: no part of the solver is used.
 //!
-//! For each state (the values of the step before) and each input, the first output in ascending order that keeps the
-//! guarantees is taken. So a contract whose guarantees leave no choice gets its only machine; nothing looks ahead.
+//! For each state (the values of the step before) and each input, the first output in ascending
+//! order that keeps the guarantees is taken. So a contract whose guarantees leave no choice gets
+//! its only machine; nothing looks ahead.
 
 use linewright::gr1::{Domain, Formula, Side, Specification, Time, Timing, eval};
 use linewright::mealy::{Cube, Guard, Machine, Port, Test, Transition};

@@ -1,4 +1,5 @@
-//! Two machines as the resolver would give them: a manipulator with a coordinator and four actions, and a belt.
+//! Two machines as the resolver would give them: a manipulator with a coordinator and four actions,
+//! and a belt.
 
 use super::explicit;
 use linewright::contract::machine::{
@@ -308,8 +309,8 @@ fn component(
 
 /// What the manipulator's file would give, and a controller for each component.
 pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
-    // Wires: request 0, cell 1, grip 2, free 3, height 4; coordinator.command 5, .done 6; turn.angle 7, .reached 8;
-    // pick.stage 9, .depth 10; lamp.lit 11; idle.stage 12, .depth 13.
+    // Wires: request 0, cell 1, grip 2, free 3, height 4; coordinator.command 5, .done 6;
+    // turn.angle 7, .reached 8; pick.stage 9, .depth 10; lamp.lit 11; idle.stage 12, .depth 13.
     let plant = |name: &str, domain, source| PlantInput {
         name: name.to_owned(),
         unit: String::new(),

@@ -1,4 +1,5 @@
-//! The machines of `examples/ice-lab` with their controllers, made once for all tests: load → solve → extract → verify.
+//! The machines of `examples/ice-lab` with their controllers, made once for all tests: load → solve
+//! → extract → verify.
 
 use linewright::contract::machine::Machine;
 use linewright::diagnostics::has_errors;

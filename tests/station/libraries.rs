@@ -106,7 +106,8 @@ fn machines(controllers: &[mealy::Controller]) -> Vec<mealy::Machine> {
 fn faults_of_a_controller_are_caught_alike() {
     let folder = folder();
     let (machine, controllers) = fixtures::manipulator();
-    // Every third output of the turner is wrong, and every second state of the picker has no transition.
+    // Every third output of the turner is wrong, and every second state of the picker has no
+    // transition.
     let mut faulty = machines(&controllers);
     for (i, t) in faulty[1].states.iter_mut().flatten().enumerate() {
         if i % 3 == 0 {
@@ -129,7 +130,8 @@ fn faults_of_a_controller_are_caught_alike() {
     assert!(counts.of(ErrorCode::Internal) == 0);
 }
 
-/// A whole-number property ends as a whole number of its range, or the operation is refused; what it was before, it may stay.
+/// A whole-number property ends as a whole number of its range, or the operation is refused; what
+/// it was before, it may stay.
 #[test]
 fn whole_numbers_stay_whole_and_in_range() {
     let folder = folder();

@@ -1,5 +1,5 @@
-//! The controllers that are played: every contract of the bundled library and of the examples, and every component of the
-//! laboratory's machines with the sizes it has there, at real size too.
+//! The controllers that are played: every contract of the bundled library and of the examples, and
+//! every component of the laboratory's machines with the sizes it has there, at real size too.
 
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
@@ -122,8 +122,8 @@ fn without_places(specification: &Specification) -> Arc<Specification> {
     Arc::new(specification)
 }
 
-/// The library with its default parameters, the examples, and what the laboratory's machines make of them; each once. The cell in
-/// one contract is left out: it takes half a minute to solve.
+/// The library with its default parameters, the examples, and what the laboratory's machines make
+/// of them; each once. The cell in one contract is left out: it takes half a minute to solve.
 fn machines_of_the_library() -> (Vec<Controlled>, usize) {
     let mut found = Vec::new();
     specifications(&crate::support::root().join("contracts"), &mut found);
@@ -177,7 +177,8 @@ pub fn bundled() -> &'static [Controlled] {
     &all[..*library]
 }
 
-/// Components of the line at real size whose controllers are functions because machines would be too large.
+/// Components of the line at real size whose controllers are functions because machines would be
+/// too large.
 pub fn large() -> &'static [Controlled] {
     static LARGE: OnceLock<Vec<Controlled>> = OnceLock::new();
     LARGE.get_or_init(|| {

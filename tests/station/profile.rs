@@ -1,5 +1,6 @@
-//! Layouts of `UF_Value`: the probe against mocks of Plant Simulation, whose layouts a C compiler made; libraries with the profiles that
-//! were found; profiles as files; the SimTalk that is generated.
+//! Layouts of `UF_Value`: the probe against mocks of Plant Simulation, whose layouts a C compiler
+//! made; libraries with the profiles that were found; profiles as files; the SimTalk that is
+//! generated.
 
 mod damage;
 mod doctor;

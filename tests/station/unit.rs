@@ -2,7 +2,8 @@
 
 use linewright::order::table::{Cited, RECALL, REFUSED, Table};
 
-/// Left, Right, Up, Down, Grip, Release: which component each moves, and whether to its second situation.
+/// Left, Right, Up, Down, Grip, Release: which component each moves, and whether to its second
+/// situation.
 const SKILLS: [(&str, usize, bool); 6] = [
     ("Left", 0, false),
     ("Right", 0, true),
@@ -20,14 +21,16 @@ fn cited(name: &str, text: &str) -> Cited {
     }
 }
 
-/// The masks of so many skills that `may` allows: single ones in order, then sets of two, and so on.
+/// The masks of so many skills that `may` allows: single ones in order, then sets of two, and so
+/// on.
 pub fn calls(skills: u32, may: impl Fn(u64) -> bool) -> Vec<u64> {
     let mut masks: Vec<u64> = (1..1_u64 << skills).filter(|m| may(*m)).collect();
     masks.sort_by_key(|m| (m.count_ones(), *m));
     masks
 }
 
-/// One skill in a situation: a bit a component, the second one for down. The situation after it, or why it is refused.
+/// One skill in a situation: a bit a component, the second one for down. The situation after it, or
+/// why it is refused.
 fn call(situation: u32, skill: usize, recalls: bool) -> Result<u32, u16> {
     let (_, component, second) = SKILLS[skill];
     let down = situation >> 1 & 1 == 1;

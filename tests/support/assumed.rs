@@ -1,4 +1,5 @@
-//! Which assumption a step breaks, by the meaning of formulas alone: what every form of a controller must refuse.
+//! Which assumption a step breaks, by the meaning of formulas alone: what every form of a
+//! controller must refuse.
 
 use linewright::gr1::{Formula, Specification, VarId, eval};
 
@@ -17,8 +18,8 @@ impl<'a> Assumed<'a> {
         }
     }
 
-    /// The name of the first assumption that these inputs break: of initial conditions and invariants in step 0, of invariants and
-    /// safety later.
+    /// The name of the first assumption that these inputs break: of initial conditions and
+    /// invariants in step 0, of invariants and safety later.
     pub fn broken(&self, inputs: &[i64]) -> Option<&'a str> {
         let now = self.values(inputs, &[]);
         let side = &self.specification.assumptions;

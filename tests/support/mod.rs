@@ -1,4 +1,5 @@
-//! What several test files need: the built program, a folder to run it in, and a way to skip honestly.
+//! What several test files need: the built program, a folder to run it in, and a way to skip
+//! honestly.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 pub mod assumed;
@@ -18,8 +19,9 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Says that a test cannot do its work because `what` is not there. It then counts as skipped in `.ci/run`; where
-/// `LINEWRIGHT_REQUIRE` (a list with commas) names `what`, or `all`, it fails instead.
+/// Says that a test cannot do its work because `what` is not there. It then counts as skipped in
+/// `.ci/run`; where `LINEWRIGHT_REQUIRE` (a list with commas) names `what`, or `all`, it fails
+/// instead.
 pub fn skip(what: &str, why: &str) {
     let required = std::env::var("LINEWRIGHT_REQUIRE").unwrap_or_default();
     let mut required = required.split(',').map(str::trim);
@@ -38,7 +40,8 @@ pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
     linewright_with_cache(Path::new("off"), folder, arguments)
 }
 
-/// The same with a cache, for tests that do not ask how controllers are found: `off`, or its folder.
+/// The same with a cache, for tests that do not ask how controllers are found: `off`, or its
+/// folder.
 pub fn linewright_with_cache(cache: &Path, folder: &Path, arguments: &[&str]) -> Output {
     Command::new(PROGRAM)
         .args(arguments)
@@ -99,8 +102,8 @@ pub fn files_named(name: &str) -> Vec<PathBuf> {
     found
 }
 
-/// The Python that has a module: `LINEWRIGHT_PYTHON`, or else `python3` on the PATH. Without one the test is skipped for the want of
-/// `what`.
+/// The Python that has a module: `LINEWRIGHT_PYTHON`, or else `python3` on the PATH. Without one
+/// the test is skipped for the want of `what`.
 pub fn python_with(what: &str, module: &str) -> Option<PathBuf> {
     let python = std::env::var_os("LINEWRIGHT_PYTHON").unwrap_or_else(|| "python3".into());
     let python = PathBuf::from(python);
@@ -138,7 +141,8 @@ pub fn specs() -> Option<std::path::PathBuf> {
     None
 }
 
-/// The files in which defects were found, where they lie beside the repository: `LINEWRIGHT_FOUND`, or `../shared/found`.
+/// The files in which defects were found, where they lie beside the repository: `LINEWRIGHT_FOUND`,
+/// or `../shared/found`.
 pub fn found() -> Option<std::path::PathBuf> {
     let folder = std::env::var_os("LINEWRIGHT_FOUND")
         .map_or_else(|| root().join("../shared/found"), Into::into);

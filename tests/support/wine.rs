@@ -1,8 +1,8 @@
 //! Windows programs on this computer: where Wine is, and how a program runs under it.
 //!
-//! Starting Wine for the first time in a prefix takes some seconds, so all tests share one, in cargo's folder for files of
-//! tests. Exit codes are not to be trusted: a program that crashed may end with 0. A program says with its last line that it came
-//! to its end.
+//! Starting Wine for the first time in a prefix takes some seconds, so all tests share one, in
+//! cargo's folder for files of tests. Exit codes are not to be trusted: a program that crashed may
+//! end with 0. A program says with its last line that it came to its end.
 
 use super::programs::{Finished, run};
 use linewright::station::toolchain::survey;

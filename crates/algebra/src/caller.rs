@@ -1,8 +1,11 @@
-//! A machine and who calls it: what a line asks for, against what the machine hands on to its caller.
+//! A machine and who calls it: what a line asks for, against what the machine hands on to its
+//! caller.
 //!
-//! A machine by itself may hand on what it assumes of the operations that it is asked for ([`super::proof::Exports`]). In a line these come in
-//! sequences, one a part, again and again and in any order of parts. With a part beside the components that calls so, and sets all that the
-//! machine does not, nothing is handed on any more: it is shown, or there are parts after which it is not kept.
+//! A machine by itself may hand on what it assumes of the operations that it is asked for
+//! ([`super::proof::Exports`]). In a line these come in sequences, one a part, again and again and
+//! in any order of parts. With a part beside the components that calls so, and sets all that the
+//! machine does not, nothing is handed on any more: it is shown, or there are parts after which it
+//! is not kept.
 
 use super::machine::of_machine;
 use super::proof::Claim;
@@ -19,9 +22,11 @@ pub struct Called {
     pub system: System,
     /// What is given beside; what is to be shown are the components' assumptions.
     pub claim: Claim,
-    /// What its components assume of the operations that it is asked for. What is assumed of infinitely many calls is not among it.
+    /// What its components assume of the operations that it is asked for. What is assumed of
+    /// infinitely many calls is not among it.
     pub asked: Vec<FormulaRef>,
-    /// Those of them that depend on properties of parts, of which nothing is known here: where they are not shown, nothing is said.
+    /// Those of them that depend on properties of parts, of which nothing is known here: where they
+    /// are not shown, nothing is said.
     pub unsure: Vec<FormulaRef>,
     /// Which operation is asked for.
     pub operation: VarId,
@@ -32,13 +37,15 @@ pub struct Called {
 pub struct Asks {
     /// By its index among the machine's operations.
     pub operation: usize,
-    /// What is known of other inputs while it runs: by the places of the machine's plant inputs, their values.
+    /// What is known of other inputs while it runs: by the places of the machine's plant inputs,
+    /// their values.
     pub known: Vec<(usize, i64)>,
 }
 
 impl Asks {
-    /// An operation with these values of parameters (index into the machine's properties, value). Of a property that no part carries here the
-    /// default is known, of one that parts carry nothing is.
+    /// An operation with these values of parameters (index into the machine's properties, value).
+    /// Of a property that no part carries here the default is known, of one that parts carry
+    /// nothing is.
     pub fn new(
         machine: &Machine,
         operation: usize,
@@ -81,7 +88,8 @@ impl Asks {
 }
 
 impl Called {
-    /// A machine that is asked for one of these sequences of operations after the other. `None` where it assumes nothing about that.
+    /// A machine that is asked for one of these sequences of operations after the other. `None`
+    /// where it assumes nothing about that.
     pub fn of(machine: &Machine, sequences: &[Vec<Asks>]) -> Option<Self> {
         let done = machine.done.as_ref()?;
         let mut plant = machine.plant.iter();
@@ -154,7 +162,8 @@ impl Called {
     }
 }
 
-/// Assumptions that speak of the operation that is asked for, and those of them that speak of something unknown as well.
+/// Assumptions that speak of the operation that is asked for, and those of them that speak of
+/// something unknown as well.
 fn asked(
     system: &System,
     operation: VarId,

@@ -1,15 +1,19 @@
-//! Compatibility: is there an environment that keeps what parts assume, whatever they do within their guarantees?
+//! Compatibility: is there an environment that keeps what parts assume, whatever they do within
+//! their guarantees?
 //!
-//! It is a game with the roles swapped. What comes from outside is the player's; what parts set is the opponent's, who keeps all
-//! guarantees. The player has to keep the assumptions for as long as the opponent keeps the guarantees: the strict semantics of GR(1), with
-//! the assumptions of the parts as its guarantees. A single contract without guarantees is the plain question whether its assumption can be
-//! realized.
+//! It is a game with the roles swapped. What comes from outside is the player's; what parts set is
+//! the opponent's, who keeps all guarantees. The player has to keep the assumptions for as long as
+//! the opponent keeps the guarantees: the strict semantics of GR(1), with the assumptions of the
+//! parts as its guarantees. A single contract without guarantees is the plain question whether its
+//! assumption can be realized.
 //!
-//! Who moves first is swapped as well: Moore machines answer before the environment, which sees their answer, and Mealy machines after it.
+//! Who moves first is swapped as well: Moore machines answer before the environment, which sees
+//! their answer, and Mealy machines after it.
 //!
-//! Either of the two can leave the other without a way to keep what it has promised. An environment that leaves the parts none has won, but
-//! only if it keeps the assumptions itself, in that step too. That "some answer" does so is no formula of GR(1): whoever has to
-//! have one names it, in variables of its own.
+//! Either of the two can leave the other without a way to keep what it has promised. An environment
+//! that leaves the parts none has won, but only if it keeps the assumptions itself, in that step
+//! too. That "some answer" does so is no formula of GR(1): whoever has to have one names it, in
+//! variables of its own.
 
 mod between;
 
@@ -29,11 +33,13 @@ use std::collections::{BTreeMap, BTreeSet};
 pub enum Compatibility {
     /// There is one.
     Compatible,
-    /// There is none: the parts can keep their guarantees in such a way that an assumption is broken.
+    /// There is none: the parts can keep their guarantees in such a way that an assumption is
+    /// broken.
     Incompatible {
         /// The names of assumptions that cannot be kept together, although any fewer of them could.
         assumptions: Vec<String>,
-        /// A play in which one of them is broken. `None` when a limit was reached before there was one.
+        /// A play in which one of them is broken. `None` when a limit was reached before there was
+        /// one.
         play: Option<Broken>,
     },
 }
@@ -75,7 +81,8 @@ pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Lim
     })
 }
 
-/// When it is the environment's turn in a step: before the parts, after those that are Moore machines, or after all.
+/// When it is the environment's turn in a step: before the parts, after those that are Moore
+/// machines, or after all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Turn {
     First,
@@ -92,14 +99,16 @@ fn defined(system: &System, v: VarId) -> bool {
         .any(|(_, _, f)| f.span.holds(place))
 }
 
-/// A game of the environment while it is put together: its variables are the machine's, what parts set are inputs.
+/// A game of the environment while it is put together: its variables are the machine's, what parts
+/// set are inputs.
 struct Game<'s> {
     system: &'s System,
     specification: Specification,
 }
 
 impl<'s> Game<'s> {
-    /// The assumptions of the parts, and what they owe again and again. The environment is the player and sets what is `outside`.
+    /// The assumptions of the parts, and what they owe again and again. The environment is the
+    /// player and sets what is `outside`.
     fn new(system: &'s System, timing: Timing, outside: impl Fn(&VarId) -> bool) -> Self {
         let variables = (0..).map(VarId).zip(&system.variables);
         let variables = variables.map(|(v, variable)| Variable {
@@ -155,7 +164,8 @@ impl<'s> Game<'s> {
         copied.collect()
     }
 
-    /// Variables that say whether a guarantee has been broken by now, and whether one had been a step earlier; and the rules that set them.
+    /// Variables that say whether a guarantee has been broken by now, and whether one had been a
+    /// step earlier; and the rules that set them.
     fn breach(&mut self, owner: Owner) -> (VarId, VarId, Side) {
         let over = self.add(owner, Domain::Bool);
         let before = self.add(owner, Domain::Bool);
@@ -175,7 +185,8 @@ impl<'s> Game<'s> {
         (over, before, rules)
     }
 
-    /// Puts something else in the place of each assumption that it is the environment's turn to keep.
+    /// Puts something else in the place of each assumption that it is the environment's turn to
+    /// keep.
     fn rewrite(&mut self, put: impl Fn(RuleKind, &Formula) -> Expr) {
         for kind in KINDS {
             for f in list_mut(&mut self.specification.guarantees, kind) {
@@ -187,10 +198,11 @@ impl<'s> Game<'s> {
 
 /// The game where the environment moves first: all parts are Mealy machines.
 ///
-/// It answers for its assumptions even where it leaves the parts no answer. The parts may break a guarantee here: `over` says that they
-/// have, `before` that they had a step earlier. Until `over`, the environment keeps each assumption with the parts' answer; until `before`,
-/// with an answer that it names itself. The second matters only where the parts have no answer: an assumption that all allowed answers
-/// keep is kept by one of them.
+/// It answers for its assumptions even where it leaves the parts no answer. The parts may break a
+/// guarantee here: `over` says that they have, `before` that they had a step earlier. Until `over`,
+/// the environment keeps each assumption with the parts' answer; until `before`, with an answer
+/// that it names itself. The second matters only where the parts have no answer: an assumption that
+/// all allowed answers keep is kept by one of them.
 fn environment_first(system: &System) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Moore, |v| !driven(v));
@@ -215,10 +227,12 @@ fn environment_first(system: &System) -> Specification {
     game.specification
 }
 
-/// The game where the environment moves last: all parts are Moore machines. What monitors remember of a step is known after it.
+/// The game where the environment moves last: all parts are Moore machines. What monitors remember
+/// of a step is known after it.
 ///
-/// An answer is one that some values from outside make an allowed one: the parts name these. With others the environment may leave the parts
-/// with a broken guarantee (`over`), as long as it keeps the assumptions itself, in that step too.
+/// An answer is one that some values from outside make an allowed one: the parts name these. With
+/// others the environment may leave the parts with a broken guarantee (`over`), as long as it keeps
+/// the assumptions itself, in that step too.
 fn environment_last(system: &System) -> Specification {
     let definitions: Vec<&Side> = system.parts.iter().map(|p| &p.definitions).collect();
     let defined = |v: &VarId| defined(system, *v);
@@ -294,7 +308,8 @@ fn unnamed(expr: Expr) -> Formula {
     }
 }
 
-/// A play as a counterexample: up to the step that breaks an assumption, or round the cycle that starves one.
+/// A play as a counterexample: up to the step that breaks an assumption, or round the cycle that
+/// starves one.
 fn shown(
     play: &game::Play,
     order: Turn,
@@ -312,8 +327,8 @@ fn shown(
         steps = between::undelayed(&steps, next.as_ref(), late);
     }
     match &play.ending {
-        // What comes from outside in the last step is an example: whatever it is, something is broken. So are answers to it, and an
-        // allowed one says more.
+        // What comes from outside in the last step is an example: whatever it is, something is
+        // broken. So are answers to it, and an allowed one says more.
         Ending::Clash(_) => {
             if order != Turn::Last
                 && let Some(last) = steps.pop()
@@ -330,8 +345,9 @@ fn shown(
     }
 }
 
-/// A step after `state`, or a first one, in which the parts keep their guarantees and some assumption is broken; Moore machines answer as in
-/// `last`. `None` where every such step leaves the parts no answer, and where a limit was reached.
+/// A step after `state`, or a first one, in which the parts keep their guarantees and some
+/// assumption is broken; Moore machines answer as in `last`. `None` where every such step leaves
+/// the parts no answer, and where a limit was reached.
 fn breaking(
     system: &System,
     state: Option<&Vec<i64>>,
@@ -372,7 +388,8 @@ fn breaking(
     (run.len() == length).then(|| run.pop())?
 }
 
-/// What one side of all parts asks of the first step (`Initial`) or of a later one (`Safety`), invariants included.
+/// What one side of all parts asks of the first step (`Initial`) or of a later one (`Safety`),
+/// invariants included.
 fn asked(system: &System, pick: &dyn Fn(&Part) -> &Side, kind: RuleKind) -> Expr {
     let mut all = Expr::Const(1);
     for side in system.parts.iter().map(pick) {

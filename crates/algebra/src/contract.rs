@@ -92,7 +92,8 @@ impl Contract {
         }
     }
 
-    /// What has to be added to `existing` so that both together keep this one: C / C₁, the weakest such contract.
+    /// What has to be added to `existing` so that both together keep this one: C / C₁, the weakest
+    /// such contract.
     #[must_use]
     pub fn quotient(&self, existing: &Self) -> Self {
         let assumption = self.assumption.clone().and(existing.guarantee.clone());

@@ -1,8 +1,9 @@
 //! Exact questions about sets of runs: is one of them empty, does one lie in another?
 //!
-//! A set is taken apart into cases, each a list of halves of parts that are kept or not kept. Of a half that is not kept, either its
-//! safety is broken once, which a truth value remembers, or one of its justice formulas is not met any more from some step on. So
-//! every case is one question to [`Runs`], and the counterexample is a lasso.
+//! A set is taken apart into cases, each a list of halves of parts that are kept or not kept. Of a
+//! half that is not kept, either its safety is broken once, which a truth value remembers, or one
+//! of its justice formulas is not met any more from some step on. So every case is one question to
+//! [`Runs`], and the counterexample is a lasso.
 
 use super::contract::{Contract, Words};
 use super::system::{Half, System, formulas, rule};
@@ -18,7 +19,8 @@ struct HalfRules {
     keep: Vec<usize>,
     /// Justice.
     again: Vec<usize>,
-    /// What makes a truth value remember that safety was broken, and that it was; none where there is no safety.
+    /// What makes a truth value remember that safety was broken, and that it was; none where there
+    /// is no safety.
     broken: Option<(Vec<usize>, usize)>,
 }
 
@@ -92,8 +94,9 @@ impl<'a> Decider<'a> {
         self.find(&small.clone().and(large.clone().not()))
     }
 
-    /// Why a contract does not refine another: a run that the other's environments may give and it does not allow for, or one that an
-    /// implementation may show and the other forbids. `None` when it refines it.
+    /// Why a contract does not refine another: a run that the other's environments may give and it
+    /// does not allow for, or one that an implementation may show and the other forbids. `None`
+    /// when it refines it.
     ///
     /// # Errors
     /// When a limit was reached.

@@ -1,4 +1,5 @@
-//! Contracts of their own brought together: one variable for what they call by one name, after ports were renamed.
+//! Contracts of their own brought together: one variable for what they call by one name, after
+//! ports were renamed.
 
 use super::system::{Part, System};
 use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId, Variable};
@@ -66,8 +67,9 @@ pub enum Mismatch {
 
 /// Brings contracts together.
 ///
-/// Monitors, and internal variables of contracts that are composed, stay apart: they are called after their contract where another has the
-/// same name. Where several views are taken of one component, internal variables of the same name are the same.
+/// Monitors, and internal variables of contracts that are composed, stay apart: they are called
+/// after their contract where another has the same name. Where several views are taken of one
+/// component, internal variables of the same name are the same.
 ///
 /// # Errors
 /// All mismatches.

@@ -1,11 +1,13 @@
-//! The algebra of contracts, as decision procedures: refinement, composition, conjunction, quotient, merging, and the proof that
-//! parts discharge one another's assumptions.
+//! The algebra of contracts, as decision procedures: refinement, composition, conjunction,
+//! quotient, merging, and the proof that parts discharge one another's assumptions.
 //!
-//! A contract is a pair of an assumption A and a guarantee G, each an initial condition, invariants, safety and justice: a set of
-//! infinite runs over the variables of all contracts in question. Guarantees are saturated inside (`Ĝ = ¬A ∨ G`), and nobody is
-//! asked to do so. Definitions follow Benveniste et al., "Contracts for System Design" (2018), Passerone, Íncer Romeo and
-//! Sangiovanni-Vincentelli, "Coherent extension, composition, and merging operators in contract models" (2019), and Íncer Romeo et al., "Quotient for
-//! assume-guarantee contracts" (2018).
+//! A contract is a pair of an assumption A and a guarantee G, each an initial condition,
+//! invariants, safety and justice: a set of infinite runs over the variables of all contracts in
+//! question. Guarantees are saturated inside (`Ĝ = ¬A ∨ G`), and nobody is asked to do so.
+//! Definitions follow Benveniste et al., "Contracts for System Design" (2018), Passerone, Íncer
+//! Romeo and Sangiovanni-Vincentelli, "Coherent extension, composition, and merging operators in
+//! contract models" (2019), and Íncer Romeo et al., "Quotient for assume-guarantee contracts"
+//! (2018).
 
 //!
 //! ```text
@@ -13,9 +15,11 @@
 //!                          System, Contract (an expression over its parts) ─Decider→ included, or a Lasso ─replay→ accepted
 //! ```
 //!
-//! Composition, conjunction, quotient and merging lead out of GR(1) in general. So a result stays what it is, an expression over the parts
-//! it was made of ([`contract::Contract`]), and questions about it are decided exactly on infinite runs ([`decide`]). The proof of a composition
-//! ([`proof`]) is another thing: it follows the strict semantics, in which nobody's guarantee counts on what others break later.
+//! Composition, conjunction, quotient and merging lead out of GR(1) in general. So a result stays
+//! what it is, an expression over the parts it was made of ([`contract::Contract`]), and questions
+//! about it are decided exactly on infinite runs ([`decide`]). The proof of a composition
+//! ([`proof`]) is another thing: it follows the strict semantics, in which nobody's guarantee
+//! counts on what others break later.
 
 pub mod caller;
 pub mod closed;

@@ -1,4 +1,5 @@
-//! A machine as a system: its components over the machine's wires, and what its file says of the plant.
+//! A machine as a system: its components over the machine's wires, and what its file says of the
+//! plant.
 
 use super::proof::{Claim, Exports};
 use super::system::{Part, System};
@@ -8,11 +9,13 @@ use linewright_core::gr1::{
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, Promised};
 
-/// A machine's components side by side, and what is to be shown of them: that they discharge one another's assumptions.
+/// A machine's components side by side, and what is to be shown of them: that they discharge one
+/// another's assumptions.
 ///
-/// What the machine's file fixes is given: constant signals, scripts that begin anew with every call, and that the operation and
-/// what is read of the part stay until the operation is done. Assumptions about those may be handed on to whoever calls the machine,
-/// for the first step of a call. A machine without operations is only stepped: everything from outside is the caller's.
+/// What the machine's file fixes is given: constant signals, scripts that begin anew with every
+/// call, and that the operation and what is read of the part stay until the operation is done.
+/// Assumptions about those may be handed on to whoever calls the machine, for the first step of a
+/// call. A machine without operations is only stepped: everything from outside is the caller's.
 pub fn of_machine(machine: &Machine) -> (System, Claim) {
     let mut system = components(machine);
     let rules = &machine.guarantees;
@@ -46,7 +49,8 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
     (system, claim)
 }
 
-/// What is claimed of every machine with operations: one call follows on the other, so that each is done some day.
+/// What is claimed of every machine with operations: one call follows on the other, so that each is
+/// done some day.
 pub const COMPLETES: &str = "every request completes";
 
 fn completes(machine: &Machine, done: &Expr) -> Formula {
@@ -60,8 +64,9 @@ fn completes(machine: &Machine, done: &Expr) -> Formula {
     }
 }
 
-/// A machine's components side by side, and the claim that they refine a contract together: under what it assumes, and nothing else, they
-/// discharge one another's assumptions and keep what it guarantees.
+/// A machine's components side by side, and the claim that they refine a contract together: under
+/// what it assumes, and nothing else, they discharge one another's assumptions and keep what it
+/// guarantees.
 pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
     let mut system = components(machine);
     let specification = &promised.specification;

@@ -1,8 +1,9 @@
-//! Refinement, with its reasons: which assumption of the new contract follows from which of the old one's, and which guarantee of the old
-//! one is kept by which of the new one's.
+//! Refinement, with its reasons: which assumption of the new contract follows from which of the old
+//! one's, and which guarantee of the old one is kept by which of the new one's.
 //!
-//! `C₁ ≼ C₂` when `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: what the old environments give is enough for the new contract, and under it the new contract
-//! promises what the old one did. Decided exactly on infinite runs.
+//! `C₁ ≼ C₂` when `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: what the old environments give is enough for the
+//! new contract, and under it the new contract promises what the old one did. Decided exactly on
+//! infinite runs.
 
 use super::proof::{Claim, Exports, Proof, prove};
 use super::system::{Part, System};

@@ -1,4 +1,5 @@
-//! The evaluator of counterexamples: formulas are evaluated on plain values, step by step, and nothing else is relied on.
+//! The evaluator of counterexamples: formulas are evaluated on plain values, step by step, and
+//! nothing else is relied on.
 
 use super::contract::Words;
 use super::proof::{Broken, Claim, Exports, Open, Proof};
@@ -22,7 +23,8 @@ pub fn contains(system: &System, words: &Words, run: &Lasso) -> bool {
     }
 }
 
-/// Whether every value belongs to its variable's domain, every monitor is what it is defined as, and the cycle is not empty.
+/// Whether every value belongs to its variable's domain, every monitor is what it is defined as,
+/// and the cycle is not empty.
 pub fn is_run(system: &System, run: &Lasso) -> bool {
     let steps = run.prefix.iter().chain(&run.cycle);
     !run.cycle.is_empty()
@@ -50,9 +52,10 @@ pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
 
 /// Whether a counterexample shows that an obligation is not met.
 ///
-/// A trace has to keep everything up to the step before the last one. In the last step it has to keep what is given and what was handed on, and,
-/// for a goal, everything; and it has to break what is open. A lasso has to keep all safety, meet what is given and what reliable parts
-/// guarantee, and starve what is open.
+/// A trace has to keep everything up to the step before the last one. In the last step it has to
+/// keep what is given and what was handed on, and, for a goal, everything; and it has to break what
+/// is open. A lasso has to keep all safety, meet what is given and what reliable parts guarantee,
+/// and starve what is open.
 ///
 /// # Errors
 /// What is wrong with it, in words.
@@ -78,7 +81,8 @@ fn within_domains(system: &System, step: &[i64]) -> bool {
     step.len() >= system.variables.len() && values.into_iter().all(|(v, x)| v.domain.contains(*x))
 }
 
-/// All formulas that a run has to keep, by name: what is given, assumptions, guarantees and definitions of parts.
+/// All formulas that a run has to keep, by name: what is given, assumptions, guarantees and
+/// definitions of parts.
 fn everything<'a>(
     system: &'a System,
     claim: &'a Claim,

@@ -3,7 +3,8 @@
 use linewright_core::gr1::{Expr, Formula, Side, Specification, Time, Timing, VarId, Variable};
 use linewright_solver::game::{Rule, RuleKind};
 
-/// Contracts over one set of variables. What several contracts call by one name is one variable: that is how they are wired.
+/// Contracts over one set of variables. What several contracts call by one name is one variable:
+/// that is how they are wired.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct System {
     /// All variables.
@@ -41,7 +42,8 @@ pub enum Half {
 /// Points at one formula of a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FormulaRef {
-    /// The part, by its place; `None` is the environment's side of a [`super::proof::Claim`], or its goal's.
+    /// The part, by its place; `None` is the environment's side of a [`super::proof::Claim`], or
+    /// its goal's.
     pub part: Option<usize>,
     /// Which half of it. Of a claim: what is given is assumed, what is to be shown is guaranteed.
     pub half: Half,
@@ -113,7 +115,8 @@ impl Part {
         })
     }
 
-    /// A contract whose variables stand for expressions over other ones. What it drives has to become variables.
+    /// A contract whose variables stand for expressions over other ones. What it drives has to
+    /// become variables.
     pub fn mapped(
         specification: &Specification,
         name: &str,

@@ -1,8 +1,10 @@
 //! Conditions made with "and" and "or" alone, in their least form.
 //!
-//! Such a condition is a set of sets. Read as *terms*, all of one set has to hold, whichever it is; read as *clauses*, one of every set. In
-//! both readings a set that contains another one says nothing more, and without these the condition has one form only (Quine, "The
-//! problem of simplifying truth functions", 1952): equal conditions are equal values. What "and" is in one reading, "or" is in the other.
+//! Such a condition is a set of sets. Read as *terms*, all of one set has to hold, whichever it is;
+//! read as *clauses*, one of every set. In both readings a set that contains another one says
+//! nothing more, and without these the condition has one form only (Quine, "The problem of
+//! simplifying truth functions", 1952): equal conditions are equal values. What "and" is in one
+//! reading, "or" is in the other.
 
 use std::collections::BTreeSet;
 

@@ -1,8 +1,9 @@
-//! Regular expressions with complement and intersection over steps, as deterministic automata over finite words.
+//! Regular expressions with complement and intersection over steps, as deterministic automata over
+//! finite words.
 //!
-//! By derivatives (Brzozowski, "Derivatives of regular expressions", 1964), which take complement and intersection as they come: the
-//! derivative of r after a step is what may follow that step. A state is an expression; equal ones are found because sums and
-//! intersections are sets.
+//! By derivatives (Brzozowski, "Derivatives of regular expressions", 1964), which take complement
+//! and intersection as they come: the derivative of r after a step is what may follow that step. A
+//! state is an expression; equal ones are found because sums and intersections are sets.
 
 use crate::bound::TooLarge;
 use crate::symbolic::{Automaton, Values};

@@ -1,7 +1,9 @@
-//! Finite automata over the letters `0..letters`, deterministic and without a state for what is refused.
+//! Finite automata over the letters `0..letters`, deterministic and without a state for what is
+//! refused.
 //!
-//! Breadth-first exploration of whatever can be stepped, partition refinement for the smallest automaton (Hopcroft, "An n log n algorithm for
-//! minimizing states in a finite automaton", 1971), the product for comparing two.
+//! Breadth-first exploration of whatever can be stepped, partition refinement for the smallest
+//! automaton (Hopcroft, "An n log n algorithm for minimizing states in a finite automaton", 1971),
+//! the product for comparing two.
 
 use crate::bound::{Bound, TooLarge};
 use crate::partition::Partition;
@@ -15,7 +17,8 @@ const DEADLINE_CHECK_INTERVAL: usize = 64;
 /// What stands in place of a state where a letter is refused.
 pub const REFUSED: u32 = u32::MAX;
 
-/// A deterministic automaton. States are numbered in the order in which they are found from the start, letters ascending.
+/// A deterministic automaton. States are numbered in the order in which they are found from the
+/// start, letters ascending.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Dfa {
     letters: usize,
@@ -37,8 +40,8 @@ pub struct Explored<S> {
 }
 
 impl Dfa {
-    /// Everything that can be reached from `start`, which becomes state 0. `step` gives the state after a letter, `None` where it is
-    /// refused; `complete` says whether a word may end.
+    /// Everything that can be reached from `start`, which becomes state 0. `step` gives the state
+    /// after a letter, `None` where it is refused; `complete` says whether a word may end.
     ///
     /// # Errors
     /// When there are more states than `bound` allows, or the time is over.
@@ -70,7 +73,8 @@ impl Dfa {
     /// The same from one start, with a step that may be too large itself.
     ///
     /// # Errors
-    /// When a step is too large, when there are more states than `bound` allows, or the time is over.
+    /// When a step is too large, when there are more states than `bound` allows, or the time is
+    /// over.
     pub fn try_explore<S: Clone + Eq + Hash>(
         letters: usize,
         start: S,
@@ -262,7 +266,8 @@ impl Dfa {
             .expect("no more states than before; please report this")
     }
 
-    /// For every state the number of its class, and how many there are: states of one class have the same words and the same refusals.
+    /// For every state the number of its class, and how many there are: states of one class have
+    /// the same words and the same refusals.
     fn classes(&self) -> (Vec<u32>, usize) {
         let states = self.states();
         // What is refused leads to one state more.
@@ -271,7 +276,8 @@ impl Dfa {
             REFUSED => sink,
             to => to,
         };
-        // The states before each, letter by letter; the sink is before itself, and splits nothing off by that.
+        // The states before each, letter by letter; the sink is before itself, and splits nothing
+        // off by that.
         let places = states + 1;
         let mut first = vec![0_u32; self.letters * places + 1];
         for state in 0..states {
@@ -336,8 +342,9 @@ impl Dfa {
         (class, count as usize)
     }
 
-    /// The shortest word that is in one of the languages and not in the other, the least among those of its length. `None` where the
-    /// languages are the same. Takes time in the product of the numbers of states.
+    /// The shortest word that is in one of the languages and not in the other, the least among
+    /// those of its length. `None` where the languages are the same. Takes time in the product of
+    /// the numbers of states.
     ///
     /// # Panics
     /// When the letters are not the same.
@@ -371,7 +378,8 @@ impl Dfa {
 mod tests {
     use super::*;
 
-    /// Words over two letters whose number of ones is a multiple of `n`; a zero is refused after `most` of them in a row.
+    /// Words over two letters whose number of ones is a multiple of `n`; a zero is refused after
+    /// `most` of them in a row.
     fn counting(n: u32, most: u32) -> Dfa {
         let step = |&(ones, zeros): &(u32, u32), letter: usize| match letter {
             0 if zeros == most => None,

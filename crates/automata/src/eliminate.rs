@@ -1,9 +1,11 @@
 //! From an automaton to a short regular expression.
 //!
-//! States are eliminated one after the other (Brzozowski and `McCluskey`, "Signal flow graph techniques for sequential circuit state
-//! diagrams", 1963). The order decides how long the expression gets. Where there are few states, all orders are tried; else the state
-//! through which the least text would be copied goes first (Delgado and Morais, "Approximation to the smallest regular expression for a
-//! given regular language", 2004). What comes out is turned into an automaton again and compared.
+//! States are eliminated one after the other (Brzozowski and `McCluskey`, "Signal flow graph
+//! techniques for sequential circuit state diagrams", 1963). The order decides how long the
+//! expression gets. Where there are few states, all orders are tried; else the state through which
+//! the least text would be copied goes first (Delgado and Morais, "Approximation to the smallest
+//! regular expression for a given regular language", 2004). What comes out is turned into an
+//! automaton again and compared.
 
 use crate::bound::{Bound, MOST_STATES, TooLarge};
 use crate::dfa::{Dfa, REFUSED};
@@ -13,13 +15,15 @@ use linewright_core::deadline::Deadline;
 /// With so many states at most, all orders are tried.
 const ALL_ORDERS: usize = 7;
 
-/// Of more states than this, the smallest automaton taken, an expression would be too long, or take too long to make.
+/// Of more states than this, the smallest automaton taken, an expression would be too long, or take
+/// too long to make.
 pub const MOST_ELIMINATED: usize = 512;
 
 /// An expression longer than this is no use to anyone.
 pub const MOST_SIZE: usize = 1 << 16;
 
-/// The expression between any two states; the last two are a start before the start, and an end behind all complete states.
+/// The expression between any two states; the last two are a start before the start, and an end
+/// behind all complete states.
 #[derive(Clone)]
 struct Graph {
     states: usize,
@@ -116,11 +120,12 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
 /// A short expression with the words of an automaton.
 ///
 /// # Errors
-/// When there are more than [`MOST_ELIMINATED`] states, or it would be longer than [`MOST_SIZE`], or is too large to be compared, or when the
-/// time is over.
+/// When there are more than [`MOST_ELIMINATED`] states, or it would be longer than [`MOST_SIZE`],
+/// or is too large to be compared, or when the time is over.
 ///
 /// # Panics
-/// When the expression does not have the words of the automaton, which would be a fault of this module.
+/// When the expression does not have the words of the automaton, which would be a fault of this
+/// module.
 pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, TooLarge> {
     let dfa = dfa.clone().trimmed().minimal();
     if dfa.states() > MOST_ELIMINATED {

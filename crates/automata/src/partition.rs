@@ -74,8 +74,9 @@ impl Partition {
         self.place[other as usize] = at;
     }
 
-    /// Splits blocks of which some are marked and some are not; the marked ones become a block of their own. Nothing is marked then. `seen` is
-    /// told of the old block, the new one, and whether that is the smaller half.
+    /// Splits blocks of which some are marked and some are not; the marked ones become a block of
+    /// their own. Nothing is marked then. `seen` is told of the old block, the new one, and whether
+    /// that is the smaller half.
     pub fn split(&mut self, mut seen: impl FnMut(u32, u32, bool)) {
         for old in std::mem::take(&mut self.touched) {
             let [begin, end, marked] = self.blocks[old as usize];

@@ -17,7 +17,8 @@ pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
     way
 }
 
-/// The labels of a shortest way from `start` to a state that is `wanted`; the least one where labels are given in ascending order.
+/// The labels of a shortest way from `start` to a state that is `wanted`; the least one where
+/// labels are given in ascending order.
 pub fn shortest<S: Clone + Eq + Hash, L: Copy>(
     start: S,
     successors: impl Fn(&S) -> Vec<(L, S)>,

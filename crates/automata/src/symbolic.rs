@@ -1,8 +1,9 @@
-//! Deterministic automata over the conditions that hold in a step: each state decides by those that matter to it.
+//! Deterministic automata over the conditions that hold in a step: each state decides by those that
+//! matter to it.
 //!
-//! Conditions are numbered, and asked in rising order (Akers, "Binary decision diagrams", 1978, without sharing). Every step has a successor.
-//! What *accepting* means is left to whoever made the automaton: that a word may end, or that such a state comes again and again
-//! (Büchi).
+//! Conditions are numbered, and asked in rising order (Akers, "Binary decision diagrams", 1978,
+//! without sharing). Every step has a successor. What *accepting* means is left to whoever made the
+//! automaton: that a word may end, or that such a state comes again and again (Büchi).
 
 use crate::bound::TooLarge;
 use std::collections::BTreeMap;
@@ -76,11 +77,12 @@ pub struct Automaton {
 }
 
 impl Automaton {
-    /// Everything that can be reached from `start`, which becomes state 0. `conditions` says what decides a state's step, in rising order;
-    /// `step` gives the state after it.
+    /// Everything that can be reached from `start`, which becomes state 0. `conditions` says what
+    /// decides a state's step, in rising order; `step` gives the state after it.
     ///
     /// # Errors
-    /// When there are more than [`MAX_STATES`] states, or more than [`MAX_CONDITIONS`] conditions decide a step, or where `step` says so.
+    /// When there are more than [`MAX_STATES`] states, or more than [`MAX_CONDITIONS`] conditions
+    /// decide a step, or where `step` says so.
     pub fn explore<S: Clone + Ord>(
         start: S,
         conditions: impl Fn(&S) -> Vec<usize>,
@@ -136,8 +138,8 @@ impl Automaton {
         }
     }
 
-    /// The same without states that nothing tells apart (Moore, "Gedanken-experiments on sequential machines", 1956: decisions are compared
-    /// as a whole, so that no letter is written out).
+    /// The same without states that nothing tells apart (Moore, "Gedanken-experiments on sequential
+    /// machines", 1956: decisions are compared as a whole, so that no letter is written out).
     #[must_use]
     pub fn minimal(&self) -> Self {
         let mut class: Vec<usize> = self.accepting.iter().map(|a| usize::from(*a)).collect();
@@ -182,7 +184,8 @@ fn at_most(limit: usize, count: usize, what: &'static str) -> Result<(), TooLarg
 mod tests {
     use super::*;
 
-    /// Counts the steps in which condition 7 holds up to `most`; accepting where the count is a multiple of `n`.
+    /// Counts the steps in which condition 7 holds up to `most`; accepting where the count is a
+    /// multiple of `n`.
     fn counting(n: usize, most: usize) -> Result<Automaton, TooLarge> {
         let step = |count: &usize, values: &Values| Ok((count + usize::from(values[&7])) % most);
         Automaton::explore(0, |_| vec![7], step, |count| count.is_multiple_of(n))

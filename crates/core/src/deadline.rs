@@ -1,4 +1,5 @@
-//! When to give up: `--timeout` and Ctrl-C, made once a command and passed down. Nothing else below `cli` may let a clock decide.
+//! When to give up: `--timeout` and Ctrl-C, made once a command and passed down. Nothing else below
+//! `cli` may let a clock decide.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -24,7 +25,8 @@ impl Late {
     }
 }
 
-/// An instant after which work is given up, and a flag that ends it at once; by default there is neither.
+/// An instant after which work is given up, and a flag that ends it at once; by default there is
+/// neither.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Deadline {
     instant: Option<Instant>,

@@ -1,4 +1,5 @@
-//! What every part of Linewright speaks of: sources and places in them, findings, taxonomies, and GR(1) specifications.
+//! What every part of Linewright speaks of: sources and places in them, findings, taxonomies, and
+//! GR(1) specifications.
 
 pub mod deadline;
 pub mod diagnostics;

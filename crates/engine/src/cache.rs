@@ -1,12 +1,14 @@
 //! What is known of contracts that were solved before: an unchanged one is not solved again.
 //!
-//! Two kinds of files. An *entry* stands under a hash of all that decides a result: the specification without its places in
-//! a file, the options of the solver, and the program itself. A *version* stands under a contract's name and says in which
-//! order its last large game ended and which region was won, for when the contract has changed.
+//! Two kinds of files. An *entry* stands under a hash of all that decides a result: the
+//! specification without its places in a file, the options of the solver, and the program itself. A
+//! *version* stands under a contract's name and says in which order its last large game ended and
+//! which region was won, for when the contract has changed.
 //!
-//! Nothing depends on a file being there: it can be deleted at any time, it appears whole or not at all, one that does not
-//! match its own checksum is not read, and where nothing can be written nothing is. Entries hold results and no messages, so
-//! that the findings of a contract that has moved within its file point at the right place.
+//! Nothing depends on a file being there: it can be deleted at any time, it appears whole or not at
+//! all, one that does not match its own checksum is not read, and where nothing can be written
+//! nothing is. Entries hold results and no messages, so that the findings of a contract that has
+//! moved within its file point at the right place.
 
 use super::controller::ExtractionOptions;
 use super::pipeline::Explained;
@@ -50,7 +52,8 @@ pub struct Cache {
 pub struct Entry {
     /// Whether there is a controller.
     pub realizable: bool,
-    /// For an unrealizable contract, the guarantees that clash; `None` when a limit was reached first.
+    /// For an unrealizable contract, the guarantees that clash; `None` when a limit was reached
+    /// first.
     pub core: Option<Vec<GuaranteeRef>>,
     /// What was examined.
     pub examined: Examined,
@@ -237,21 +240,25 @@ impl Formulas {
 
     /// Whether a region won in a game with these formulas holds every region won with `new`.
     ///
-    /// Let `F(Z) = ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre((Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′))`, whose greatest fixpoint within the legal states S is
-    /// the region. If `F′(Z) ⊆ F(Z)` for all Z, and `S′ ⊆ S`, then `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. That is so when
+    /// Let `F(Z) = ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre((Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′))`, whose greatest fixpoint
+    /// within the legal states S is the region. If `F′(Z) ⊆ F(Z)` for all Z, and `S′ ⊆ S`, then
+    /// `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. That is so when
     ///
-    /// - the assumed invariants are the same and no guaranteed one is gone: `S′ ⊆ S`. With fewer assumed invariants there would be
-    ///   new states, of which nothing is known;
-    /// - no assumed safety is new: the plant can do all that it could before, so `∀x′. ρe → …` became harder;
-    /// - no guaranteed safety is gone: the machine can do no more than before, so `∃y′. ρs ∧ …` became harder;
-    /// - no assumed justice is new: `⋁ᵢ` ranges over no more than before. None at all is `Aᵢ = true`, which makes `νX` smaller
-    ///   than any other assumption does;
-    /// - no guaranteed justice is gone: `⋀ⱼ` ranges over no fewer than before. None at all is `Gⱼ = true`, which makes `μY` larger
-    ///   than any other goal does.
+    /// - the assumed invariants are the same and no guaranteed one is gone: `S′ ⊆ S`. With fewer
+    ///   assumed invariants there would be new states, of which nothing is known;
+    /// - no assumed safety is new: the plant can do all that it could before, so `∀x′. ρe → …`
+    ///   became harder;
+    /// - no guaranteed safety is gone: the machine can do no more than before, so `∃y′. ρs ∧ …`
+    ///   became harder;
+    /// - no assumed justice is new: `⋁ᵢ` ranges over no more than before. None at all is
+    ///   `Aᵢ = true`, which makes `νX` smaller than any other assumption does;
+    /// - no guaranteed justice is gone: `⋀ⱼ` ranges over no fewer than before. None at all is
+    ///   `Gⱼ = true`, which makes `μY` larger than any other goal does.
     ///
-    /// Initial conditions only decide whether the region is enough. Searching from `S′ ∧ νF` instead of S′ ends in the same
-    /// region: every step maps a set that holds νF′ to one that does, none grows, and where no step changes anything the
-    /// set is a fixpoint of F′, hence within νF′.
+    /// Initial conditions only decide whether the region is enough. Searching from `S′ ∧ νF`
+    /// instead of S′ ends in the same region: every step maps a set that holds νF′ to one that
+    /// does, none grows, and where no step changes anything the set is a fixpoint of F′, hence
+    /// within νF′.
     fn hold_regions_of(&self, new: &Self) -> bool {
         self.assumed_invariants == new.assumed_invariants
             && new.assumed_safety.is_subset(&self.assumed_safety)
@@ -290,7 +297,8 @@ impl Version {
         }
     }
 
-    /// What a specification can begin with. The region comes with the solver's own checks: it is used only where it fits.
+    /// What a specification can begin with. The region comes with the solver's own checks: it is
+    /// used only where it fits.
     pub fn hints(&self, specification: &Specification) -> Hints {
         if self.variables != variables(specification) {
             return Hints {
@@ -316,8 +324,8 @@ impl Version {
         }
     }
 
-    /// The order of the variables that both have, each new one behind the one that is declared before it. `None` unless at least
-    /// half of them are known.
+    /// The order of the variables that both have, each new one behind the one that is declared
+    /// before it. `None` unless at least half of them are known.
     fn order_by_name(&self, specification: &Specification) -> Option<Order> {
         let places: BTreeMap<&str, usize> = self
             .order_of_variables
@@ -347,8 +355,8 @@ impl Version {
 }
 
 impl Cache {
-    /// The folder that `LINEWRIGHT_CACHE` names, or else one in the user's folder for caches. `None` where the variable says
-    /// `off`, or where there is no such folder.
+    /// The folder that `LINEWRIGHT_CACHE` names, or else one in the user's folder for caches.
+    /// `None` where the variable says `off`, or where there is no such folder.
     pub fn of_user() -> Option<Self> {
         let named = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty());
         if let Some(folder) = named("LINEWRIGHT_CACHE") {
@@ -413,7 +421,8 @@ impl Cache {
         format!("version-{}", feed.finish())
     }
 
-    /// A file's content, if it is whole and its own: its first line is the checksum of its name and the rest.
+    /// A file's content, if it is whole and its own: its first line is the checksum of its name and
+    /// the rest.
     fn read<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         let bytes = disk::read(&self.folder.join(name)).ok()?;
         let end = bytes.iter().position(|b| *b == b'\n')?;

@@ -1,5 +1,5 @@
-//! Whether a line asks its stations for operations as their machines assume it: orders of skills above all, which a machine that is called
-//! from outside hands on to its caller.
+//! Whether a line asks its stations for operations as their machines assume it: orders of skills
+//! above all, which a machine that is called from outside hands on to its caller.
 
 use super::closed;
 use crate::controlled::Controlled;
@@ -25,7 +25,8 @@ pub struct CallCheck {
     pub undecided: Vec<(String, Undecided)>,
 }
 
-/// Looks at the stations that are `wanted`. Where contracts alone do not show it, and `controlled` has the controllers of a machine, these may.
+/// Looks at the stations that are `wanted`. Where contracts alone do not show it, and `controlled`
+/// has the controllers of a machine, these may.
 pub fn examine<'a>(
     line: &Line,
     wanted: impl Fn(usize) -> bool,

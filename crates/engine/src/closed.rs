@@ -106,7 +106,8 @@ pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
     open.what.part.is_none() && formula.name == COMPLETES
 }
 
-/// What is wrong with operations. One that can never begin is no mistake of a machine that only works within others.
+/// What is wrong with operations. One that can never begin is no mistake of a machine that only
+/// works within others.
 pub fn operations(closed: &Closed<'_>, verdict: &Verdict, standing: Standing) -> Vec<Diagnostic> {
     let misruns = verdict.misruns.iter().map(|m| {
         let mut finding = misrun(closed, m);
@@ -227,7 +228,8 @@ fn active(closed: &Closed<'_>, values: &[i64]) -> Option<String> {
     active.map(|i| name(closed.machine, i))
 }
 
-/// A run as a table: what is asked for, what says that an action is active, and what says that the operation is done.
+/// A run as a table: what is asked for, what says that an action is active, and what says that the
+/// operation is done.
 fn table(closed: &Closed<'_>, steps: &[Vec<i64>]) -> String {
     let mut shown: BTreeSet<VarId> = BTreeSet::new();
     let machine = closed.machine;

@@ -1,7 +1,8 @@
 //! The controller of a won game: extracted in the form that was asked for, and verified.
 //!
-//! Where either form will do, a machine is tried for small games only, and given up when it grows, or when its tables would take much
-//! room in a station library. What decides are bits, nodes and bytes: a bound on time would make the form depend on the computer.
+//! Where either form will do, a machine is tried for small games only, and given up when it grows,
+//! or when its tables would take much room in a station library. What decides are bits, nodes and
+//! bytes: a bound on time would make the form depend on the computer.
 
 use super::pipeline::InternalError;
 use super::statistics::Seconds;
@@ -17,8 +18,8 @@ const MACHINE_PEAK_NODES: u64 = 50_000;
 /// A machine is only tried for games of at most so many pairs of bits.
 const MACHINE_PAIRS: usize = 48;
 
-/// Where functions will do, a machine is given up that needs more nodes than this at once, or more pairs of a state and inputs
-/// to be verified.
+/// Where functions will do, a machine is given up that needs more nodes than this at once, or more
+/// pairs of a state and inputs to be verified.
 const MACHINE_NODES: u64 = 500_000;
 
 /// Where functions will do, a machine is given up whose tables would take more bytes than this.

@@ -1,9 +1,11 @@
 //! Finds and reads source files: paths of the command line, imports, and the bundled library.
 //!
-//! A file has one name however it was reached (`Names`), since the resolver takes equal names for the same file. Names are
-//! joined and cleaned (`a/../b.lw` is `b.lw`), and the library's begin with `std/`.
+//! A file has one name however it was reached (`Names`), since the resolver takes equal names for
+//! the same file. Names are joined and cleaned (`a/../b.lw` is `b.lw`), and the library's begin
+//! with `std/`.
 //!
-//! Files of other tools are told by their ending. They are read where they are named; in a folder, only `.lw` files are looked for.
+//! Files of other tools are told by their ending. They are read where they are named; in a folder,
+//! only `.lw` files are looked for.
 
 use include_dir::{Dir, include_dir};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -45,7 +47,8 @@ impl StandardLibrary {
         }
     }
 
-    /// The paths of all contracts in it, in alphabetic order; a finding for each folder that cannot be read.
+    /// The paths of all contracts in it, in alphabetic order; a finding for each folder that cannot
+    /// be read.
     fn paths(&self) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut paths, mut findings) = (Vec::new(), Vec::new());
         match &self.folder {
@@ -97,7 +100,8 @@ impl StandardLibrary {
     }
 }
 
-/// The name of each place on the disk: that by which it was reached first. `../a/b.lw` in the folder `a` is `b.lw`, as is a link to it.
+/// The name of each place on the disk: that by which it was reached first. `../a/b.lw` in the
+/// folder `a` is `b.lw`, as is a link to it.
 #[derive(Debug, Default)]
 struct Names(BTreeMap<PathBuf, String>);
 
@@ -123,7 +127,8 @@ fn imported(path: &str, importer: &str) -> String {
     clean(&folder.join(path))
 }
 
-/// What was read: the library, the findings so far, and which names were asked for (the others were imported).
+/// What was read: the library, the findings so far, and which names were asked for (the others were
+/// imported).
 #[derive(Debug, Default)]
 pub struct Loaded {
     /// What the files declare.
@@ -159,7 +164,8 @@ impl Loaded {
         self.foreign.iter().find(|f| f.file == file)
     }
 
-    /// Whether a file of another tool could not be read. One with a mistake in it is one that does not parse, whatever the mistake is.
+    /// Whether a file of another tool could not be read. One with a mistake in it is one that does
+    /// not parse, whatever the mistake is.
     pub fn lacks_foreign(&self) -> bool {
         let mut foreign = self.foreign.iter();
         foreign.any(|f| f.reading.specification.is_none())
@@ -222,8 +228,8 @@ impl Loaded {
     }
 }
 
-/// Loads the files and folders that a command was given, and all that they import. No path at all is `./contracts`, or else
-/// the whole bundled library.
+/// Loads the files and folders that a command was given, and all that they import. No path at all
+/// is `./contracts`, or else the whole bundled library.
 pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
     let mut loaded = Loaded::default();
     let mut files: Vec<(String, String)> = Vec::new();
@@ -277,7 +283,8 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
     loaded
 }
 
-/// The paths that a command was given, or the default folder; none at all for the whole bundled library.
+/// The paths that a command was given, or the default folder; none at all for the whole bundled
+/// library.
 fn given(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
     if paths.is_empty() && standard.folder.is_none() && Path::new(DEFAULT_FOLDER).is_dir() {
         return vec![DEFAULT_FOLDER.to_owned()];
@@ -285,8 +292,8 @@ fn given(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
     paths.to_vec()
 }
 
-/// What a command that was given some paths looks at on the disk now: folders, and files in and beside them, whether they are
-/// there or not. What is imported comes on top.
+/// What a command that was given some paths looks at on the disk now: folders, and files in and
+/// beside them, whether they are there or not. What is imported comes on top.
 pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Vec<PathBuf>) {
     let (mut folders, mut files) = (Vec::new(), Vec::new());
     let given = given(paths, standard);
@@ -386,8 +393,8 @@ struct Search {
     unreadable: Vec<(String, String)>,
 }
 
-/// Looks for `.lw` files below a folder. Folders whose name begins with a dot are left out, and symbolic links to folders
-/// too: they can lead in a circle.
+/// Looks for `.lw` files below a folder. Folders whose name begins with a dot are left out, and
+/// symbolic links to folders too: they can lead in a circle.
 fn search(folder: &Path) -> Search {
     let mut found = Search::default();
     let mut folders = vec![folder.to_owned()];
@@ -463,7 +470,8 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
     .with_help("give the path of a .lw file (`check` and `synth` take .spc, .slugsin, .structuredslugs, .spectra and .tlsf, too), or of a folder that holds .lw files")
 }
 
-/// A path without `.` and, as far as possible, `..`, with slashes. What lies above a link to a folder is not what stands before it.
+/// A path without `.` and, as far as possible, `..`, with slashes. What lies above a link to a
+/// folder is not what stands before it.
 fn clean(path: &Path) -> String {
     use std::path::Component;
     let mut parts = PathBuf::new();

@@ -8,7 +8,8 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::order::lower::rule_of;
 
-/// The findings of a proof. `at` says where a part stands in the text, and the claim's own formulas where there is no part.
+/// The findings of a proof. `at` says where a part stands in the text, and the claim's own formulas
+/// where there is no part.
 pub fn of_proof(
     printer: ProofPrinter<'_>,
     proof: &Proof,

@@ -1,11 +1,13 @@
-//! Faults of this program: a panic is caught where the other contracts, machines and lines can still be judged, or at the top.
+//! Faults of this program: a panic is caught where the other contracts, machines and lines can
+//! still be judged, or at the top.
 //!
-//! A panic means that a rule of ours is broken, so nothing may be concluded of what was being looked at: it is no verdict, but a finding of its
-//! own (LW007) that says what was being done, and the exit code 4. What is being done is said where it begins ([`within`], [`caught`]), in any
+//! A panic means that a rule of ours is broken, so nothing may be concluded of what was being
+//! looked at: it is no verdict, but a finding of its own (LW007) that says what was being done, and
+//! the exit code 4. What is being done is said where it begins ([`within`], [`caught`]), in any
 //! thread; a thread hands what it knows on with the panic.
 //!
-//! A build with debug assertions panics on purpose where the variable `LINEWRIGHT_PANIC` names a part of what is being done; so the tests
-//! reach every place that catches.
+//! A build with debug assertions panics on purpose where the variable `LINEWRIGHT_PANIC` names a
+//! part of what is being done; so the tests reach every place that catches.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
@@ -87,10 +89,12 @@ fn text(payload: &(dyn Any + Send)) -> String {
     }
 }
 
-/// Does some work. A panic ends the work, and is given back with what was being done: a verbal phrase, `checking the machine `T` of a.lw`.
+/// Does some work. A panic ends the work, and is given back with what was being done: a verbal
+/// phrase, `checking the machine `T` of a.lw`.
 pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Result<R, Fault> {
     CATCHING.set(CATCHING.get() + 1);
-    // What the work leaves half done is not looked at again: its result is dropped, and a finding stands in its place.
+    // What the work leaves half done is not looked at again: its result is dropped, and a finding
+    // stands in its place.
     let mut named = None;
     let result = catch_unwind(AssertUnwindSafe(|| {
         let doing = named.insert(doing());
@@ -113,7 +117,8 @@ pub fn within<R>(doing: &str, work: impl FnOnce() -> R) -> R {
     caught(|| doing.to_owned(), work).unwrap_or_else(|fault| resume_unwind(Box::new(fault)))
 }
 
-/// A panic that somebody catches is said by whoever does; its backtrace is shown where it is asked for (`RUST_BACKTRACE`).
+/// A panic that somebody catches is said by whoever does; its backtrace is shown where it is asked
+/// for (`RUST_BACKTRACE`).
 pub fn watch_panics() {
     let default = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {

@@ -1,7 +1,9 @@
-//! What is judged of a machine with its controllers, and of the skills that it calls: made once, and asked by `check`, `build` and `run` alike.
+//! What is judged of a machine with its controllers, and of the skills that it calls: made once,
+//! and asked by `check`, `build` and `run` alike.
 //!
-//! `check` shows how it comes about; `build` and `run` only need to know what is wrong. That nothing is wrong is remembered beside what is known
-//! of contracts, so that a run after a check does not judge again.
+//! `check` shows how it comes about; `build` and `run` only need to know what is wrong. That
+//! nothing is wrong is remembered beside what is known of contracts, so that a run after a check
+//! does not judge again.
 
 use super::cache::{Cache, Key};
 use super::internal;

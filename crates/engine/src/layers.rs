@@ -1,8 +1,10 @@
 //! What proofs of a machine rely on of the machines within it.
 //!
-//! In the proof of a cell, a machine that refines a contract stands there as that contract. This is sound when the machine, with the arguments
-//! that it has there, keeps the contract step by step, whoever surrounds it; that is proved here, layer by layer from below. Where it
-//! refines none, its own components take part in the proof, and those of its machines that refine one stand for themselves.
+//! In the proof of a cell, a machine that refines a contract stands there as that contract. This is
+//! sound when the machine, with the arguments that it has there, keeps the contract step by step,
+//! whoever surrounds it; that is proved here, layer by layer from below. Where it refines none, its
+//! own components take part in the proof, and those of its machines that refine one stand for
+//! themselves.
 
 use crate::closed::undecided;
 use crate::words::ProofPrinter;
@@ -16,7 +18,8 @@ use linewright_solver::game::Limits;
 /// What was proved already: two machines of one kind are proved once.
 type Known = Vec<(System, Claim)>;
 
-/// Proves the promises that the proof of a machine relies on; what is not kept is a finding at the inner machine.
+/// Proves the promises that the proof of a machine relies on; what is not kept is a finding at the
+/// inner machine.
 pub(super) fn promises(machine: &Machine, limits: &Limits, findings: &mut Vec<Diagnostic>) {
     let mut known = Known::new();
     for inner in &machine.layers.inner {
@@ -101,7 +104,8 @@ fn broken(
     ))
 }
 
-/// What a machine reads of those within it although their contracts do not speak of it: proofs know nothing of that.
+/// What a machine reads of those within it although their contracts do not speak of it: proofs know
+/// nothing of that.
 pub(super) fn beyond(machine: &Machine) -> Option<String> {
     let mut unspecified = Vec::new();
     for component in &machine.abstracted().components {

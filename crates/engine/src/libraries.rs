@@ -18,8 +18,8 @@ pub struct Written {
     pub findings: Vec<Diagnostic>,
 }
 
-/// Writes a machine's station library, or its sources where there is no toolchain, into a folder. With what Windows can load come the C
-/// source and the texts for Plant Simulation.
+/// Writes a machine's station library, or its sources where there is no toolchain, into a folder.
+/// With what Windows can load come the C source and the texts for Plant Simulation.
 pub fn build(
     controlled: &Controlled<'_>,
     profile: &Profile,
@@ -57,7 +57,8 @@ pub fn build(
 }
 
 impl Written {
-    /// Writes the methods that call a library. A user puts paths and stations into them, so that a file that differs is kept.
+    /// Writes the methods that call a library. A user puts paths and stations into them, so that a
+    /// file that differs is kept.
     fn methods(&mut self, folder: &Path, library: &str, text: &str) -> Result<(), Box<Diagnostic>> {
         let path = folder.join(simtalk::methods_name(library));
         match output::keep(
@@ -77,7 +78,8 @@ impl Written {
     }
 }
 
-/// Writes the probe's library, or its sources, and the SimTalk that calls it. With a profile it is the second round.
+/// Writes the probe's library, or its sources, and the SimTalk that calls it. With a profile it is
+/// the second round.
 pub fn build_probe(
     profile: Option<&Profile>,
     toolchain: Option<&Toolchain>,

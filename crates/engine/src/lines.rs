@@ -56,8 +56,9 @@ pub struct Proof {
     pub findings: Vec<Diagnostic>,
 }
 
-/// Proves a line, or says what keeps it from being true: `docs/proof.md` has the theorem. The table of what rests on what takes longer than the
-/// verdict, and is made where it is wanted. `controlled` has the controllers of a machine, as far as they are there.
+/// Proves a line, or says what keeps it from being true: `docs/proof.md` has the theorem. The table
+/// of what rests on what takes longer than the verdict, and is made where it is wanted.
+/// `controlled` has the controllers of a machine, as far as they are there.
 pub fn examine<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
@@ -126,8 +127,9 @@ fn has_controllers<'a>(
     }
 }
 
-/// Follows the parts of a line and adds what `check`, `build` and `run` all say of it: calls that are refused, parts without a way, routes that
-/// no part takes, and the limit of the command that cut this short. It takes out what the resolver was not sure of, once that is decided.
+/// Follows the parts of a line and adds what `check`, `build` and `run` all say of it: calls that
+/// are refused, parts without a way, routes that no part takes, and the limit of the command that
+/// cut this short. It takes out what the resolver was not sure of, once that is decided.
 pub fn judge<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
@@ -152,7 +154,8 @@ pub fn judge<'a>(
     findings.extend(cut_short.map(|(node, why)| not_followed(line, *node, why)));
 }
 
-/// Whether this is a doubt about a route of the line that following its parts clears up: the resolver does not know their values.
+/// Whether this is a doubt about a route of the line that following its parts clears up: the
+/// resolver does not know their values.
 pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
     let of_line = |span| line.routes.iter().any(|route| route.span == span);
     finding.code == codes::LINE_ROUTE
@@ -164,7 +167,8 @@ pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
 struct Followed {
     /// The calls that were tried.
     calls: Calls,
-    /// What keeps the line from being proved: calls that are refused, parts without a way, work that takes no time.
+    /// What keeps the line from being proved: calls that are refused, parts without a way, work
+    /// that takes no time.
     wrong: Vec<Diagnostic>,
     /// What else is worth knowing.
     remarks: Vec<Diagnostic>,
@@ -287,8 +291,8 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     }
 }
 
-/// What rests on what. Of what was not decided nothing is said; nothing at all where a limit was reached first, for the verdict is known without
-/// it.
+/// What rests on what. Of what was not decided nothing is said; nothing at all where a limit was
+/// reached first, for the verdict is known without it.
 fn table(
     line: &Line,
     abstraction: &Abstraction,

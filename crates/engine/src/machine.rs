@@ -1,5 +1,6 @@
-//! What `check` says of a machine as a whole: how its components discharge one another's assumptions, whether it keeps its own guarantees, and
-//! whether it refines the contracts that it is said to refine.
+//! What `check` says of a machine as a whole: how its components discharge one another's
+//! assumptions, whether it keeps its own guarantees, and whether it refines the contracts that it
+//! is said to refine.
 
 use super::layers;
 use crate::closed::{self, bounded, undecided};
@@ -71,7 +72,8 @@ pub enum RefinementVerdict {
 pub struct ClosedEntry {
     /// What they do together.
     pub verdict: ClosedVerdict,
-    /// How many states can be reached: values of all wires, the tables' states, and what is remembered of operations.
+    /// How many states can be reached: values of all wires, the tables' states, and what is
+    /// remembered of operations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub states: Option<u64>,
     /// How each component took part.
@@ -102,8 +104,8 @@ pub struct RefinesEntry {
     pub discharges: Vec<DischargeEntry>,
 }
 
-/// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of those that there are, since what no contract
-/// implies may still hold of them.
+/// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of
+/// those that there are, since what no contract implies may still hold of them.
 pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) -> Proved {
     let limits = &limits.within(Budget::MACHINE);
     let mut result = Proved::default();
@@ -159,7 +161,8 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
         }
     }
     if let Ok(verdict) = &decided {
-        // The proof knows inner machines by their promises, the controllers are those of all layers.
+        // The proof knows inner machines by their promises, the controllers are those of all
+        // layers.
         if is_layered(controlled) {
             both.told_open(verdict, &[], &mut result.findings);
         }
@@ -183,7 +186,8 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
     result
 }
 
-/// Says that the controllers were not put together because the command came to a limit, where nothing has said so yet.
+/// Says that the controllers were not put together because the command came to a limit, where
+/// nothing has said so yet.
 fn cut_short(
     span: Span,
     machine: &Machine,
@@ -210,7 +214,8 @@ struct Both<'a> {
     /// The machine as the proof looks at it.
     machine: &'a Machine,
     closed: &'a Closed<'a>,
-    /// What they show of the same formulas; `None` where a limit was reached, and for machines of machines.
+    /// What they show of the same formulas; `None` where a limit was reached, and for machines of
+    /// machines.
     verdict: Option<&'a Verdict>,
     /// What the coordinator's states show then.
     walked: &'a Composition,
@@ -261,8 +266,9 @@ impl Both<'_> {
         entries.into_iter().map(|(_, e)| e).collect()
     }
 
-    /// What the contracts do not show, and the coordinator's states do. They show an assumption as far as all others are kept, and that
-    /// requests complete where nothing is wrong with an operation.
+    /// What the contracts do not show, and the coordinator's states do. They show an assumption as
+    /// far as all others are kept, and that requests complete where nothing is wrong with an
+    /// operation.
     fn by_the_walk(&self, proof: &Proof) -> Vec<(FormulaRef, DischargeEntry)> {
         let sound = self
             .walked
@@ -396,7 +402,8 @@ fn closed_verdict(decided: &Result<Verdict, Limit>) -> ClosedVerdict {
     }
 }
 
-/// A contract that the machine is said to refine, over the wires of the proof and over those of all layers. Where the components' contracts do not show it, the controllers may.
+/// A contract that the machine is said to refine, over the wires of the proof and over those of all
+/// layers. Where the components' contracts do not show it, the controllers may.
 fn refines(
     controlled: &Controlled<'_>,
     promised: &Promised,

@@ -1,4 +1,5 @@
-//! The controllers of machines: every component's contract with the arguments that the machine gives it.
+//! The controllers of machines: every component's contract with the arguments that the machine
+//! gives it.
 
 use super::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::controlled::Controlled;
@@ -19,8 +20,8 @@ pub struct Planned<'a> {
 }
 
 impl<'a> Planned<'a> {
-    /// Adds a machine's components to the jobs. The coordinator's controller has to be a machine: its states are walked when the
-    /// composition is checked.
+    /// Adds a machine's components to the jobs. The coordinator's controller has to be a machine:
+    /// its states are walked when the composition is checked.
     pub fn new(machine: &'a Machine, jobs: &mut Jobs) -> Self {
         let components = machine.components.iter();
         Self {
@@ -42,7 +43,8 @@ impl<'a> Planned<'a> {
             .fold(Verdict::Realizable, Verdict::and)
     }
 
-    /// What is wrong with its components. What was found at a contract itself is told there, and only pointed at here.
+    /// What is wrong with its components. What was found at a contract itself is told there, and
+    /// only pointed at here.
     pub fn findings(&self, jobs: &Jobs, checked: &[CheckedContract]) -> Vec<Diagnostic> {
         let mut findings = Vec::new();
         for (component, index) in self.machine.components.iter().zip(&self.jobs) {
@@ -95,14 +97,16 @@ impl<'a> Planned<'a> {
     }
 }
 
-/// Whether two machines are one declaration with the same arguments throughout: their libraries are the same. What a machine consists of is
-/// compared as it is written out, so that nothing in it is left out of the comparison.
+/// Whether two machines are one declaration with the same arguments throughout: their libraries are
+/// the same. What a machine consists of is compared as it is written out, so that nothing in it is
+/// left out of the comparison.
 pub fn is_same(one: &Machine, other: &Machine) -> bool {
     std::ptr::eq(one, other)
         || (one.span == other.span && format!("{one:?}") == format!("{other:?}"))
 }
 
-/// Whether two machines are one declaration with the same arguments: their controllers are the same.
+/// Whether two machines are one declaration with the same arguments: their controllers are the
+/// same.
 pub fn is_alike(one: &Machine, other: &Machine) -> bool {
     let mut components = one.components.iter().zip(&other.components);
     one.span == other.span
@@ -110,7 +114,8 @@ pub fn is_alike(one: &Machine, other: &Machine) -> bool {
         && components.all(|(a, b)| a.specification == b.specification && a.bindings == b.bindings)
 }
 
-/// Whether what is judged of one machine holds of the other: they differ in times, powers, limits and defaults at most.
+/// Whether what is judged of one machine holds of the other: they differ in times, powers, limits
+/// and defaults at most.
 pub fn is_judged_alike(one: &Machine, other: &Machine) -> bool {
     let judged = |m: &Machine| {
         let text = format!(
@@ -153,7 +158,8 @@ pub fn is_only_inner(machine: &Machine, library: &Library) -> bool {
         && library.machines.iter().any(|m| contains(m, machine.span))
 }
 
-/// The findings of machines whose controllers are needed: what is missing is an error, each contract is told once.
+/// The findings of machines whose controllers are needed: what is missing is an error, each
+/// contract is told once.
 pub fn findings_where_needed(
     planned: &[Planned<'_>],
     jobs: &Jobs,

@@ -52,7 +52,8 @@ impl ProjectError {
 }
 
 impl Project {
-    /// Reads a file, or every `.lw` file below a folder, and all that is imported; `import std...` reads the bundled library.
+    /// Reads a file, or every `.lw` file below a folder, and all that is imported; `import std...`
+    /// reads the bundled library.
     ///
     /// # Errors
     /// The findings, where one of them is an error.
@@ -96,7 +97,8 @@ impl Project {
         self.library().lines.iter().find(|l| l.name == name)
     }
 
-    /// Synthesizes a machine's controllers, judges it, and writes its station library for this computer into a folder. Gives the files.
+    /// Synthesizes a machine's controllers, judges it, and writes its station library for this
+    /// computer into a folder. Gives the files.
     ///
     /// # Errors
     /// The findings, where one of them is an error.
@@ -113,10 +115,12 @@ impl Project {
         Ok(files)
     }
 
-    /// Synthesizes the controllers of a line's machines, judges these, builds their station libraries into a folder, and runs the line.
+    /// Synthesizes the controllers of a line's machines, judges these, builds their station
+    /// libraries into a folder, and runs the line.
     ///
     /// # Errors
-    /// The findings, where one of them is an error. What goes wrong in a run is in the run's findings.
+    /// The findings, where one of them is an error. What goes wrong in a run is in the run's
+    /// findings.
     pub fn run(
         &self,
         line: &Line,

@@ -21,7 +21,8 @@ pub struct Synthesis<'a> {
 }
 
 impl<'a> Synthesis<'a> {
-    /// Synthesizes the controllers of these machines, each contract once, in parallel. `progress` gets the number of contracts.
+    /// Synthesizes the controllers of these machines, each contract once, in parallel. `progress`
+    /// gets the number of contracts.
     pub fn new(
         machines: impl IntoIterator<Item = &'a Machine>,
         settings: &Settings,
@@ -52,7 +53,8 @@ impl<'a> Synthesis<'a> {
         }
     }
 
-    /// What was found about the contracts, where a controller that is missing is an error, and what is wrong with the skills.
+    /// What was found about the contracts, where a controller that is missing is an error, and what
+    /// is wrong with the skills.
     pub fn findings(&self) -> Vec<Diagnostic> {
         let mut findings =
             machines::findings_where_needed(&self.planned, &self.jobs, &self.checked);

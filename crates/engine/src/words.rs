@@ -1,4 +1,5 @@
-//! Proofs in words: what an obligation rests on and how, what keeps it from being met, and the counterexample as a table.
+//! Proofs in words: what an obligation rests on and how, what keeps it from being met, and the
+//! counterexample as a table.
 
 use crate::findings::list;
 use crate::findings::play::{Row, grid};
@@ -200,7 +201,8 @@ impl<'a> ProofPrinter<'a> {
         steps_table(self.system, &shown, &steps) + &end
     }
 
-    /// The variables of a formula, and those of formulas about the same variables' settings that mention few more.
+    /// The variables of a formula, and those of formulas about the same variables' settings that
+    /// mention few more.
     fn mentioned(&self, at: FormulaRef) -> Vec<VarId> {
         let mut found: BTreeSet<VarId> = BTreeSet::new();
         let mut add = |expr: &Expr| {

@@ -1,7 +1,9 @@
 //! Work that has to end in time, on a thread that is left behind when it does not.
 //!
-//! The stages look at the deadline between the operations of a BDD kernel; a single operation cannot be interrupted, and may
-//! last minutes. So whoever waits here goes on shortly after the deadline, with what the work had reported until then. The thread goes on until the program ends, which is soon.
+//! The stages look at the deadline between the operations of a BDD kernel; a single operation
+//! cannot be interrupted, and may last minutes. So whoever waits here goes on shortly after the
+//! deadline, with what the work had reported until then. The thread goes on until the program ends,
+//! which is soon.
 
 use super::internal;
 use linewright_core::deadline::{Deadline, Late};
@@ -28,7 +30,8 @@ pub enum Ended<P, R> {
     Left(Late, Option<P>),
 }
 
-/// Runs `work` on a thread of its own. What it gives to the function that it is given is kept, in case that it is left.
+/// Runs `work` on a thread of its own. What it gives to the function that it is given is kept, in
+/// case that it is left.
 pub fn run<P, R>(
     deadline: Deadline,
     work: impl FnOnce(&dyn Fn(P)) -> R + Send + 'static,

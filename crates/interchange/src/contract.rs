@@ -1,7 +1,10 @@
-//! Prints a specification as a contract of our own language, so that checking it gives the same verdict.
+//! Prints a specification as a contract of our own language, so that checking it gives the same
+//! verdict.
 //!
-//! A formula about current values among the transitions is not quite an invariant: it holds in every step that is followed by another. The
-//! language says that with `next true -> ...`, unless every step is followed by another, since nothing is asked of the environment's moves. Names that the language does not take are replaced, and listed in comments.
+//! A formula about current values among the transitions is not quite an invariant: it holds in
+//! every step that is followed by another. The language says that with `next true -> ...`, unless
+//! every step is followed by another, since nothing is asked of the environment's moves. Names that
+//! the language does not take are replaced, and listed in comments.
 
 use super::rename::renamed;
 use super::write::is_truth;
@@ -37,7 +40,8 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         let sides = [&specification.assumptions, &specification.guarantees];
         sides.into_iter().flat_map(Side::all)
     };
-    // Labels, variables and helpers share one set of names, so that no reader has to tell them apart.
+    // Labels, variables and helpers share one set of names, so that no reader has to tell them
+    // apart.
     let all: Vec<&str> = variables
         .chain(formulas().map(|f| f.name.as_str()))
         .collect();
@@ -208,7 +212,8 @@ impl Printer<'_> {
         name
     }
 
-    /// `truth` tells whether a constant is a truth value. The recursion is as deep as the expression.
+    /// `truth` tells whether a constant is a truth value. The recursion is as deep as the
+    /// expression.
     fn print(&mut self, expr: &Expr, truth: bool) -> Printed {
         use BinaryOp as B;
         let leaf = |text: String| Printed {

@@ -1,7 +1,8 @@
 //! Infix formulas, as gr1c and structured slugs write them: words, and operators by precedence.
 //!
-//! Dijkstra's shunting yard with two explicit stacks: linear time, no recursion, and the place of a mistake is the word at which it
-//! shows. The two formats differ in their words and in how tightly `&` and `|` bind, see [`Dialect`].
+//! Dijkstra's shunting yard with two explicit stacks: linear time, no recursion, and the place of a
+//! mistake is the word at which it shows. The two formats differ in their words and in how tightly
+//! `&` and `|` bind, see [`Dialect`].
 
 use super::names::{Names, overwrite_low_bits, quoted};
 use super::terms::{Kind, Term};
@@ -12,9 +13,11 @@ use std::ops::Range;
 /// Which words there are and what binds how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dialect {
-    /// gr1c: `&` and `|` bind equally, everything groups from the left; a variable is compared with a number.
+    /// gr1c: `&` and `|` bind equally, everything groups from the left; a variable is compared with
+    /// a number.
     Spc,
-    /// Structured slugs: `&`, `|`, `^`, `->`, `<->` from tight to loose, each grouping from the left; arithmetic.
+    /// Structured slugs: `&`, `|`, `^`, `->`, `<->` from tight to loose, each grouping from the
+    /// left; arithmetic.
     Structured,
 }
 
@@ -209,8 +212,8 @@ fn binding(infix: Infix, dialect: Dialect) -> u8 {
     }
 }
 
-/// Reads a formula from its words. `None` where something is wrong with it, which was reported; `whole` is where to point when
-/// it ends too early.
+/// Reads a formula from its words. `None` where something is wrong with it, which was reported;
+/// `whole` is where to point when it ends too early.
 pub(super) fn formula(
     names: &mut Names<'_>,
     tokens: &[Token],
@@ -233,7 +236,8 @@ struct Yard<'n, 't> {
     dialect: Dialect,
     operands: Vec<Operand>,
     waiting: Vec<Waiting>,
-    /// Whether nothing is wrong but what would hide nothing else: an unknown name, a number where a truth value belongs.
+    /// Whether nothing is wrong but what would hide nothing else: an unknown name, a number where a
+    /// truth value belongs.
     sound: bool,
 }
 
@@ -525,7 +529,8 @@ impl Yard<'_, '_> {
         self.operands.push(operand);
     }
 
-    /// Reports a number where a truth value belongs, or the reverse; gives something of the right kind.
+    /// Reports a number where a truth value belongs, or the reverse; gives something of the right
+    /// kind.
     fn mistyped(&mut self, operand: &Operand, wanted: Kind) -> Term {
         if self.sound {
             let (message, help) = match wanted {

@@ -1,12 +1,14 @@
 //! Which enumerations keep their labels in a printed contract.
 //!
-//! In our language a label is compared, with a value of its own enumeration, and nothing else. A variable whose number a formula counts
-//! with, or whose labels cannot stand as names, is printed as a number.
+//! In our language a label is compared, with a value of its own enumeration, and nothing else. A
+//! variable whose number a formula counts with, or whose labels cannot stand as names, is printed
+//! as a number.
 
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Specification, VarId};
 
-/// For every variable the labels that its values are printed with; none for one that is a number or a truth value, or has to be printed as a
-/// number. `is_free` tells whether a label can stand as a name.
+/// For every variable the labels that its values are printed with; none for one that is a number or
+/// a truth value, or has to be printed as a number. `is_free` tells whether a label can stand as a
+/// name.
 pub(super) fn kept<'s>(
     specification: &'s Specification,
     is_free: &dyn Fn(&str) -> bool,
@@ -44,7 +46,8 @@ pub(super) fn kept<'s>(
     }
 }
 
-/// Takes the labels from variables that are used as numbers. The recursion is as deep as the expression.
+/// Takes the labels from variables that are used as numbers. The recursion is as deep as the
+/// expression.
 fn count_with(expr: &Expr, kept: &mut [Option<&[String]>]) {
     let label = |v: &VarId| kept[v.index()];
     match expr {

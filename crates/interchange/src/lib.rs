@@ -1,21 +1,24 @@
-//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`, Spectra's `.spectra`, and `.tlsf`, the format of LTL
-//! synthesis.
+//! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`,
+//! Spectra's `.spectra`, and `.tlsf`, the format of LTL synthesis.
 //!
-//! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other way for the formats that a solver takes, and
-//! [`contract::write`] prints a specification as a contract of our own language. The formats differ in how a formula
-//! is written, hardly in what it means, so each reader has its own syntax and shares `terms` (operators, sharing, bounds on size and
-//! depth) and `names` (declarations, who may speak of what).
+//! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other
+//! way for the formats that a solver takes, and [`contract::write`] prints a specification as a
+//! contract of our own language. The formats differ in how a formula is written, hardly in what it
+//! means, so each reader has its own syntax and shares `terms` (operators, sharing, bounds on size
+//! and depth) and `names` (declarations, who may speak of what).
 //!
-//! The meaning follows each format's definition, not what its tool happens to do; where the two part, [`own_tool`] says what the
-//! tool would have answered. Sources: the documents `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the
-//! grammar of structured slugs.
+//! The meaning follows each format's definition, not what its tool happens to do; where the two
+//! part, [`own_tool`] says what the tool would have answered. Sources: the documents
+//! `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the grammar of
+//! structured slugs.
 //!
-//! Spectra's and TLSF are languages with declarations and definitions, so their readers have folders of their own, `spectra` and `tlsf`, and
-//! syntax trees.
+//! Spectra's and TLSF are languages with declarations and definitions, so their readers have
+//! folders of their own, `spectra` and `tlsf`, and syntax trees.
 //!
-//! The readers are written by hand rather than with pest: the first three formats are a list of words, prefix or infix operators between
-//! them, and no deeper structure, which explicit stacks read in linear time and without recursion, however deep a formula
-//! nests. Recursive descent, pest's included, would need a bound on nesting before it starts.
+//! The readers are written by hand rather than with pest: the first three formats are a list of
+//! words, prefix or infix operators between them, and no deeper structure, which explicit stacks
+//! read in linear time and without recursion, however deep a formula nests. Recursive descent,
+//! pest's included, would need a bound on nesting before it starts.
 
 pub mod contract;
 mod infix;
@@ -101,8 +104,9 @@ pub struct Reading {
     pub format: Format,
     /// What the file says; `None` where a finding is an error.
     pub specification: Option<Specification>,
-    /// Where some assumptions of the specification are not the file's own, but moved or added to say in GR(1) what the file means: the
-    /// specification with the file's own assumptions only. What is odd about assumptions is to be asked of this one.
+    /// Where some assumptions of the specification are not the file's own, but moved or added to
+    /// say in GR(1) what the file means: the specification with the file's own assumptions only.
+    /// What is odd about assumptions is to be asked of this one.
     pub own: Option<Arc<Specification>>,
     /// What was found on the way.
     pub findings: Vec<Diagnostic>,
@@ -112,15 +116,16 @@ pub struct Reading {
     pub span: Span,
 }
 
-/// Finds a file that another one imports, by the path that is written there: its id, the same each time, and its text; or why it cannot
-/// be read.
+/// Finds a file that another one imports, by the path that is written there: its id, the same each
+/// time, and its text; or why it cannot be read.
 pub type Loader<'a> = dyn FnMut(&str, FileId) -> Result<(FileId, Arc<str>), String> + 'a;
 
-/// Bytes of stack: what the readers' bounds on depth allow times what a level needs, generously. Whoever calls may have less.
+/// Bytes of stack: what the readers' bounds on depth allow times what a level needs, generously.
+/// Whoever calls may have less.
 const STACK: usize = 256 << 20;
 
-/// Reads a text that imports nothing. `name` becomes the specification's name. Never fails: what could not be understood is in the
-/// findings.
+/// Reads a text that imports nothing. `name` becomes the specification's name. Never fails: what
+/// could not be understood is in the findings.
 pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
     let alone = &mut |_: &str, _| Err("no other files are read here".to_owned());
     read_with(format, name, file, text, alone)

@@ -1,14 +1,16 @@
-//! What a format cannot say, said with helper variables. Each lowering gives a specification with the same verdict.
+//! What a format cannot say, said with helper variables. Each lowering gives a specification with
+//! the same verdict.
 //!
-//! They build on one another, so their order is fixed: [`without_invariants`], [`answering_second`], then what only gr1c needs:
-//! [`goals_of_states`] and [`starting_alone`].
+//! They build on one another, so their order is fixed: [`without_invariants`],
+//! [`answering_second`], then what only gr1c needs: [`goals_of_states`] and [`starting_alone`].
 
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
 };
 use linewright_core::source::Span;
 
-/// Invariants as initial conditions and transitions: they hold at the start, and in whatever comes next.
+/// Invariants as initial conditions and transitions: they hold at the start, and in whatever comes
+/// next.
 #[must_use]
 pub fn without_invariants(specification: &Specification) -> Specification {
     let mut result = specification.clone();
@@ -25,8 +27,9 @@ pub fn without_invariants(specification: &Specification) -> Specification {
     result
 }
 
-/// A machine that answers before it sees the inputs, as one that answers after: it names its next outputs a step ahead, so that they
-/// cannot depend on what comes in with them. A step is put in front, in which it names the first ones and nothing else is asked.
+/// A machine that answers before it sees the inputs, as one that answers after: it names its next
+/// outputs a step ahead, so that they cannot depend on what comes in with them. A step is put in
+/// front, in which it names the first ones and nothing else is asked.
 #[must_use]
 pub fn answering_second(specification: &Specification) -> Specification {
     if specification.timing == Timing::Mealy {
@@ -68,7 +71,8 @@ pub fn answering_second(specification: &Specification) -> Specification {
     result
 }
 
-/// Goals over next values as goals over states: a helper of the machine is true after each transition that satisfies the goal.
+/// Goals over next values as goals over states: a helper of the machine is true after each
+/// transition that satisfies the goal.
 #[must_use]
 pub fn goals_of_states(specification: &Specification) -> Specification {
     let mut result = specification.clone();
@@ -95,8 +99,9 @@ pub fn goals_of_states(specification: &Specification) -> Specification {
 
 /// Initial conditions of the machine that speak of inputs, as a condition on its first step.
 ///
-/// Where the machine has started wrongly, the environment may do anything next, so that it surely has a move, and the machine
-/// has none. Without this freedom a machine could start wrongly wherever the environment is stuck at once.
+/// Where the machine has started wrongly, the environment may do anything next, so that it surely
+/// has a move, and the machine has none. Without this freedom a machine could start wrongly
+/// wherever the environment is stuck at once.
 #[must_use]
 pub fn starting_alone(specification: &Specification) -> Specification {
     let about_inputs = |f: &Formula| {

@@ -1,4 +1,5 @@
-//! What the formats have in common beside operators: variables that are declared once, and who may speak of what.
+//! What the formats have in common beside operators: variables that are declared once, and who may
+//! speak of what.
 //!
 //! | section | environment | machine |
 //! |---|---|---|
@@ -20,7 +21,8 @@ use std::ops::Range;
 const MAX_DOMAIN: i64 = 1 << 20;
 /// Numbers in formulas are smaller than this.
 const MAX_NUMBER: i64 = 1 << 40;
-/// All formulas of a file may have so many operators and operands, written out, whatever its length.
+/// All formulas of a file may have so many operators and operands, written out, whatever its
+/// length.
 const MIN_BUDGET: u64 = 4 << 20;
 
 /// For so many unknown names a similar one is looked for: that takes time, and nobody reads more.
@@ -59,7 +61,8 @@ pub(super) struct Names<'t> {
     file: FileId,
     specification: Specification,
     by_name: BTreeMap<&'t str, VarId>,
-    /// Numbers whose domain was refused: nothing is concluded from how many values they seem to have.
+    /// Numbers whose domain was refused: nothing is concluded from how many values they seem to
+    /// have.
     refused: BTreeSet<VarId>,
     /// What the formula at hand has mentioned so far.
     mentions: Vec<Mention>,
@@ -191,7 +194,8 @@ impl<'t> Names<'t> {
         self.mentions.iter().any(|m| self.is_refused(m.var))
     }
 
-    /// Declares a helper of the machine that stands in no file, and gives it a name that nothing has yet.
+    /// Declares a helper of the machine that stands in no file, and gives it a name that nothing
+    /// has yet.
     pub fn helper(&mut self, wanted: &str) -> VarId {
         let mut name = wanted.to_owned();
         while self.specification.variables.iter().any(|v| v.name == name) {
@@ -310,8 +314,9 @@ impl<'t> Names<'t> {
         self.terms.clear();
     }
 
-    /// Adds the formula at hand to a section's list, unless it could not be read or speaks of something it may not, and ends it.
-    /// `range` is its text. Names count refused formulas too, as the author does.
+    /// Adds the formula at hand to a section's list, unless it could not be read or speaks of
+    /// something it may not, and ends it. `range` is its text. Names count refused formulas too, as
+    /// the author does.
     pub fn formula(&mut self, section: Section, term: Option<Term>, range: Range<usize>) {
         let count = self.counts.entry(section).or_default();
         *count += 1;
@@ -384,7 +389,8 @@ impl<'t> Names<'t> {
         Some(expr)
     }
 
-    /// Whether the formula at hand speaks of nothing that its section may not; reports it otherwise.
+    /// Whether the formula at hand speaks of nothing that its section may not; reports it
+    /// otherwise.
     fn permitted(&mut self, section: Section) -> bool {
         let mut told: Vec<VarId> = Vec::new();
         let mut findings = Vec::new();

@@ -1,14 +1,16 @@
 //! What a file's own tool would have answered, where that is not what its format means.
 //!
-//! A reader notes on the spot what the tool refuses (a primed goal in gr1c). What depends on a verdict is an [`Inquiry`]: small
-//! specifications that somebody with a solver decides, and what to say for the answers. Nothing is said that was not computed.
+//! A reader notes on the spot what the tool refuses (a primed goal in gr1c). What depends on a
+//! verdict is an [`Inquiry`]: small specifications that somebody with a solver decides, and what to
+//! say for the answers. Nothing is said that was not computed.
 //!
-//! - gr1c compares the initial states with the winning ones among them; where `SYSINIT` contradicts itself there are neither, and it
-//!   answers "realizable".
-//! - Where the environment's initial condition contradicts itself, both tools answer "realizable", as the definition does: nothing is
-//!   asked of the machine. Hardly anybody means that, so it is said.
-//! - gr1c's `rg`, for reachability games, lets the environment choose the machine's initial values too, and answers
-//!   "unrealizable" where there are none.
+//! - gr1c compares the initial states with the winning ones among them; where `SYSINIT` contradicts
+//!   itself there are neither, and it answers "realizable".
+//! - Where the environment's initial condition contradicts itself, both tools answer "realizable",
+//!   as the definition does: nothing is asked of the machine. Hardly anybody means that, so it is
+//!   said.
+//! - gr1c's `rg`, for reachability games, lets the environment choose the machine's initial values
+//!   too, and answers "unrealizable" where there are none.
 
 use super::{Format, Reading};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -131,8 +133,8 @@ fn satisfiable<'f>(
     }
 }
 
-/// The same game with the machine's first values chosen by the environment: it names them in inputs of its own, within what both initial
-/// conditions allow, and the machine takes them over.
+/// The same game with the machine's first values chosen by the environment: it names them in inputs
+/// of its own, within what both initial conditions allow, and the machine takes them over.
 fn every_start(specification: &Specification) -> Specification {
     let mut result = specification.clone();
     let mut given: Vec<(VarId, VarId)> = Vec::new();

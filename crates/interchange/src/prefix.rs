@@ -1,4 +1,5 @@
-//! Formulas in slugs' prefix notation: operators stand before their operands, words are separated by blanks.
+//! Formulas in slugs' prefix notation: operators stand before their operands, words are separated
+//! by blanks.
 //!
 //! ```text
 //! ! a      & a b     | a b     ^ a b     0  1     a'
@@ -6,8 +7,9 @@
 //! ? 0              within a buffer: the value of its formula 0, which stands before
 //! ```
 //!
-//! A line is read with a stack of what still wants operands, so nothing recurses. A formula that is recalled is one node, however often
-//! that happens ([`Terms`](super::terms::Terms)): an adder's carry chain stays as long as it is written.
+//! A line is read with a stack of what still wants operands, so nothing recurses. A formula that is
+//! recalled is one node, however often that happens ([`Terms`](super::terms::Terms)): an adder's
+//! carry chain stays as long as it is written.
 
 use super::names::{Names, quoted};
 use super::structured;
@@ -28,7 +30,8 @@ fn words(text: &str, line: Range<usize>) -> impl DoubleEndedIterator<Item = (&st
     })
 }
 
-/// Whether a line of a structured file is in prefix notation: it has a buffer, or its words, read from the right, leave one value.
+/// Whether a line of a structured file is in prefix notation: it has a buffer, or its words, read
+/// from the right, leave one value.
 pub(super) fn fits(names: &Names<'_>, line: Range<usize>) -> bool {
     let text = names.text;
     if words(text, line.clone()).any(|(word, _)| word == "$") {
@@ -185,7 +188,8 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
     None
 }
 
-/// Whether a word is what only formulas in infix notation have. Names may be anything, so a declared one is not.
+/// Whether a word is what only formulas in infix notation have. Names may be anything, so a
+/// declared one is not.
 fn is_infix(names: &Names<'_>, word: &str) -> bool {
     let sign = matches!(word, "->" | "<->" | "&&" | "||" | "=" | "/\\" | "\\/");
     (sign || word.starts_with('(') || word.ends_with(')')) && names.find(word).is_none()

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-/// New names for `names`, in their order: those that `takes` accepts as they are, the others with `_` for each sign that is none of a
-/// name, and then with what makes them acceptable and unique.
+/// New names for `names`, in their order: those that `takes` accepts as they are, the others with
+/// `_` for each sign that is none of a name, and then with what makes them acceptable and unique.
 pub(super) fn renamed<'a>(
     names: impl IntoIterator<Item = &'a str>,
     prefix: &str,

@@ -1,4 +1,5 @@
-//! Reads `.slugsin` and `.structuredslugs`: a line a declaration or formula, under section heads in brackets.
+//! Reads `.slugsin` and `.structuredslugs`: a line a declaration or formula, under section heads in
+//! brackets.
 //!
 //! ```text
 //! [INPUT]              [OUTPUT]          # the environment's and the machine's variables
@@ -7,9 +8,10 @@
 //! [ENV_INIT] [ENV_TRANS] [ENV_LIVENESS]  # and the same with SYS
 //! ```
 //!
-//! All lines of a section hold together; sections may repeat and come in any order. `SYS_INIT` may name the environment's variables
-//! (the machine chooses after it has seen them), goals may have primes. Formulas are in [`prefix`] notation, and in
-//! structured files also in [`infix`](super::infix) notation.
+//! All lines of a section hold together; sections may repeat and come in any order. `SYS_INIT` may
+//! name the environment's variables (the machine chooses after it has seen them), goals may have
+//! primes. Formulas are in [`prefix`] notation, and in structured files also in
+//! [`infix`](super::infix) notation.
 
 use super::names::{Names, Part, Section, quoted};
 use super::{prefix, structured};

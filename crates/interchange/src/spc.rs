@@ -11,26 +11,30 @@
 //! SYSGOAL: []<>!z & []<>z;  # or <>z in a reachability game
 //! ```
 //!
-//! Every section may be left out or be empty, in any order. What this reader is more generous about than gr1c: a section may
-//! begin within a line, and `&` and the operator of the next formula may stand on different lines.
+//! Every section may be left out or be empty, in any order. What this reader is more generous about
+//! than gr1c: a section may begin within a line, and `&` and the operator of the next formula may
+//! stand on different lines.
 //!
 //! # Initial conditions
 //!
-//! For every initial choice of the environment that satisfies `ENVINIT` the machine needs one that satisfies `SYSINIT`: the tool's
-//! default, `ALL_ENV_EXIST_SYS_INIT`. `SYSINIT` is for the machine's variables; one that also names the environment's is taken by
-//! its plain meaning, with a note.
+//! For every initial choice of the environment that satisfies `ENVINIT` the machine needs one that
+//! satisfies `SYSINIT`: the tool's default, `ALL_ENV_EXIST_SYS_INIT`. `SYSINIT` is for the
+//! machine's variables; one that also names the environment's is taken by its plain meaning, with a
+//! note.
 //!
 //! # Reachability
 //!
-//! `<>p` is to be reached once, and nothing is asked of the machine from then on. So an internal variable `reached` remembers it:
+//! `<>p` is to be reached once, and nothing is asked of the machine from then on. So an internal
+//! variable `reached` remembers it:
 //!
 //! ```text
 //! initially        reached <-> p          always   reached' <-> reached | p'
 //! each transition  reached | φ            goal     reached
 //! ```
 //!
-//! As in a GR(1) game the machine also wins when the environment is blocked or stays away from one of its goals for ever. With
-//! `<>False` it can win only so: a game without a goal, in which the environment has to be blocked.
+//! As in a GR(1) game the machine also wins when the environment is blocked or stays away from one
+//! of its goals for ever. With `<>False` it can win only so: a game without a goal, in which the
+//! environment has to be blocked.
 
 use super::infix::{self, Dialect, Infix, Token, Word};
 use super::names::{Names, Part, Section, one_line, quoted};
@@ -273,7 +277,8 @@ impl Reader<'_, '_> {
         self.initial_condition(section, body);
     }
 
-    /// The parts of a conjunction are formulas of their own: when no machine exists, the ones to blame are pointed at.
+    /// The parts of a conjunction are formulas of their own: when no machine exists, the ones to
+    /// blame are pointed at.
     fn initial_condition(&mut self, section: Section, body: &[Token]) {
         if section.owner == Owner::System {
             let outside = body.iter().find(|(word, range)| {

@@ -1,7 +1,8 @@
 //! What structured slugs has beyond `.slugsin`: numbers with a range, and infix formulas.
 //!
-//! A number `x: lo...hi` is one variable here; slugs' translator makes bits of it, which a line in prefix notation can name: `x@0.lo.hi` for
-//! the lowest, `x@1`, `x@2` ... for the others. They hold the distance from `lo`.
+//! A number `x: lo...hi` is one variable here; slugs' translator makes bits of it, which a line in
+//! prefix notation can name: `x@0.lo.hi` for the lowest, `x@1`, `x@2` ... for the others. They hold
+//! the distance from `lo`.
 
 use super::infix;
 use super::names::{Names, bit, quoted};

@@ -1,14 +1,17 @@
-//! Formulas while they are read: shared nodes that know how large and how deep they would be as a tree.
+//! Formulas while they are read: shared nodes that know how large and how deep they would be as a
+//! tree.
 //!
-//! Another tool's file may repeat a memory cell a thousand times in a line, or put ten thousand operands into one chain of `&`. An
-//! [`Expr`] is a tree that later stages walk by recursion. So operands are nodes that can be used more than once, the size
-//! of the tree is known before it is built, and chains of one associative operator become balanced trees: as deep as the logarithm of
+//! Another tool's file may repeat a memory cell a thousand times in a line, or put ten thousand
+//! operands into one chain of `&`. An [`Expr`] is a tree that later stages walk by recursion. So
+//! operands are nodes that can be used more than once, the size of the tree is known before it is
+//! built, and chains of one associative operator become balanced trees: as deep as the logarithm of
 //! their length.
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Formulas may be so deep once chains are balanced: the depth that the language's own formulas may have.
+/// Formulas may be so deep once chains are balanced: the depth that the language's own formulas may
+/// have.
 pub(super) const MAX_DEPTH: u32 = 500;
 /// A single formula may have so many operators and operands, written out.
 const MAX_SIZE: u64 = 1 << 20;
@@ -159,8 +162,8 @@ impl Terms {
         })
     }
 
-    /// Two operands. Truth values that are constants are folded: the carries of an adder that is written out bit by bit are
-    /// mostly that.
+    /// Two operands. Truth values that are constants are folded: the carries of an adder that is
+    /// written out bit by bit are mostly that.
     pub fn binary(&mut self, op: BinaryOp, a: Term, b: Term) -> Term {
         use BinaryOp as B;
         if self.kind(a) == Kind::Bool {
@@ -292,8 +295,8 @@ impl Terms {
     }
 }
 
-/// Whether `(p inner q) outer r` may be put together otherwise: same operator, associative. `=` and `!=` are that for truth
-/// values only.
+/// Whether `(p inner q) outer r` may be put together otherwise: same operator, associative. `=` and
+/// `!=` are that for truth values only.
 fn chains(outer: BinaryOp, operands: Kind, inner: BinaryOp, inner_operands: Kind) -> bool {
     use BinaryOp as B;
     outer == inner

@@ -1,9 +1,10 @@
 //! The event calendar: what will happen, in the order in which it will.
 //!
-//! A binary heap over one 128-bit key: the time, then a priority, then a running number. Simulated seconds are never negative
-//! and never NaN, and the bit patterns of such numbers sort as the numbers do, so that the whole comparison is one of integers. The
-//! running number makes the order total: two events of one instant and priority happen in the order in which they were
-//! scheduled, on every platform.
+//! A binary heap over one 128-bit key: the time, then a priority, then a running number. Simulated
+//! seconds are never negative and never NaN, and the bit patterns of such numbers sort as the
+//! numbers do, so that the whole comparison is one of integers. The running number makes the order
+//! total: two events of one instant and priority happen in the order in which they were scheduled,
+//! on every platform.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -33,9 +34,9 @@ impl<E> Calendar<E> {
         }
     }
 
-    /// Enters an event. Of two at the same time the one with the smaller priority comes first, and of two with the same
-    /// priority the one that was entered first. A time that is negative counts as 0, and one that is not finite as the
-    /// last of all times.
+    /// Enters an event. Of two at the same time the one with the smaller priority comes first, and
+    /// of two with the same priority the one that was entered first. A time that is negative counts
+    /// as 0, and one that is not finite as the last of all times.
     pub fn schedule(&mut self, time: f64, priority: u8, event: E) {
         let time = if time.is_finite() {
             time.max(0.0) + 0.0

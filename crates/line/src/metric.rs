@@ -7,7 +7,8 @@ use linewright_language::contract::line::{Comparison, Line, Metric};
 
 const JOULES_PER_KWH: f64 = 3.6e6;
 
-/// A metric of a run, in its unit; `None` where there was nothing to measure: without a product there is no lead time.
+/// A metric of a run, in its unit; `None` where there was nothing to measure: without a product
+/// there is no lead time.
 pub fn measure(metric: &Metric, trace: &Trace) -> Option<f64> {
     let of_products = matches!(
         metric,
@@ -62,7 +63,8 @@ fn is(value: Option<f64>) -> String {
     }
 }
 
-/// Measures all requirements of a line in one run; each that does not hold is a finding. Of a run that was cut off none is judged.
+/// Measures all requirements of a line in one run; each that does not hold is a finding. Of a run
+/// that was cut off none is judged.
 pub(super) fn check(line: &Line, trace: &mut Trace) {
     if trace.end == End::GaveUp {
         return;
@@ -101,9 +103,11 @@ pub struct ReplicatedRequirement {
     pub held_in: usize,
     /// How many runs there were.
     pub runs: usize,
-    /// What was measured, in the metric's unit, over the runs in which it could be; `None` where it could be in none.
+    /// What was measured, in the metric's unit, over the runs in which it could be; `None` where it
+    /// could be in none.
     pub value: Option<Estimate>,
-    /// The first run in which it could not be measured, or else the one that is furthest on the wrong side of the bound, or nearest to it.
+    /// The first run in which it could not be measured, or else the one that is furthest on the
+    /// wrong side of the bound, or nearest to it.
     pub worst: usize,
     /// What was measured in that run.
     pub worst_value: Option<f64>,

@@ -1,11 +1,13 @@
 //! Seeded random numbers, the same on every platform and in every version.
 //!
-//! The generator is xoshiro256++ of Blackman and Vigna ("Scrambled linear pseudorandom number generators", 2021), seeded through
-//! their `SplitMix64`, as they recommend. It is forty lines, and a run must not change because a crate did; hence not from one.
+//! The generator is xoshiro256++ of Blackman and Vigna ("Scrambled linear pseudorandom number
+//! generators", 2021), seeded through their `SplitMix64`, as they recommend. It is forty lines, and
+//! a run must not change because a crate did; hence not from one.
 //!
-//! Everything random in a line has a [`Stream`] of its own, named by the run's seed, the purpose and the name of the node. A
-//! node more, or one more draw at one of them, leaves all others as they were (common random numbers), so that two variants of a
-//! line can be compared under one seed.
+//! Everything random in a line has a [`Stream`] of its own, named by the run's seed, the purpose
+//! and the name of the node. A node more, or one more draw at one of them, leaves all others as
+//! they were (common random numbers), so that two variants of a line can be compared under one
+//! seed.
 
 /// What a stream is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

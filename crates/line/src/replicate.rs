@@ -21,7 +21,8 @@ pub struct Replications {
     pub energy_kwh: Option<Estimate>,
     /// The line's requirements over all runs, in its order.
     pub requirements: Vec<ReplicatedRequirement>,
-    /// What went wrong in any of the runs, each finding once; one for each requirement that some run does not keep.
+    /// What went wrong in any of the runs, each finding once; one for each requirement that some
+    /// run does not keep.
     pub findings: Vec<Diagnostic>,
 }
 
@@ -30,7 +31,8 @@ pub struct Replications {
 pub struct Estimate {
     /// The mean of the runs.
     pub mean: f64,
-    /// The interval is `mean - half_width ..= mean + half_width`; `None` for a single run, which says nothing about it.
+    /// The interval is `mean - half_width ..= mean + half_width`; `None` for a single run, which
+    /// says nothing about it.
     pub half_width: Option<f64>,
 }
 
@@ -52,9 +54,10 @@ impl Estimate {
 }
 
 impl Plant {
-    /// Runs the line `count` times (at least once), under the seed of the options and those that follow it. Gives the traces
-    /// in that order; their seeds, being mixed, are as independent as any others. Once the deadline is past, no further run begins, and a
-    /// finding says so; a run that it cut off counts nowhere, unless it is the first.
+    /// Runs the line `count` times (at least once), under the seed of the options and those that
+    /// follow it. Gives the traces in that order; their seeds, being mixed, are as independent as
+    /// any others. Once the deadline is past, no further run begins, and a finding says so; a run
+    /// that it cut off counts nowhere, unless it is the first.
     pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
         let first = self.seed();
         let count = count.max(1);

@@ -43,7 +43,8 @@ impl Clock {
         self.seconds[activity as usize]
     }
 
-    /// The shares of all the time booked; `visited` says whether anything ever came. Without any time it was all idle.
+    /// The shares of all the time booked; `visited` says whether anything ever came. Without any
+    /// time it was all idle.
     pub(super) fn shares(&self, visited: bool) -> Shares {
         let total: f64 = self.seconds.iter().sum();
         if total <= 0.0 {
@@ -69,10 +70,12 @@ impl Clock {
     }
 }
 
-/// So many lead times are kept for the percentiles; beyond, each is as likely as any other to be among the kept ones.
+/// So many lead times are kept for the percentiles; beyond, each is as likely as any other to be
+/// among the kept ones.
 const SAMPLE: usize = 1 << 17;
 
-/// Lead times: mean and greatest of all, percentiles of a bounded sample (Vitter's reservoir, algorithm R).
+/// Lead times: mean and greatest of all, percentiles of a bounded sample (Vitter's reservoir,
+/// algorithm R).
 #[derive(Debug)]
 pub(super) struct LeadTimes {
     count: u64,
@@ -139,8 +142,8 @@ pub(super) fn student_t(degrees: u64) -> f64 {
         0 => f64::INFINITY,
         1..=30 => TABLE[degrees as usize - 1],
         _ => {
-            // The Cornish-Fisher expansion around the normal point (Abramowitz and Stegun 26.7.5); at 31 degrees it is
-            // off by less than 2e-6.
+            // The Cornish-Fisher expansion around the normal point (Abramowitz and Stegun 26.7.5);
+            // at 31 degrees it is off by less than 2e-6.
             let z: f64 = 1.959_963_985;
             let n = degrees as f64;
             let first = (z.powi(3) + z) / 4.0;
@@ -182,7 +185,8 @@ mod tests {
 
     #[test]
     fn student_t_meets_the_tables() {
-        // Printed values for 40, 60 and 120 degrees of freedom, and the step from the table to the expansion.
+        // Printed values for 40, 60 and 120 degrees of freedom, and the step from the table to the
+        // expansion.
         for (degrees, expected) in [(40, 2.021_08), (60, 2.000_30), (120, 1.979_93)] {
             assert!((student_t(degrees) - expected).abs() < 1e-5);
         }

@@ -34,7 +34,8 @@ pub struct Trace {
     pub conveyors: Vec<ConveyorStatistics>,
     /// One entry a machine, in the order of its first instance.
     pub machines: Vec<MachineStatistics>,
-    /// The station (an index into `stations`) with the greatest share of busy, setup and failed time.
+    /// The station (an index into `stations`) with the greatest share of busy, setup and failed
+    /// time.
     pub bottleneck: Option<usize>,
     /// Rejected parts by type, in the line's order; types without any are left out.
     pub rejects: Vec<Reject>,
@@ -83,7 +84,8 @@ pub struct PartCounts {
     pub in_progress: u64,
 }
 
-/// Seconds from the moment at which the first of a product's parts entered the line to its end. All 0 without products.
+/// Seconds from the moment at which the first of a product's parts entered the line to its end. All
+/// 0 without products.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LeadTime {
     /// The mean of all products.

@@ -21,7 +21,8 @@ impl Undecided {
         }
     }
 
-    /// Whether the command came to a limit that it was given; otherwise the answer is the same wherever the question is asked.
+    /// Whether the command came to a limit that it was given; otherwise the answer is the same
+    /// wherever the question is asked.
     pub fn is_of_command(&self) -> bool {
         self.limit.is_some_and(Limit::is_of_command)
     }

@@ -1,6 +1,7 @@
 //! What must be true of a line before it runs, so that nothing in the runner can be out of range.
 //!
-//! The resolver gives the user better messages for most of this, and earlier; a line that it has passed gets none here.
+//! The resolver gives the user better messages for most of this, and earlier; a line that it has
+//! passed gets none here.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
@@ -8,7 +9,8 @@ use linewright_language::contract::is_duration;
 use linewright_language::contract::line::{Belt, InitialValue, Line, Node, NodeKind, Supply, Task};
 use linewright_language::contract::machine::{Machine, RealExpr};
 
-/// Everything that keeps the runner from running this line. `has_controller` says whether there is one for a node.
+/// Everything that keeps the runner from running this line. `has_controller` says whether there is
+/// one for a node.
 pub(super) fn validate(line: &Line, has_controller: impl Fn(usize) -> bool) -> Vec<Diagnostic> {
     let mut check = Check {
         line,

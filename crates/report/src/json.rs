@@ -1,6 +1,7 @@
 //! A run as a JSON document of the schema `linewright/run/1`.
 //!
-//! Seconds and rates have six places after the point, energies nine. Shares have six, and are rounded so that they still sum to 1.
+//! Seconds and rates have six places after the point, energies nine. Shares have six, and are
+//! rounded so that they still sum to 1.
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
@@ -8,8 +9,9 @@ use linewright_line::trace::{End, Shares};
 use linewright_line::{Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
-/// The document of a run. `wall_seconds` is left out where there is none (`--no-timing`); `replications` is there where
-/// several seeds were run: it has its figures, the requirements are judged over all of them, and the rest shows the run of the first.
+/// The document of a run. `wall_seconds` is left out where there is none (`--no-timing`);
+/// `replications` is there where several seeds were run: it has its figures, the requirements are
+/// judged over all of them, and the rest shows the run of the first.
 pub fn json(
     line: &Line,
     trace: &Trace,

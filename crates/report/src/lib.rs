@@ -1,7 +1,8 @@
 //! What a run was, for people ([`table()`]) and for programs ([`json()`]).
 //!
-//! Both show the same [`Trace`](linewright_line::Trace) and add nothing to it. Figures are rounded to fixed places, so that the same run
-//! gives the same bytes; the one measured figure, the wall time, is passed in and may be left out.
+//! Both show the same [`Trace`](linewright_line::Trace) and add nothing to it. Figures are rounded
+//! to fixed places, so that the same run gives the same bytes; the one measured figure, the wall
+//! time, is passed in and may be left out.
 
 mod json;
 mod table;

@@ -327,7 +327,8 @@ const TERMINAL: usize = 100;
 /// The headings of columns of text; all others but the first hold numbers, and go to the right.
 const TEXTS: [&str; 3] = ["machine", "verdict", "asked for"];
 
-/// A table with a blank line above; nothing without rows. Long names are cut only where the rows would not fit otherwise.
+/// A table with a blank line above; nothing without rows. Long names are cut only where the rows
+/// would not fit otherwise.
 fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     if rows.is_empty() {
         return;

@@ -1,12 +1,13 @@
 //! A machine run in this process: the meaning of a station library, written for clarity.
 //!
-//! The emitted C does the same with tables (`ffi/step.c`), and is tested against this. Both check in the same order, so
-//! that they answer with the same error where several could be given:
+//! The emitted C does the same with tables (`ffi/step.c`), and is tested against this. Both check
+//! in the same order, so that they answer with the same error where several could be given:
 //!
 //! 1. the domains of the plant's wires, in order;
 //! 2. Moore components put their outputs on their wires;
-//! 3. the Mealy components in order, each one: inputs bound, their domains, assumptions (initial ones in step 0, safety in a
-//!    later one, then invariants), the transition, outputs, guarantees likewise;
+//! 3. the Mealy components in order, each one: inputs bound, their domains, assumptions (initial
+//!    ones in step 0, safety in a later one, then invariants), the transition, outputs, guarantees
+//!    likewise;
 //! 4. the Moore components in order, the coordinator among them, likewise.
 //!
 //! Only when all have answered does the machine advance, so that an error changes nothing.
@@ -161,8 +162,9 @@ impl Interpreter {
         Ok(())
     }
 
-    /// The signals that a component's functions ask for: the values of the step before, and the inputs of this one as far as
-    /// they are known. That is all they keep in mind beside the goal they pursue.
+    /// The signals that a component's functions ask for: the values of the step before, and the
+    /// inputs of this one as far as they are known. That is all they keep in mind beside the goal
+    /// they pursue.
     fn signals(
         &self,
         c: usize,
@@ -250,11 +252,12 @@ impl Interpreter {
         State::new(&self.machine)
     }
 
-    /// Runs an operation from this state; gives the state at its end, the new values of the properties, and what it took.
+    /// Runs an operation from this state; gives the state at its end, the new values of the
+    /// properties, and what it took.
     ///
     /// # Errors
-    /// What the library would answer. The instance then stays in the state `from`, except after [`super::ErrorCode::Limit`], where it is
-    /// in its initial state.
+    /// What the library would answer. The instance then stays in the state `from`, except after
+    /// [`super::ErrorCode::Limit`], where it is in its initial state.
     pub fn perform(
         &self,
         from: &State,
@@ -367,7 +370,8 @@ impl State {
     }
 }
 
-/// What of a state can make a difference to later calls. Two states that agree in that answer every sequence of calls alike.
+/// What of a state can make a difference to later calls. Two states that agree in that answer every
+/// sequence of calls alike.
 #[derive(Debug, Clone)]
 pub struct Relevance {
     /// By component, its variables whose last values are read again.
@@ -470,7 +474,8 @@ struct Meter<'a> {
     service: Service,
     /// Which components were active in the step before.
     running: Vec<bool>,
-    /// Every justice assumption with the step, from 1, in which it last held; 0 is "not in this operation".
+    /// Every justice assumption with the step, from 1, in which it last held; 0 is "not in this
+    /// operation".
     justice: Vec<(usize, &'a Formula, u64)>,
 }
 
@@ -490,7 +495,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Takes account of one step. All actions work at the same time, so the step takes as long as the slowest.
+    /// Takes account of one step. All actions work at the same time, so the step takes as long as
+    /// the slowest.
     fn charge(&mut self, before: &State, after: &State) -> Result<(), CallError> {
         self.service.steps += 1;
         for (c, formula, held) in &mut self.justice {
@@ -532,8 +538,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// What an active step takes; `first` says whether it begins an execution. An action without a time of its own takes
-    /// the machine's time a step.
+    /// What an active step takes; `first` says whether it begins an execution. An action without a
+    /// time of its own takes the machine's time a step.
     fn seconds(&self, component: &Component, first: bool) -> Result<f64, CallError> {
         let expr = match &component.time {
             None => return Ok(self.machine.step_seconds),
@@ -548,7 +554,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// The justice assumption that has not held for longest, the last among equals (an action rather than the coordinator that waits for it), and for how many steps.
+    /// The justice assumption that has not held for longest, the last among equals (an action
+    /// rather than the coordinator that waits for it), and for how many steps.
     fn longest_silence(&self) -> Option<(&'a Component, &'a Formula, u64)> {
         let (c, formula, held) = self.justice.iter().rev().min_by_key(|(_, _, held)| *held)?;
         let component = &self.machine.components[*c];

@@ -1,7 +1,9 @@
-//! Station libraries: the C that is emitted, the toolchain that compiles it, and the loader that calls it.
+//! Station libraries: the C that is emitted, the toolchain that compiles it, and the loader that
+//! calls it.
 //!
-//! Two things implement [`Controller`]: `load::Instance`, a compiled library called through its exports, and
-//! `interpret::Interpreter`, the same machine in this process, against which the library is tested.
+//! Two things implement [`Controller`]: `load::Instance`, a compiled library called through its
+//! exports, and `interpret::Interpreter`, the same machine in this process, against which the
+//! library is tested.
 //!
 //! ```text
 //! contract::machine::Machine, mealy::Controller... ─Package::emit→ Package ─Toolchain::build→ Built ─Library::open→ Library
@@ -58,14 +60,15 @@ pub enum ErrorCode {
     Order = -10,
 }
 
-/// An error that a controller answered with. The controller is as it was before the call, except after `Limit`, where it
-/// has been reset.
+/// An error that a controller answered with. The controller is as it was before the call, except
+/// after `Limit`, where it has been reset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct CallError {
     /// The code.
     pub code: ErrorCode,
-    /// The rule's name, component first, for `Assumption`, `Guarantee` and `Order`: `turn: gripped`.
+    /// The rule's name, component first, for `Assumption`, `Guarantee` and `Order`:
+    /// `turn: gripped`.
     pub rule: Option<String>,
     /// The whole text of `last_error`.
     pub message: String,
@@ -84,8 +87,8 @@ pub struct Service {
 
 /// One running instance of a machine.
 pub trait Controller {
-    /// Runs an operation (an index into the machine's operations) to its end, at one instant. `values` are those of the
-    /// machine's properties, in order; the new ones are written back.
+    /// Runs an operation (an index into the machine's operations) to its end, at one instant.
+    /// `values` are those of the machine's properties, in order; the new ones are written back.
     fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError>;
 
     /// Makes one step. `plant` are the plant's wires; `outputs` gets all components' wires.
@@ -254,7 +257,8 @@ fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     }
 }
 
-/// Whether everything that a machine's transitions refer to exists. That of functions is checked with their certificate.
+/// Whether everything that a machine's transitions refer to exists. That of functions is checked
+/// with their certificate.
 fn is_closed(m: &mealy::Machine) -> bool {
     let mut transitions = m.initial.iter().chain(m.states.iter().flatten());
     transitions.all(|t| {

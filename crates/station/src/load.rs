@@ -1,10 +1,11 @@
 //! Loading station libraries and calling them.
 //!
-//! An operation is called through the exports that Plant Simulation calls (`instantiate`, `simulate`, `get_real`,
-//! `deinstantiate`), so that what runs in the bundled runner is what ships; a single step, which Plant Simulation has no use
-//! for, goes through `lw_step`. Arguments are passed in the assumed layout of `UF_Value`, whatever Plant Simulation's may be; a library
-//! that is built with another one is refused. A library is compared with its manifest before it is loaded: loading a truncated one
-//! would end this process.
+//! An operation is called through the exports that Plant Simulation calls (`instantiate`,
+//! `simulate`, `get_real`, `deinstantiate`), so that what runs in the bundled runner is what ships;
+//! a single step, which Plant Simulation has no use for, goes through `lw_step`. Arguments are
+//! passed in the assumed layout of `UF_Value`, whatever Plant Simulation's may be; a library that
+//! is built with another one is refused. A library is compared with its manifest before it is
+//! loaded: loading a truncated one would end this process.
 
 use super::profile::Profile;
 use super::toolchain::Manifest;
@@ -116,7 +117,8 @@ impl std::fmt::Debug for Library {
 }
 
 impl Library {
-    /// Loads a library that [`Toolchain::build`](super::Toolchain::build) made, after comparing it with its manifest.
+    /// Loads a library that [`Toolchain::build`](super::Toolchain::build) made, after comparing it
+    /// with its manifest.
     pub fn open(path: &Path) -> Result<Arc<Self>, Error> {
         Manifest::verify(path)?;
         let damaged = |reason: String| Error::LibraryDamaged {
@@ -126,7 +128,8 @@ impl Library {
         // A path without a folder would be looked for among the system's libraries.
         let absolute = std::path::absolute(path).map_err(|e| damaged(e.to_string()))?;
         #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: the file is byte for byte what our compiler run made of our own C, which has no constructors.
+        // SAFETY: the file is byte for byte what our compiler run made of our own C, which has no
+        // constructors.
         let library =
             unsafe { libloading::Library::new(absolute) }.map_err(|e| damaged(e.to_string()))?;
         let library = Self::bind(path, library).map_err(damaged)?;
@@ -144,8 +147,8 @@ impl Library {
 
     fn bind(path: &Path, library: libloading::Library) -> Result<Arc<Self>, String> {
         #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: every type below is the one that `ffi/station.h` and `ffi/plant_simulation.c` declare for that name. The
-        // description is a static text that ends with a zero byte.
+        // SAFETY: every type below is the one that `ffi/station.h` and `ffi/plant_simulation.c`
+        // declare for that name. The description is a static text that ends with a zero byte.
         unsafe {
             fn find<T: Copy>(library: &libloading::Library, name: &str) -> Result<T, String> {
                 #[expect(unsafe_code, reason = "the loader of station libraries")]
@@ -231,8 +234,8 @@ impl Library {
 fn call(export: Export, arguments: &mut [UfValue]) -> Answer {
     let mut answer = UfValue::NOTHING;
     #[expect(unsafe_code, reason = "the loader of station libraries")]
-    // SAFETY: the export reads exactly the arguments that its documentation lists, which the callers below pass, and
-    // writes one answer; texts among the arguments live until it returns.
+    // SAFETY: the export reads exactly the arguments that its documentation lists, which the
+    // callers below pass, and writes one answer; texts among the arguments live until it returns.
     unsafe {
         export(&raw mut answer, arguments.as_mut_ptr());
     }
@@ -280,7 +283,8 @@ pub struct Instance {
 }
 
 #[expect(unsafe_code, reason = "the loader of station libraries")]
-// SAFETY: the library may be called from any thread; the pointers in `arguments` are not looked at between calls.
+// SAFETY: the library may be called from any thread; the pointers in `arguments` are not looked at
+// between calls.
 unsafe impl Send for Instance {}
 
 impl std::fmt::Debug for Instance {
@@ -303,8 +307,8 @@ impl Instance {
         &self.library
     }
 
-    /// Calls `simulate` with an operation and the values of all properties: gives the duration in seconds, and leaves the other results
-    /// in the library.
+    /// Calls `simulate` with an operation and the values of all properties: gives the duration in
+    /// seconds, and leaves the other results in the library.
     pub fn serve(&mut self, operation: usize, values: &[f64]) -> Result<f64, CallError> {
         let Ok(index) = i32::try_from(operation) else {
             return Err(CallError::operation(operation));
@@ -360,8 +364,9 @@ impl Controller for Instance {
             return Err(CallError::output_count());
         }
         #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: both slices are as long as is said, which the library checks against its own counts. The library takes a
-        // null pointer for "no outputs" only where there are none to give.
+        // SAFETY: both slices are as long as is said, which the library checks against its own
+        // counts. The library takes a null pointer for "no outputs" only where there are none to
+        // give.
         let code = unsafe {
             let room = if outputs.is_empty() {
                 std::ptr::null_mut()

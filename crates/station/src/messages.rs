@@ -1,7 +1,8 @@
-//! What a controller says when something is wrong: one wording for the emitted C and for the interpreter.
+//! What a controller says when something is wrong: one wording for the emitted C and for the
+//! interpreter.
 //!
-//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put together by `ffi/step.c`
-//! from the same pieces.
+//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put
+//! together by `ffi/step.c` from the same pieces.
 
 use super::{CallError, ErrorCode};
 use linewright_core::gr1::Formula;
@@ -48,8 +49,8 @@ fn of_all_steps(name: &str) -> &str {
     name.strip_suffix(AT_FIRST).unwrap_or(name)
 }
 
-/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``, or of an order
-/// ``PickAndPlace: the order `trays` is broken: after Down until Up: never Left, Right``
+/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``, or of an
+/// order ``PickAndPlace: the order `trays` is broken: after Down until Up: never Left, Right``
 pub fn broken(component: &Component, formula: &Formula, party: Party) -> String {
     let what = match party {
         Party::Plant => "the plant broke the assumption",
@@ -66,7 +67,8 @@ pub fn broken(component: &Component, formula: &Formula, party: Party) -> String 
     format!("{}: {what} {}", component.name, cite(formula))
 }
 
-/// ``the assumption `free` of `turn` has not held: always eventually free``, as the step limit names a justice assumption.
+/// ``the assumption `free` of `turn` has not held: always eventually free``, as the step limit
+/// names a justice assumption.
 pub fn silent(component: &Component, formula: &Formula) -> String {
     format!(
         "{} has not held: {}",
@@ -75,7 +77,8 @@ pub fn silent(component: &Component, formula: &Formula) -> String {
     )
 }
 
-/// What a component assumes, as it is spoken of: ``the assumption `gripped` of `turn` `` or ``the order `trays` ``.
+/// What a component assumes, as it is spoken of: ``the assumption `gripped` of `turn` `` or
+/// ``the order `trays` ``.
 pub fn assumed(component: &Component, formula: &Formula) -> String {
     match Party::of_assumptions(component) {
         Party::Caller => order(formula),
@@ -154,7 +157,8 @@ fn for_each_property(expr: &RealExpr, visit: &mut impl FnMut(usize)) {
     }
 }
 
-/// A number with up to six decimals, without zeros at the end; the same text as `lw_say_real` in the C runtime.
+/// A number with up to six decimals, without zeros at the end; the same text as `lw_say_real` in
+/// the C runtime.
 fn real(value: f64) -> String {
     // Written this way round so that it refuses what is not a number.
     if value.is_nan() || value.abs() >= 1e12 {
@@ -244,8 +248,8 @@ impl CallError {
         )
     }
 
-    /// A component that answers first has no outputs where it is: a verified table has a row for all inputs that keep the assumptions,
-    /// so none do.
+    /// A component that answers first has no outputs where it is: a verified table has a row for
+    /// all inputs that keep the assumptions, so none do.
     pub(super) fn no_legal_inputs(component: &str) -> Self {
         Self::plain(
             ErrorCode::Assumption,

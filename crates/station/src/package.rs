@@ -169,8 +169,8 @@ pub fn is_device(stem: &str) -> bool {
     numbered || ["con", "prn", "aux", "nul"].contains(&stem.as_str())
 }
 
-/// A machine's name as a file's: `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no letter or digit of ASCII becomes
-/// `_`.
+/// A machine's name as a file's: `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no
+/// letter or digit of ASCII becomes `_`.
 pub fn file_stem(name: &str) -> String {
     let mut stem = String::new();
     let mut after_lower = false;

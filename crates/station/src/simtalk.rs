@@ -1,11 +1,14 @@
-//! The SimTalk 2 text that calls a station library from Plant Simulation, and the page that says how to import it.
+//! The SimTalk 2 text that calls a station library from Plant Simulation, and the page that says
+//! how to import it.
 //!
-//! What is public of SimTalk is little: `loadLibrary`, `callLibrary`, `freeLibrary`, `@` for the part, `?` for the station, and
-//! `?.Failed := true` (Spellini et al. 2021, Listing 2). The text uses no other built-in than it must, and names those that are
-//! assumed. Unlike that listing it loads the library once, when the model starts, makes one instance for each station, passes
-//! every argument that an export reads, and looks at every negative code.
+//! What is public of SimTalk is little: `loadLibrary`, `callLibrary`, `freeLibrary`, `@` for the
+//! part, `?` for the station, and `?.Failed := true` (Spellini et al. 2021, Listing 2). The text
+//! uses no other built-in than it must, and names those that are assumed. Unlike that listing it
+//! loads the library once, when the model starts, makes one instance for each station, passes every
+//! argument that an export reads, and looks at every negative code.
 //!
-//! Names that the user has to create begin with `LW_`, so that they meet no attribute that a station or part already has.
+//! Names that the user has to create begin with `LW_`, so that they meet no attribute that a
+//! station or part already has.
 
 use super::package::Package;
 use super::probe::Value;

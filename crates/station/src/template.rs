@@ -1,13 +1,17 @@
-//! The templates of emitted text: files in `templates/` that read like what they produce, filled by `minijinja`.
+//! The templates of emitted text: files in `templates/` that read like what they produce, filled by
+//! `minijinja`.
 //!
 //! - `@{name}` stands for a field. A field of several lines has no end of line at its end.
-//! - A line that begins with `@ ` is a statement and leaves no line behind: `@ for row in rows`, `@ if several`, `@ endif`.
+//! - A line that begins with `@ ` is a statement and leaves no line behind: `@ for row in rows`,
+//!   `@ if several`, `@ endif`.
 //! - `@% if several %@` is a statement within a line.
 //!
-//! None of these has a meaning in C, Structured Text, HTML or Markdown; in SimTalk, `@` comes before a dot. Values are never read
-//! as templates themselves, so that no name in a contract can add a field.
+//! None of these has a meaning in C, Structured Text, HTML or Markdown; in SimTalk, `@` comes
+//! before a dot. Values are never read as templates themselves, so that no name in a contract can
+//! add a field.
 //!
-//! A row of a list takes about a microsecond. So the longest tables, those of functions, are fields of many lines.
+//! A row of a list takes about a microsecond. So the longest tables, those of functions, are fields
+//! of many lines.
 
 use include_dir::{Dir, File, include_dir};
 use minijinja::syntax::SyntaxConfig;
@@ -28,7 +32,8 @@ static ENVIRONMENT: LazyLock<Environment<'static>> = LazyLock::new(|| {
     environment
 });
 
-/// An environment of our syntax, without filters or functions, that refuses undefined names and escapes nothing.
+/// An environment of our syntax, without filters or functions, that refuses undefined names and
+/// escapes nothing.
 fn environment() -> Environment<'static> {
     let syntax = SyntaxConfig::builder()
         .variable_delimiters("@{", "}")
@@ -47,8 +52,8 @@ fn environment() -> Environment<'static> {
 /// A template of `templates/`, filled with the fields of a structure.
 ///
 /// # Panics
-/// If there is no such template, if it has a mistake, or if it names a field that is not there. With debug assertions also if a field
-/// is there and not named.
+/// If there is no such template, if it has a mistake, or if it names a field that is not there.
+/// With debug assertions also if a field is there and not named.
 pub(crate) fn render(name: &str, fields: impl Serialize) -> String {
     fill(&ENVIRONMENT, name, fields)
 }

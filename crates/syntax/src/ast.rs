@@ -23,7 +23,8 @@ pub struct Name {
 pub struct File {
     /// Its items, in order.
     pub items: Vec<Item>,
-    /// Where they and the items within them stand, each before those within it, all in the order in which they were written.
+    /// Where they and the items within them stand, each before those within it, all in the order in
+    /// which they were written.
     pub places: Vec<Span>,
 }
 
@@ -236,7 +237,8 @@ pub struct Expr {
 }
 
 impl Expr {
-    /// The expressions directly within, in the order in which they stand; those of a quantifier's type are left out.
+    /// The expressions directly within, in the order in which they stand; those of a quantifier's
+    /// type are left out.
     pub fn children(&self) -> Vec<&Self> {
         match &self.kind {
             ExprKind::Unknown
@@ -376,7 +378,8 @@ impl UntilOp {
     }
 }
 
-/// A specification pattern in its scope (Dwyer, Avrunin and Corbett, Patterns in Property Specifications, 1999).
+/// A specification pattern in its scope (Dwyer, Avrunin and Corbett, Patterns in Property
+/// Specifications, 1999).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     /// What shall hold.

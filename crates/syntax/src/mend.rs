@@ -1,12 +1,14 @@
 //! A first look at a file's brackets, comments and quotes, before the grammar sees it.
 //!
-//! The grammar recovers from mistakes within an item, but not from a brace that is never closed: everything after it would be
-//! part of one broken item (and looking for its end again and again takes exponential time). This scan finds the brace, says so, and
-//! hands on a *mended copy* in which blanks before the next contract, machine or line have become the missing `}`. The copy has every
-//! other byte where it was, so places in it are places in the file.
+//! The grammar recovers from mistakes within an item, but not from a brace that is never closed:
+//! everything after it would be part of one broken item (and looking for its end again and again
+//! takes exponential time). This scan finds the brace, says so, and hands on a *mended copy* in
+//! which blanks before the next contract, machine or line have become the missing `}`. The copy has
+//! every other byte where it was, so places in it are places in the file.
 //!
-//! It also bounds how deep the grammar will recurse. The bound is safe because strings, comments and words are cut here exactly
-//! as the grammar cuts them, and because it only ever lets go of a prefix where no rule of the grammar could go on.
+//! It also bounds how deep the grammar will recurse. The bound is safe because strings, comments
+//! and words are cut here exactly as the grammar cuts them, and because it only ever lets go of a
+//! prefix where no rule of the grammar could go on.
 
 use super::words::ends_expressions;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -19,7 +21,8 @@ pub(super) struct Scan {
     pub mended: Option<String>,
     /// What it says about the file.
     pub findings: Vec<Diagnostic>,
-    /// Ranges of the file that were reported as a whole: the grammar's own words about them are left out.
+    /// Ranges of the file that were reported as a whole: the grammar's own words about them are
+    /// left out.
     pub silenced: Vec<Range<usize>>,
     /// How deep the grammar recurses at most: open brackets and prefix words.
     pub depth: usize,
@@ -118,7 +121,8 @@ pub(super) fn scan(file: FileId, text: &str) -> Scan {
     scan
 }
 
-/// Whether this follows the word `machine` where a machine stands within another one: `left: PickUnit`, and not `PickUnit {`.
+/// Whether this follows the word `machine` where a machine stands within another one:
+/// `left: PickUnit`, and not `PickUnit {`.
 pub fn is_component(rest: &str) -> bool {
     let name = rest.trim_start();
     let end = name
@@ -127,15 +131,16 @@ pub fn is_component(rest: &str) -> bool {
     end > 0 && name[end..].trim_start().starts_with(':')
 }
 
-/// Whether this follows a word that somebody takes for a name, `line -> left` or `line = c.a`: no declaration begins so, and the word is
-/// no name, but that is not for want of a brace.
+/// Whether this follows a word that somebody takes for a name, `line -> left` or `line = c.a`: no
+/// declaration begins so, and the word is no name, but that is not for want of a brace.
 fn is_meant_as_name(rest: &str) -> bool {
     let rest = rest.trim_start();
     rest.starts_with("->") || rest.starts_with([',', ';', '=', '}'])
 }
 
-/// How long the name and the blanks are between the word `skills`, which this follows, and the brace of a set of skills. Nothing but a set
-/// has a name between the two: no expression holds two names side by side.
+/// How long the name and the blanks are between the word `skills`, which this follows, and the
+/// brace of a set of skills. Nothing but a set has a name between the two: no expression holds two
+/// names side by side.
 fn skills_head(rest: &str) -> Option<usize> {
     let name = rest.trim_start();
     let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
@@ -145,7 +150,8 @@ fn skills_head(rest: &str) -> Option<usize> {
     (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
 }
 
-/// Whether this follows the word `skills` where a set of skills is declared: `PickUnit {`, and a component or an order within.
+/// Whether this follows the word `skills` where a set of skills is declared: `PickUnit {`, and a
+/// component or an order within.
 pub fn is_skill_set(rest: &str) -> bool {
     let Some(brace) = skills_head(rest) else {
         return false;

@@ -1,8 +1,9 @@
 //! From text to a syntax tree and findings.
 //!
-//! pest stops at the first mistake, so recovery is in the grammar: what does not match an item is taken by a `bad_*` rule up
-//! to the next item, and [`explain`] parses that piece once more with the rule that its first word asks for. The
-//! error of that second parse says what was expected where.
+//! pest stops at the first mistake, so recovery is in the grammar: what does not match an item is
+//! taken by a `bad_*` rule up to the next item, and [`explain`] parses that piece once more with
+//! the rule that its first word asks for. The error of that second parse says what was expected
+//! where.
 
 mod skills;
 
@@ -23,7 +24,8 @@ mod grammar {
 }
 pub(super) use grammar::{Grammar, Rule};
 
-/// Brackets, conditionals and prefixes within one item may nest so deep, which bounds the stack that parsing needs.
+/// Brackets, conditionals and prefixes within one item may nest so deep, which bounds the stack
+/// that parsing needs.
 const MAX_DEPTH: usize = 200;
 /// So many levels fit the stack of any thread.
 const SMALL_DEPTH: usize = 12;
@@ -223,7 +225,8 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     .with_help(help)
 }
 
-/// Whether a piece goes on where an expression has broken off, so that the expression is not what was meant.
+/// Whether a piece goes on where an expression has broken off, so that the expression is not what
+/// was meant.
 pub(super) fn begins_with_operator(text: &str) -> bool {
     text.starts_with([
         ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',
@@ -347,7 +350,8 @@ fn finding_of(
     let at = match error.location {
         InputLocation::Pos(p) | InputLocation::Span((p, _)) => p,
     };
-    // Point at the word that does not fit, not at the blanks and comments before it; at the end, right behind the last word.
+    // Point at the word that does not fit, not at the blanks and comments before it; at the end,
+    // right behind the last word.
     let at = text.len() - after_comments(&text[at..]).len();
     let (at, word) = if at == text.len() {
         (code_end(text), String::new())

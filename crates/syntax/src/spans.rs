@@ -10,7 +10,8 @@ use super::ast::{
 use linewright_core::source::Span;
 
 impl File {
-    /// The tree with all its spans empty, and no places: equal for two texts that say the same in the same words.
+    /// The tree with all its spans empty, and no places: equal for two texts that say the same in
+    /// the same words.
     #[must_use]
     pub fn without_spans(mut self) -> Self {
         self.places.clear();

@@ -1,7 +1,8 @@
 //! The words of the language that cannot be names.
 //!
-//! The grammar needs them as a rule of its own (`reserved` in `lw.pest`); everything else asks this table: messages of the parser, the
-//! first look at brackets, and whoever prints contracts. `tests/language/words.rs` compares the two.
+//! The grammar needs them as a rule of its own (`reserved` in `lw.pest`); everything else asks this
+//! table: messages of the parser, the first look at brackets, and whoever prints contracts.
+//! `tests/language/words.rs` compares the two.
 
 /// The letters of temporal operators. Among skills they are names.
 const TEMPORAL_LETTERS: [&str; 5] = ["GF", "G", "F", "X", "O"];
@@ -62,7 +63,8 @@ pub fn is_reserved(word: &str) -> bool {
     reserved().any(|reserved| reserved == word)
 }
 
-/// Whether a word cannot be a name among skills, where the letters of temporal operators mean nothing.
+/// Whether a word cannot be a name among skills, where the letters of temporal operators mean
+/// nothing.
 pub(super) fn is_reserved_among_skills(word: &str) -> bool {
     is_reserved(word) && !TEMPORAL_LETTERS.contains(&word)
 }

@@ -115,7 +115,8 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     text
 }
 
-/// One contract of all parts, where every assumption is met or handed on: its assumptions are those that were handed on.
+/// One contract of all parts, where every assumption is met or handed on: its assumptions are those
+/// that were handed on.
 fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     let system = printer.system;
     let mut assumptions = Side::default();
@@ -164,8 +165,9 @@ fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     }
 }
 
-/// Assumptions that are handed on although the outside does not control what they constrain: no GR(1) contract of the whole can make them,
-/// since its environment gives the inputs of a step before it sees the outputs (the rule of [`Specification::assumptions`]).
+/// Assumptions that are handed on although the outside does not control what they constrain: no
+/// GR(1) contract of the whole can make them, since its environment gives the inputs of a step
+/// before it sees the outputs (the rule of [`Specification::assumptions`]).
 fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
     let system = printer.system;
     let mut findings = Vec::new();

@@ -1,4 +1,5 @@
-//! `linewright compose`, `refine`, `compat`, `conjoin`, `quotient` and `merge`: the algebra of contracts on the command line.
+//! `linewright compose`, `refine`, `compat`, `conjoin`, `quotient` and `merge`: the algebra of
+//! contracts on the command line.
 
 mod compare;
 mod compose;
@@ -185,7 +186,8 @@ fn load(
     Ok(Ok(loaded))
 }
 
-/// Reads operands and brings them together; what does not fit is printed, and the exit code given instead.
+/// Reads operands and brings them together; what does not fit is printed, and the exit code given
+/// instead.
 fn bring_together(
     command: &str,
     operands: &[&Operand],

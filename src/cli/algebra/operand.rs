@@ -260,7 +260,8 @@ fn one<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<&'a Cont
     }
 }
 
-/// Whether a file of the library is the one that a path names: the same text, or a library name and its place.
+/// Whether a file of the library is the one that a path names: the same text, or a library name and
+/// its place.
 fn same_file(file: &str, path: &str) -> bool {
     if file == path {
         return true;

@@ -177,7 +177,8 @@ pub fn explain(
     (findings, text)
 }
 
-/// A contract against a composition: under what it assumes the parts discharge one another's assumptions and keep what it guarantees.
+/// A contract against a composition: under what it assumes the parts discharge one another's
+/// assumptions and keep what it guarantees.
 fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let (whole, parts) = joined.system.parts.split_first().expect("two operands");
     let mut system = System {

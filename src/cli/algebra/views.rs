@@ -75,7 +75,8 @@ fn outcome(
     Ok(outcome)
 }
 
-/// What is proved of a result by the laws that define it: a sentence, and which contract refines which.
+/// What is proved of a result by the laws that define it: a sentence, and which contract refines
+/// which.
 fn claims(operation: Operation, joined: &Joined, result: &Sets) -> Vec<(String, Sets, Sets)> {
     let names: Vec<&str> = joined
         .system

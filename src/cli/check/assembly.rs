@@ -32,7 +32,8 @@ pub(super) struct Assembly<'a> {
     pub(super) files: &'a [FileView<'a>],
     pub(super) contracts: &'a [(&'a Contract, usize)],
     pub(super) machines: &'a [Planned<'a>],
-    /// Machines as lines have them, with arguments of their own; each with where the first of these lines is declared.
+    /// Machines as lines have them, with arguments of their own; each with where the first of these
+    /// lines is declared.
     pub(super) sized: &'a [(Span, Planned<'a>)],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],

@@ -55,7 +55,8 @@ pub(super) struct ContractEntry {
     /// How large its counterstrategy is, which `synth --counterstrategy` writes down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) counterstrategy: Option<CounterstrategyEntry>,
-    /// For a realizable one: from how many situations the machine can make the plant break an assumption.
+    /// For a realizable one: from how many situations the machine can make the plant break an
+    /// assumption.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) well_separation: Option<WellSeparation>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -82,7 +83,8 @@ pub(super) struct ContractEntry {
 /// A play that the machine loses.
 #[derive(Debug, Serialize)]
 pub(super) struct PlayEntry {
-    /// Step by step the values of all variables, by name; of a step that has no answer, those of the inputs.
+    /// Step by step the values of all variables, by name; of a step that has no answer, those of
+    /// the inputs.
     pub(super) steps: Vec<BTreeMap<String, serde_json::Value>>,
     /// The guarantees that clash in the last step.
     #[serde(skip_serializing_if = "Vec::is_empty")]

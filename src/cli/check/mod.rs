@@ -45,10 +45,12 @@ that has not changed is not worked out again (see --no-cache).
 Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are read by their ending; for these the \
 verdict is given, why it is unrealizable, and what is odd about the assumptions.")]
 pub struct Arguments {
-    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders that are searched for .lw files [default: ./contracts, or else the bundled library]
+    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders that are searched
+    /// for .lw files [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
-    /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the variables
+    /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the
+    /// variables
     #[arg(long)]
     pub stats: bool,
     /// Write down why the contract is realizable, in a form that others can check
@@ -191,7 +193,8 @@ fn check(
     })
 }
 
-/// The machines of lines that have other arguments there than by default, each with where the first of these lines is declared.
+/// The machines of lines that have other arguments there than by default, each with where the first
+/// of these lines is declared.
 fn sized<'a>(
     files: &[FileView<'_>],
     library: &'a Library,
@@ -212,7 +215,8 @@ fn sized<'a>(
     sized
 }
 
-/// Whether a contract was imported to be refined, and for nothing else: that it can be kept is shown by what refines it.
+/// Whether a contract was imported to be refined, and for nothing else: that it can be kept is
+/// shown by what refines it.
 fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
     let library = &loaded.library;
     let own = &library.sources.file(contract.span.file).name;

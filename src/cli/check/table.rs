@@ -275,7 +275,8 @@ fn verdicts_only(document: &Document) -> String {
     lines.collect()
 }
 
-/// For every machine, how the assumptions of its components are met, and how it refines its contracts.
+/// For every machine, how the assumptions of its components are met, and how it refines its
+/// contracts.
 fn discharges(document: &Document) -> String {
     let mut text = String::new();
     for line in document.lines.iter().filter(|l| !l.discharges.is_empty()) {

@@ -12,7 +12,8 @@ pub(super) struct FileView<'a> {
     pub(super) name: &'a str,
     pub(super) declarations: Vec<Declaration>,
     pub(super) findings: Vec<&'a Diagnostic>,
-    /// It does not parse, or something outside all declarations is wrong: then nothing in it can be relied on.
+    /// It does not parse, or something outside all declarations is wrong: then nothing in it can be
+    /// relied on.
     pub(super) broken: bool,
 }
 
@@ -22,7 +23,8 @@ impl<'a> FileView<'a> {
         sources
             .files()
             .map(|(id, file)| {
-                // What another tool's file imports declares nothing of its own; a mistake in it is one of the file that imports.
+                // What another tool's file imports declares nothing of its own; a mistake in it is
+                // one of the file that imports.
                 let imported =
                     loaded.foreign(id).is_none() && Format::of_path(&file.name).is_some();
                 let declarations = match loaded.foreign(id) {

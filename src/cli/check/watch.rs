@@ -1,8 +1,9 @@
 //! `check --watch`: checks again whenever a file has changed, until Ctrl-C.
 //!
-//! Contracts that have not changed keep their results: those that stand where they stood from the check before, those that have
-//! moved within their file from the cache; where the user wants none, from one that lasts as long as the watch. Ctrl-C ends the watch
-//! in the ordinary way, with the exit code of the last check that was finished.
+//! Contracts that have not changed keep their results: those that stand where they stood from the
+//! check before, those that have moved within their file from the cache; where the user wants none,
+//! from one that lasts as long as the watch. Ctrl-C ends the watch in the ordinary way, with the
+//! exit code of the last check that was finished.
 
 mod file_watcher;
 
@@ -99,7 +100,8 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
     }
 }
 
-/// The line of an occasion where it is not a part of the document: in human output, with some air around it.
+/// The line of an occasion where it is not a part of the document: in human output, with some air
+/// around it.
 fn line_for(format: Format, line: &str) -> String {
     match format {
         Format::Human if !line.is_empty() => format!("\n\u{1b}[1m{line}\u{1b}[0m\n"),
@@ -108,7 +110,8 @@ fn line_for(format: Format, line: &str) -> String {
     }
 }
 
-/// The files that a check has read, with their texts, and those that it would have read, beside those that it was given.
+/// The files that a check has read, with their texts, and those that it would have read, beside
+/// those that it was given.
 fn places_of<'a>(
     checked: &'a Checked,
     standard: &StandardLibrary,

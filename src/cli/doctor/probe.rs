@@ -1,4 +1,5 @@
-//! `linewright doctor --probe`: the layout that a dump tells, what is not sure about it, and the profile.
+//! `linewright doctor --probe`: the layout that a dump tells, what is not sure about it, and the
+//! profile.
 
 use super::super::console::schema;
 use super::super::exit::ExitCode;
@@ -98,7 +99,8 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     Ok(options.exit_code(&findings))
 }
 
-/// The profile that a dump tells: in the second round the one that the probe was built with, if the host kept to it.
+/// The profile that a dump tells: in the second round the one that the probe was built with, if the
+/// host kept to it.
 fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Diagnostic>> {
     match infer::confirm(dump) {
         Some(Ok(profile)) => {

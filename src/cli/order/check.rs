@@ -154,8 +154,8 @@ fn read(name: &str) -> Read {
     })
 }
 
-/// The rules beside the first program that can be read. Without one, or without rules, programs that cannot be read are told here, since
-/// they may be why.
+/// The rules beside the first program that can be read. Without one, or without rules, programs
+/// that cannot be read are told here, since they may be why.
 fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selection, EarlyExit> {
     let unreadable: Vec<Diagnostic> = programs
         .iter()

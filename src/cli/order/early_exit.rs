@@ -1,5 +1,5 @@
-//! How the commands of `order` end before they have an answer. They all do it alike: the rules cannot be loaded, or the automaton is too
-//! large.
+//! How the commands of `order` end before they have an answer. They all do it alike: the rules
+//! cannot be loaded, or the automaton is too large.
 
 use crate::automata::bound::TooLarge;
 use crate::cli::exit::ExitCode;
@@ -31,7 +31,8 @@ impl From<anyhow::Error> for EarlyExit {
 }
 
 impl EarlyExit {
-    /// Turns the error of a command into its early exit; `besides` is what helps beside fewer rules.
+    /// Turns the error of a command into its early exit; `besides` is what helps beside fewer
+    /// rules.
     pub fn gave_up(besides: Option<&'static str>) -> impl Fn(TooLarge) -> Self {
         move |error| Self::GaveUp { error, besides }
     }

@@ -81,7 +81,8 @@ pub struct Choice {
     /// Leave this rule out (may be given several times)
     #[arg(id = "no_rule", long = "no-rule", value_name = "NAME")]
     pub no_rules: Vec<String>,
-    /// Allow several skills at once where some order of them is allowed, and not only where every order is
+    /// Allow several skills at once where some order of them is allowed, and not only where every
+    /// order is
     #[arg(long)]
     pub some_order: bool,
     /// Where a rule lists the transitions that a published model deletes, delete just these

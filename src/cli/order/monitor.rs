@@ -172,7 +172,8 @@ fn emitted(
     Ok(ExitCode::Success)
 }
 
-/// Answers line by line. With a table, nothing is allocated for a call that is allowed once the longest line has been seen.
+/// Answers line by line. With a table, nothing is allocated for a call that is allowed once the
+/// longest line has been seen.
 fn watch(
     mut monitor: Watching<'_>,
     skills: &Skills,
@@ -266,7 +267,8 @@ fn without_mark(line: &[u8], number: u64) -> &[u8] {
     line.strip_prefix(mark.as_bytes()).unwrap_or(line)
 }
 
-/// What is called by a line that is not just names and `&`: blanks may be others than those of ASCII. Else what is wrong with it.
+/// What is called by a line that is not just names and `&`: blanks may be others than those of
+/// ASCII. Else what is wrong with it.
 fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
     if call.len() > LONGEST_CALL {
         let longer = format!("this line is longer than {LONGEST_CALL} bytes");

@@ -1,8 +1,9 @@
 //! Programs of calls: a skill, or several called at once, a line.
 //!
-//! In a text file a line is `Left` or `Left & Down`; what follows `#` or `//` is a comment. In a `.csv` file the skills of a line stand in
-//! its cells; where the first line is a header with a column `skill`, `skills`, `call` or `calls`, only that column counts, and lines that
-//! have the same entry in a column `step` one after the other are one call.
+//! In a text file a line is `Left` or `Left & Down`; what follows `#` or `//` is a comment. In a
+//! `.csv` file the skills of a line stand in its cells; where the first line is a header with a
+//! column `skill`, `skills`, `call` or `calls`, only that column counts, and lines that have the
+//! same entry in a column `step` one after the other are one call.
 
 mod table;
 

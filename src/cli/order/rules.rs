@@ -53,7 +53,8 @@ impl Chosen {
     }
 }
 
-/// Loads the one set of rules that is meant. Where the file has errors, they are printed as this command's.
+/// Loads the one set of rules that is meant. Where the file has errors, they are printed as this
+/// command's.
 pub fn choose(
     command: &str,
     selection: &Selection,
@@ -154,7 +155,8 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
     }
 }
 
-/// What is said where calls of more skills at once than these are left out, since there would be too many.
+/// What is said where calls of more skills at once than these are left out, since there would be
+/// too many.
 pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
     let most = calls.iter().map(|c| c.count_ones()).max().unwrap_or(0);
     options.console().remark(&format!(

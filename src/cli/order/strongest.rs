@@ -28,7 +28,8 @@ pub struct Arguments {
     /// Look for detours of so many skills at most; 1 looks for recalls only
     #[arg(long, default_value_t = 2, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
     pub longest: u8,
-    /// A situation that must stay within reach, `left & down` (may be given several times) [default: all of them]
+    /// A situation that must stay within reach, `left & down` (may be given several times)
+    /// [default: all of them]
     #[arg(long, value_name = "SITUATION")]
     pub useful: Vec<String>,
     /// A rule that is not wanted (may be given several times)

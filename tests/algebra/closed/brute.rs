@@ -1,5 +1,6 @@
-//! A closed composition by hand: every state and every choice from outside, one by one. It knows tables and formulas, and shares no code
-//! with what it is compared with but the evaluation of expressions.
+//! A closed composition by hand: every state and every choice from outside, one by one. It knows
+//! tables and formulas, and shares no code with what it is compared with but the evaluation of
+//! expressions.
 
 use linewright::algebra::closed::Closed;
 use linewright::algebra::system::formulas;
@@ -167,7 +168,8 @@ impl Brute<'_> {
         values.collect()
     }
 
-    /// The assumptions of a component that are broken in a step: those that are the caller's, and the others.
+    /// The assumptions of a component that are broken in a step: those that are the caller's, and
+    /// the others.
     fn broken(&self, component: usize, before: Option<&State>, wires: &[i64]) -> [Vec<String>; 2] {
         let side = &self.machine.components[component].specification.assumptions;
         let now = self.own(component, wires);
@@ -221,7 +223,8 @@ impl Brute<'_> {
             if !outside.is_empty() {
                 return Step::Void;
             }
-            // What is the caller's is looked at even where something went wrong before, as far as it can be.
+            // What is the caller's is looked at even where something went wrong before, as far as
+            // it can be.
             if !wrong.is_empty() {
                 continue;
             }

@@ -1,7 +1,9 @@
-//! Assumptions that contradict each other: what is decided of the controllers together against what the interpreter does.
+//! Assumptions that contradict each other: what is decided of the controllers together against what
+//! the interpreter does.
 //!
-//! A controller that answers first has no outputs where no inputs keep its assumptions. That is an error of the call there, and a machine that
-//! is stuck here; in both it comes before anything else of that step.
+//! A controller that answers first has no outputs where no inputs keep its assumptions. That is an
+//! error of the call there, and a machine that is stuck here; in both it comes before anything else
+//! of that step.
 
 use super::{load, pick, synthesized_as_far_as_can_be};
 use crate::random::Random;
@@ -14,7 +16,8 @@ use linewright::station::interpret::Interpreter;
 use linewright::station::{Controller as _, ErrorCode};
 use std::sync::Arc;
 
-/// What contradicts itself at the start, from the start on, or once something has happened; nothing where the list ends.
+/// What contradicts itself at the start, from the start on, or once something has happened; nothing
+/// where the list ends.
 const CONTRADICTORY: &[&str] = &[
     "assume never: (not s and s)",
     "assume dark: always not s assume light: always s",
@@ -218,8 +221,8 @@ fn contradictory_assumptions_are_decided_as_they_run() {
     assert!(looked_at > 100 && sound > 5 && silent > 12);
 }
 
-/// A state without a row that is reached in the middle of a call. Where a controller is minimised it is one with any other, so the table is
-/// made by hand.
+/// A state without a row that is reached in the middle of a call. Where a controller is minimised
+/// it is one with any other, so the table is made by hand.
 #[test]
 fn a_contradiction_that_comes_later_is_found_after_its_run() {
     let text = "

@@ -1,4 +1,5 @@
-//! The discharge tables of the machines that ship, and what happens when a guarantee that one of them names is taken away.
+//! The discharge tables of the machines that ship, and what happens when a guarantee that one of
+//! them names is taken away.
 
 use super::mutants::nothing_can_be_left_out;
 use super::tables::table;
@@ -93,8 +94,8 @@ fn the_cell_refines_the_holistic_contract_at_its_own_size() {
     assert!(claim.goal.all().count() > 80);
 }
 
-/// Every line of every table: what it names is enough by itself, and without any single one of it the proof fails, with a counterexample that
-/// the evaluator accepts.
+/// Every line of every table: what it names is enough by itself, and without any single one of it
+/// the proof fails, with a counterexample that the evaluator accepts.
 #[test]
 fn nothing_that_a_table_names_can_be_left_out() {
     let (mut lines, mut mutants) = (0, 0);

@@ -1,4 +1,5 @@
-//! What happens to the lines of a discharge table when something that one of them names is taken away.
+//! What happens to the lines of a discharge table when something that one of them names is taken
+//! away.
 
 use super::tables::{name, table};
 use linewright::algebra::proof::{Claim, Discharge, Discharged, Exports, Proof, decide};
@@ -7,8 +8,9 @@ use linewright::algebra::system::{FormulaRef, Half, System, formulas};
 use linewright::game::{Limits, RuleKind};
 use linewright::gr1::{Formula, Side};
 
-/// Every line of a table: what it names is enough by itself, and without any single one of it the proof fails, with a counterexample that
-/// the evaluator accepts. Gives how many lines there were, and how many mutants.
+/// Every line of a table: what it names is enough by itself, and without any single one of it the
+/// proof fails, with a counterexample that the evaluator accepts. Gives how many lines there were,
+/// and how many mutants.
 #[track_caller]
 pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) -> (usize, usize) {
     let (mut lines, mut mutants) = (0, 0);
@@ -33,7 +35,8 @@ pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) ->
     (lines, mutants)
 }
 
-/// One line of a table by itself: the obligation, and nothing but what it rests on, without one of these.
+/// One line of a table by itself: the obligation, and nothing but what it rests on, without one of
+/// these.
 fn alone(
     system: &System,
     claim: &Claim,

@@ -33,8 +33,9 @@ fn composed(texts: &[&str]) -> (System, Claim, Proof) {
     (system, claim, proof)
 }
 
-/// Four assumptions that are not discharged, and one circle: `available` is the coordinator's own, the gripper's guarantee is only the converse of
-/// what Turn needs, and the two last ones wait for each other.
+/// Four assumptions that are not discharged, and one circle: `available` is the coordinator's own,
+/// the gripper's guarantee is only the converse of what Turn needs, and the two last ones wait for
+/// each other.
 #[test]
 fn the_papers_own_pair_leaves_four_assumptions_open_and_has_one_circle() {
     let (system, claim, proof) = composed(&[
@@ -83,8 +84,8 @@ fn a_loop_within_a_step_is_refused_with_its_variables() {
     insta::assert_snapshot!(table(&system, &claim, &proof), @"loop: shut -> lit");
 }
 
-/// Circles of safety among contracts that see each other's answers of the same step are loops: each may only keep its promise
-/// because the other does.
+/// Circles of safety among contracts that see each other's answers of the same step are loops: each
+/// may only keep its promise because the other does.
 #[test]
 fn a_circle_of_safety_within_a_step_is_refused() {
     let text = "

@@ -1,11 +1,13 @@
 //! Proofs of composition against all machines there are.
 //!
-//! A machine keeps its contract in the strict sense: its guarantees for as long as its assumptions were kept, and their justice whenever
-//! that of its assumptions is met. A step of the whole is one that some such machines take together in some environment exactly if
-//! every part whose assumptions still hold answers within the winning region of its own contract (one that answers first: with what is right
-//! for every legal input), and if the environment keeps what is given and what was handed on. In the winning region every
-//! such answer belongs to some machine; and a cycle belongs to some machines exactly if each of them meets its justice on it, or its
-//! environment does not. So the steps are counted through, and no machine has to be made.
+//! A machine keeps its contract in the strict sense: its guarantees for as long as its assumptions
+//! were kept, and their justice whenever that of its assumptions is met. A step of the whole is one
+//! that some such machines take together in some environment exactly if every part whose
+//! assumptions still hold answers within the winning region of its own contract (one that answers
+//! first: with what is right for every legal input), and if the environment keeps what is given and
+//! what was handed on. In the winning region every such answer belongs to some machine; and a cycle
+//! belongs to some machines exactly if each of them meets its justice on it, or its environment
+//! does not. So the steps are counted through, and no machine has to be made.
 
 use super::contracts::{Scope, expression, formula};
 use super::graph::{Board, Relation, Set, Steps, members};
@@ -168,8 +170,8 @@ impl Composed {
         steps
     }
 
-    /// Whether a part that answers first comes to where it has no legal inputs. Then any answer of it is right for all of them, so that it
-    /// does not even keep what it says of itself.
+    /// Whether a part that answers first comes to where it has no legal inputs. Then any answer of
+    /// it is right for all of them, so that it does not even keep what it says of itself.
     fn has_dead_end(&self) -> bool {
         let kept = self.kept();
         let reached = kept.reach(kept.start);
@@ -185,8 +187,8 @@ impl Composed {
             || members(reached).any(|s| self.steps.step[s] != kept.step[s])
     }
 
-    /// Whether all safety can be kept and the justice of an assumption starved: every part meets its goals, or one of its assumptions is
-    /// starved; and at least one is.
+    /// Whether all safety can be kept and the justice of an assumption starved: every part meets
+    /// its goals, or one of its assumptions is starved; and at least one is.
     fn starves_an_assumption(&self) -> bool {
         let kept = self.kept();
         let reached = kept.reach(kept.start);
@@ -244,7 +246,8 @@ fn remove(steps: &mut Steps, relation: &Relation) {
     }
 }
 
-/// Whether what a part may answer depends on another variable of the same step, whatever came before.
+/// Whether what a part may answer depends on another variable of the same step, whatever came
+/// before.
 fn depends(board: &Board, guarantees: &Side, on: VarId) -> bool {
     let steps = board.steps([guarantees]);
     let rows = steps.step.iter().chain([&steps.start]);
@@ -263,8 +266,8 @@ fn depends(board: &Board, guarantees: &Side, on: VarId) -> bool {
     })
 }
 
-/// Whether formulas say of a step anything about a variable. A part that says nothing of its own output sets it as it likes, whatever it
-/// says of others.
+/// Whether formulas say of a step anything about a variable. A part that says nothing of its own
+/// output sets it as it likes, whatever it says of others.
 fn mentions(side: &Side, variable: VarId) -> bool {
     let mut found = false;
     for formula in side
@@ -309,7 +312,8 @@ fn has_circle(edges: &[Vec<usize>]) -> bool {
     })
 }
 
-/// What is claimed of a system: something of the environment, and something that a part guarantees, or less, or anything.
+/// What is claimed of a system: something of the environment, and something that a part guarantees,
+/// or less, or anything.
 fn claim(r: &mut Random, system: &System) -> Claim {
     let variables = &system.variables;
     let all = Scope::all(variables, true).now;
@@ -452,7 +456,8 @@ struct Counts {
     assumed_loops_really: u32,
 }
 
-/// Whether there are loops within a step: a loop is found then, and in each that is, every answer depends on the next variable.
+/// Whether there are loops within a step: a loop is found then, and in each that is, every answer
+/// depends on the next variable.
 fn waits_in_a_circle(system: &System, board: &Board, proof: &Proof) -> bool {
     let waits = dependencies(system, board);
     if !has_circle(&waits) {
@@ -508,8 +513,9 @@ fn relies(system: &System) -> Vec<Vec<usize>> {
     of.collect()
 }
 
-/// Where a proof holds, no machines that keep the parts' contracts, in no environment that keeps what it has to, ever break the safety of
-/// an assumption, starve its justice, or miss the goal. Counterexamples are accepted.
+/// Where a proof holds, no machines that keep the parts' contracts, in no environment that keeps
+/// what it has to, ever break the safety of an assumption, starve its justice, or miss the goal.
+/// Counterexamples are accepted.
 #[test]
 fn proofs_hold_of_all_machines() {
     let limits = Limits::default();
@@ -589,14 +595,16 @@ fn proofs_hold_of_all_machines() {
     assert!(c.holds >= 1_000 && c.fails >= 1_000 && c.holds_in_a_circle >= 800);
     assert!(c.exports >= 200 && c.by_justice >= 150 && c.justice_circles >= 20);
     assert!(c.traces >= 500 && c.lassos >= 500);
-    // What is refused is mostly wrong, too, although a proof looks at guarantees alone, not at who can win with them.
+    // What is refused is mostly wrong, too, although a proof looks at guarantees alone, not at who
+    // can win with them.
     assert!(c.really * 10 >= c.fails * 9, "{c:?}");
     assert!(c.assumed_loops >= 50 && c.assumed_loops_really * 2 >= c.assumed_loops);
     assert!((c.unrealizable + c.dead_ends) * 20 <= SYSTEMS as u32);
 }
 
-/// Loops within a step are reported where answers depend on one another in a circle: each on the value that the next one has in the same
-/// step. Where none do, and nothing is assumed that could make them, none is reported.
+/// Loops within a step are reported where answers depend on one another in a circle: each on the
+/// value that the next one has in the same step. Where none do, and nothing is assumed that could
+/// make them, none is reported.
 #[test]
 fn loops_within_a_step_are_loops() {
     let limits = Limits::default();

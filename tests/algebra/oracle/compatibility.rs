@@ -1,9 +1,11 @@
 //! Compatibility against a naive solver of the game with the roles swapped.
 //!
-//! The outside plays: it sets what no part sets, and has to keep all assumptions for as long as the parts keep their guarantees; and has
-//! to meet the justice of the assumptions whenever that of the guarantees is met. Machines that see the inputs of the step that
-//! they answer leave the outside the first word. Where all parts answer first, the outside sees their answer; one is allowed where something
-//! from outside makes it so, and with something else the outside leaves the parts with a broken promise.
+//! The outside plays: it sets what no part sets, and has to keep all assumptions for as long as the
+//! parts keep their guarantees; and has to meet the justice of the assumptions whenever that of the
+//! guarantees is met. Machines that see the inputs of the step that they answer leave the outside
+//! the first word. Where all parts answer first, the outside sees their answer; one is allowed
+//! where something from outside makes it so, and with something else the outside leaves the parts
+//! with a broken promise.
 
 use super::contracts::{self, formula};
 use super::graph::{Board, Relation, Set, Steps, members};
@@ -111,15 +113,15 @@ impl Swapped {
         }
     }
 
-    /// Whether the outside can bring about one of `kept` that is among `good`, after whatever the Moore machines set and whichever of `legal`
-    /// the others choose then.
+    /// Whether the outside can bring about one of `kept` that is among `good`, after whatever the
+    /// Moore machines set and whichever of `legal` the others choose then.
     fn controls(&self, legal: Set, kept: Set, good: Set) -> bool {
         let mut answers = self.of_moore.iter();
         answers.all(|y| self.answers(*y, legal, kept, good))
     }
 
-    /// The same after `y`. Where it leaves the parts no way to keep their promise, any of `kept` will do: it must not break an
-    /// assumption itself.
+    /// The same after `y`. Where it leaves the parts no way to keep their promise, any of `kept`
+    /// will do: it must not break an assumption itself.
     fn answers(&self, y: Set, legal: Set, kept: Set, good: Set) -> bool {
         let mut moves = self.from_outside.iter().map(|x| x & y);
         self.sees && y & legal == 0
@@ -182,8 +184,8 @@ impl Swapped {
     }
 }
 
-/// A play that ends: everything is kept before the last step; and then, whatever the outside does, some assumption is broken by what the
-/// parts may do.
+/// A play that ends: everything is kept before the last step; and then, whatever the outside does,
+/// some assumption is broken by what the parts may do.
 fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
     let states: Vec<usize> = steps.iter().map(|s| game.board.number(s)).collect();
     let mut before = None;
@@ -210,8 +212,8 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
     }
 }
 
-/// The verdict is that of the naive solver; the assumptions that are named cannot be kept, and any fewer of them can; and every play is
-/// one.
+/// The verdict is that of the naive solver; the assumptions that are named cannot be kept, and any
+/// fewer of them can; and every play is one.
 #[test]
 fn environments_exist_where_the_swapped_game_is_won() {
     let limits = Limits::default();
@@ -281,8 +283,9 @@ fn environments_exist_where_the_swapped_game_is_won() {
     assert!(traces >= 100 && cycles >= 50 && several >= 20);
 }
 
-/// A value that a variable's bits could have and its domain has not is nobody's answer: `y` has three values in two bits, and with a
-/// fourth one the part would have nothing legal to do. What it need not do is ever to withdraw `x`.
+/// A value that a variable's bits could have and its domain has not is nobody's answer: `y` has
+/// three values in two bits, and with a fourth one the part would have nothing legal to do. What it
+/// need not do is ever to withdraw `x`.
 #[test]
 fn codes_without_a_value_are_no_way_out() {
     let now = |v: u32| Expr::now(VarId(v));
@@ -330,8 +333,9 @@ fn codes_without_a_value_are_no_way_out() {
     }
 }
 
-/// Without power the heater cannot start hot, as it promises; but without power the environment has broken an assumption itself. So the
-/// heater starts with power and hot, and the next step breaks one of the two.
+/// Without power the heater cannot start hot, as it promises; but without power the environment has
+/// broken an assumption itself. So the heater starts with power and hot, and the next step breaks
+/// one of the two.
 #[test]
 fn no_answer_is_left_only_within_the_assumptions() {
     let (power, hot) = (VarId(0), VarId(1));

@@ -1,4 +1,5 @@
-//! Explicit states: all valuations of a few variables, sets of them as bits of a word, and what can be reached.
+//! Explicit states: all valuations of a few variables, sets of them as bits of a word, and what can
+//! be reached.
 
 use super::lassos::valuations;
 use crate::game::value;
@@ -111,7 +112,8 @@ impl Steps {
         }
     }
 
-    /// The valuations from which some run goes on for ever and meets all of `justice` again and again.
+    /// The valuations from which some run goes on for ever and meets all of `justice` again and
+    /// again.
     pub fn lasting(&self, justice: &[Relation]) -> Set {
         let count = self.step.len();
         let mut good = (0..count).fold(0, |set: Set, i| set | 1 << i);

@@ -1,6 +1,8 @@
-//! All lassos up to a bound, and the contracts as sets of them: the definitions as the literature has them, on plain values.
+//! All lassos up to a bound, and the contracts as sets of them: the definitions as the literature
+//! has them, on plain values.
 //!
-//! Nothing of `crates/algebra/src` is used but the shape of its data; formulas are evaluated by the oracle's own evaluator.
+//! Nothing of `crates/algebra/src` is used but the shape of its data; formulas are evaluated by the
+//! oracle's own evaluator.
 
 use crate::game::value;
 use linewright::algebra::system::{Part, System};
@@ -58,8 +60,8 @@ pub fn all(variables: &[Variable], bound: usize) -> Vec<Lasso> {
     found
 }
 
-/// Whether a lasso keeps a side. It is looked at as the infinite word that it stands for: step `i + 1` of the last step is the first of
-/// the cycle.
+/// Whether a lasso keeps a side. It is looked at as the infinite word that it stands for: step
+/// `i + 1` of the last step is the first of the cycle.
 pub fn keeps(side: &Side, run: &Lasso) -> bool {
     let word: Vec<&[i64]> = run
         .prefix

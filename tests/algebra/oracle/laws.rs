@@ -1,5 +1,5 @@
-//! The laws of the algebra on random contracts: exactly, by the procedure that decides questions about all infinite runs, and by the
-//! definitions on all lassos up to the bound.
+//! The laws of the algebra on random contracts: exactly, by the procedure that decides questions
+//! about all infinite runs, and by the definitions on all lassos up to the bound.
 
 use super::contracts::{akin, any, refined, refining, system, variables};
 use super::lassos::{Meaning, all};
@@ -105,8 +105,8 @@ fn rounds(
     }
 }
 
-/// Every contract refines itself; and where one refines a second and that a third, the first refines the third. Chains come about by
-/// weakening, and by chance.
+/// Every contract refines itself; and where one refines a second and that a third, the first
+/// refines the third. Chains come about by weakening, and by chance.
 #[test]
 fn refinement_is_a_preorder() {
     let (mut chains, mut strict, mut others) = (0, 0, 0);
@@ -178,7 +178,8 @@ fn composition_is_commutative_associative_and_monotone() {
     assert!(related >= 1_000 && strict >= 500);
 }
 
-/// C₁ ⊗ (C / C₁) ≼ C; and the quotient is the weakest such contract: C₁ ⊗ X ≼ C exactly when X ≼ C / C₁.
+/// C₁ ⊗ (C / C₁) ≼ C; and the quotient is the weakest such contract: C₁ ⊗ X ≼ C exactly when X ≼ C
+/// / C₁.
 #[test]
 fn the_quotient_is_the_weakest_contract_that_completes_another() {
     let (mut complete, mut not) = (0, 0);
@@ -260,10 +261,12 @@ fn conjunction_is_the_greatest_lower_bound() {
     assert!(common >= 200 && not >= 200);
 }
 
-/// Merging is composition with assumptions and guarantees exchanged: C₁ • C₂ = (C₁⁻¹ ⊗ C₂⁻¹)⁻¹, where the reciprocal of a saturated
-/// contract is (A, Ĝ)⁻¹ = (Ĝ, A), which is saturated again since A ∪ Ĝ is everything. This is the duality of Passerone, Íncer Romeo and
-/// Sangiovanni-Vincentelli ("Coherent extension, composition, and merging operators in contract models", 2019). What composition keeps,
-/// merging keeps: it is commutative, associative and monotone. That it is what the table of definitions says is in `operations`.
+/// Merging is composition with assumptions and guarantees exchanged: C₁ • C₂ = (C₁⁻¹ ⊗ C₂⁻¹)⁻¹,
+/// where the reciprocal of a saturated contract is (A, Ĝ)⁻¹ = (Ĝ, A), which is saturated again
+/// since A ∪ Ĝ is everything. This is the duality of Passerone, Íncer Romeo and
+/// Sangiovanni-Vincentelli ("Coherent extension, composition, and merging operators in contract
+/// models", 2019). What composition keeps, merging keeps: it is commutative, associative and
+/// monotone. That it is what the table of definitions says is in `operations`.
 #[test]
 fn merging_is_dual_to_composition() {
     let mut related = 0;

@@ -1,4 +1,5 @@
-//! Composition, conjunction, quotient, merging and refinement of random contracts, against their definitions.
+//! Composition, conjunction, quotient, merging and refinement of random contracts, against their
+//! definitions.
 
 use super::contracts::{akin, any, system, variables};
 use super::lassos::{Meaning, all};
@@ -50,8 +51,9 @@ fn triple(r: &mut Random) -> (System, usize) {
     (system(&variables, vec![first, second, third]), bound)
 }
 
-/// Membership in each operation is what its definition says, on every lasso up to the bound. And a question whether one contract refines
-/// another is answered right: with "yes" no such lasso speaks against it, with "no" the run that is given does.
+/// Membership in each operation is what its definition says, on every lasso up to the bound. And a
+/// question whether one contract refines another is answered right: with "yes" no such lasso speaks
+/// against it, with "no" the run that is given does.
 #[test]
 fn operations_are_what_they_are_defined_as() {
     let limits = Limits::default();

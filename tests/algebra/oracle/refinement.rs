@@ -25,7 +25,8 @@ struct Counts {
     lassos: u32,
     discharges: u32,
     reasons: u32,
-    /// Reasons without which there is no infinite run that breaks the formula, but a step that does.
+    /// Reasons without which there is no infinite run that breaks the formula, but a step that
+    /// does.
     for_the_step: u32,
     environment: u32,
     induction: u32,
@@ -110,8 +111,9 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
     }
 }
 
-/// A counterexample is one: by the evaluator of the algebra, and by the definitions. Of a trace: it keeps what is known, its last step
-/// breaks the formula, and from there a run goes on for ever and keeps what is known, justice included.
+/// A counterexample is one: by the evaluator of the algebra, and by the definitions. Of a trace: it
+/// keeps what is known, its last step breaks the formula, and from there a run goes on for ever and
+/// keeps what is known, justice included.
 fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     let Question {
         system,
@@ -187,8 +189,9 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     }
 }
 
-/// Refinement that is explained gives the verdict of the exact decision; its reasons are enough on every lasso up to the bound and on all
-/// runs; without any of them the formula can be broken; and every counterexample is one.
+/// Refinement that is explained gives the verdict of the exact decision; its reasons are enough on
+/// every lasso up to the bound and on all runs; without any of them the formula can be broken; and
+/// every counterexample is one.
 #[test]
 fn refinement_is_explained_right() {
     let limits = Limits::default();

@@ -14,11 +14,13 @@ pub struct Plan {
     pub outside: u64,
     /// How many in a hundred parts answer first.
     pub moore: u64,
-    /// How many in a hundred assumptions are something that another part guarantees, or less than that.
+    /// How many in a hundred assumptions are something that another part guarantees, or less than
+    /// that.
     pub derived: u64,
     /// Whether more is assumed, and less guaranteed.
     pub demanding: bool,
-    /// How many in a hundred guarantees of a part that answers second speak of the inputs of the step.
+    /// How many in a hundred guarantees of a part that answers second speak of the inputs of the
+    /// step.
     pub sees: u64,
 }
 
@@ -39,7 +41,8 @@ fn push(side: &mut Side, kind: RuleKind, formula: Formula) {
     }
 }
 
-/// The values of the last step that a formula of this kind speaks of are from `latest`, all others from everywhere.
+/// The values of the last step that a formula of this kind speaks of are from `latest`, all others
+/// from everywhere.
 fn written(r: &mut Random, variables: &[Variable], kind: RuleKind, latest: &[VarId]) -> Expr {
     let everything = Scope::all(variables, false).now;
     let scope = match kind {
@@ -174,8 +177,8 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
     side
 }
 
-/// A system whose parts drive one variable each; the last variables come from outside. `mend` may change it once the guarantees stand, and
-/// once the assumptions do.
+/// A system whose parts drive one variable each; the last variables come from outside. `mend` may
+/// change it once the guarantees stand, and once the assumptions do.
 pub fn system(r: &mut Random, plan: &Plan, mend: &dyn Fn(&mut Random, &mut System)) -> System {
     let count = plan.parts + plan.outside;
     let wide = r.below(2 * count);

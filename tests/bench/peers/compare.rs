@@ -61,7 +61,8 @@ impl Peer {
         }
     }
 
-    /// What makes it decide realizability, and no more. slugs does that unless it is asked for more.
+    /// What makes it decide realizability, and no more. slugs does that unless it is asked for
+    /// more.
     const fn options(self) -> &'static [&'static str] {
         match self {
             Self::Gr1c => &["-r"],

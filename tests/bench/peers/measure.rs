@@ -1,9 +1,10 @@
 //! One run of a program as a whole process: processor time, memory, and what it said.
 //!
-//! The system adds up what a process's children took, and keeps the largest memory of any of them: once for all, not a child.
-//! So every run gets a process of its own in between, this bench started again, which has that one child, waits for it or ends
-//! it when the time is up, and then asks the system. That is safe code on every Unix, exact to what the system counts, and
-//! includes whatever the program itself started and waited for.
+//! The system adds up what a process's children took, and keeps the largest memory of any of them:
+//! once for all, not a child. So every run gets a process of its own in between, this bench started
+//! again, which has that one child, waits for it or ends it when the time is up, and then asks the
+//! system. That is safe code on every Unix, exact to what the system counts, and includes whatever
+//! the program itself started and waited for.
 
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::{TimeVal, TimeValLike as _};
@@ -35,7 +36,8 @@ pub struct Run {
     pub end: End,
     /// User and system time, of children too.
     pub seconds: f64,
-    /// Peak resident memory, in MiB. Not less than that of the process in between, which is about 2 MiB.
+    /// Peak resident memory, in MiB. Not less than that of the process in between, which is about 2
+    /// MiB.
     pub mebibytes: f64,
     /// What it printed, ...
     pub text: String,

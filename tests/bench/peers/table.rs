@@ -95,7 +95,8 @@ fn figures(f: &Figures, limit: Duration) -> [String; 2] {
     }
 }
 
-/// How many times our time and memory the other took. A tool that was stopped would have taken more.
+/// How many times our time and memory the other took. A tool that was stopped would have taken
+/// more.
 fn ratios(ours: &Figures, theirs: &Figures) -> [String; 2] {
     let ratio = |a: f64, b: f64| format!("{:.1}", a / b.max(0.001));
     let time = ratio(theirs.seconds, ours.seconds);

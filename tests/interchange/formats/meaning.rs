@@ -25,7 +25,8 @@ fn codes(format: Format, text: &str) -> Vec<&'static str> {
         .collect()
 }
 
-/// Compares the only transition of a specification with a function of current and next values, everywhere.
+/// Compares the only transition of a specification with a function of current and next values,
+/// everywhere.
 fn everywhere(specification: &Specification, text: &str, wanted: &dyn Fn(&[i64], &[i64]) -> bool) {
     let domains: Vec<&Domain> = specification.variables.iter().map(|v| &v.domain).collect();
     let mut valuations: Vec<Vec<i64>> = vec![Vec::new()];
@@ -214,7 +215,8 @@ fn initial_conditions() {
     assert!(answers("^ a b"));
     assert!(!answers("& a b"));
     assert!(!answers("& b ! b"));
-    // A transition says nothing of the last step before the environment is stuck; an initial condition does.
+    // A transition says nothing of the last step before the environment is stuck; an initial
+    // condition does.
     let stuck = |section: &str| {
         let text = format!("[INPUT]\na\n[OUTPUT]\nb\n[ENV_TRANS]\n0\n[{section}]\n0\n");
         verdict(&sound(Format::Slugsin, &text))
@@ -497,8 +499,8 @@ fn what_another_game_asks_for_is_refused() {
     );
 }
 
-/// Bit k of a number is one of its distance from the smallest value, and there are as many as the largest distance needs: `x: 4...7` has
-/// two, though 7 has three.
+/// Bit k of a number is one of its distance from the smallest value, and there are as many as the
+/// largest distance needs: `x: 4...7` has two, though 7 has three.
 #[test]
 fn bits_of_numbers_count_from_the_smallest_value() {
     for low in -5..=6_i64 {

@@ -1,9 +1,11 @@
 //! A proof that two specifications are the same game, formula by formula, as Boolean functions.
 //!
-//! What a reader makes of a written text may have other variables (a number became its bits), formulas in another order, and formulas
-//! that keep bits to the domain of their number. So every formula of both is made a function of the bits of the second one's variables, and
-//! conjoined with the domains of the first; diagrams are canonical, so the lists agree if the sets of these functions do. What
-//! remains is that the second one's own formulas keep its bits within those domains.
+//! What a reader makes of a written text may have other variables (a number became its bits),
+//! formulas in another order, and formulas that keep bits to the domain of their number. So every
+//! formula of both is made a function of the bits of the second one's variables, and conjoined with
+//! the domains of the first; diagrams are canonical, so the lists agree if the sets of these
+//! functions do. What remains is that the second one's own formulas keep its bits within those
+//! domains.
 
 #![expect(
     clippy::mutable_key_type,
@@ -26,7 +28,8 @@ pub enum Layout {
     Bits,
 }
 
-/// Proves that `b` is what `a` was, with its variables in this layout. The error says what is different.
+/// Proves that `b` is what `a` was, with its variables in this layout. The error says what is
+/// different.
 pub fn prove(a: &Specification, b: &Specification, layout: Layout) -> Result<(), String> {
     let carried = carried(a, b, layout)?;
     let limits = Limits {
@@ -176,7 +179,8 @@ impl Proof<'_> {
         let b = self.lists(owner, b, &Expr::Var)?;
         let (all_of_a, all_of_b) = (a, b);
         let (a, b) = (&all_of_a, &all_of_b);
-        // Where the other side has nothing to lose meanwhile, it does not matter in which step this one loses.
+        // Where the other side has nothing to lose meanwhile, it does not matter in which step this
+        // one loses.
         let some_time = match owner {
             Owner::Environment => self.at_ease,
             Owner::System => self.free,
@@ -312,7 +316,8 @@ impl Proof<'_> {
         }))
     }
 
-    /// What a side asks, in a form that does not depend on which of several ways to say it was taken.
+    /// What a side asks, in a form that does not depend on which of several ways to say it was
+    /// taken.
     fn lists(
         &self,
         owner: Owner,
@@ -330,7 +335,8 @@ impl Proof<'_> {
         };
         for (f, shown) in safety {
             match self.over(&f, Time::Now)? {
-                // Asked of every current step, or of the first and every next one: that differs only where the environment is stuck.
+                // Asked of every current step, or of the first and every next one: that differs
+                // only where the environment is stuck.
                 Some(f) if self.free && owner == Owner::System => {
                     lists.safety.push((self.kernel.prime(&f)?, shown.clone()));
                     lists.initial.push((f, shown));
@@ -347,7 +353,8 @@ impl Proof<'_> {
         Ok(lists)
     }
 
-    /// The function over values of this time alone, if it depends on no others, where all variables have values.
+    /// The function over values of this time alone, if it depends on no others, where all variables
+    /// have values.
     fn over(&self, f: &Function, time: Time) -> Result<Option<Function>, Limit> {
         let (here, there) = match time {
             Time::Now => (&self.now, &self.next),

@@ -1,4 +1,5 @@
-//! Variables, labels and specifications that are called by words: of our language, and of every format that is read or written.
+//! Variables, labels and specifications that are called by words: of our language, and of every
+//! format that is read or written.
 
 use super::equivalence::{Layout, prove};
 use super::{TARGETS, support, there_and_back};
@@ -12,8 +13,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Every word in quotes in the grammar of contracts and in the readers and writers of the formats: what they compare names with, and a good
-/// deal more.
+/// Every word in quotes in the grammar of contracts and in the readers and writers of the formats:
+/// what they compare names with, and a good deal more.
 fn words() -> Vec<String> {
     let mut texts = vec![text("crates/syntax/src/lw.pest")];
     gather(&support::root().join("crates/interchange/src"), &mut texts);
@@ -44,7 +45,8 @@ fn gather(folder: &Path, texts: &mut Vec<String>) {
     }
 }
 
-/// A file of a format whose outputs are called so, each with a formula in every place where the format has formulas.
+/// A file of a format whose outputs are called so, each with a formula in every place where the
+/// format has formulas.
 fn file(format: Format, words: &[&str]) -> String {
     let each = |separator: &str, line: &dyn Fn(&str) -> String| {
         let lines: Vec<String> = words.iter().map(|w| line(w)).collect();
@@ -142,7 +144,8 @@ fn words_as_names_are_imported_from_every_format() {
     println!("{counts}");
 }
 
-/// Variables and labels that are called by words are written in each format, and read as the same game; printed as a contract, too.
+/// Variables and labels that are called by words are written in each format, and read as the same
+/// game; printed as a contract, too.
 #[test]
 fn words_as_names_are_written_in_every_format() {
     let words = words();

@@ -1,4 +1,5 @@
-//! Files with mistakes: all of them are found at once, each with a way out; and nothing that a text can hold is fatal.
+//! Files with mistakes: all of them are found at once, each with a way out; and nothing that a text
+//! can hold is fatal.
 
 use super::bench::shown;
 use crate::support;

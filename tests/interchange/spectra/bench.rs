@@ -41,8 +41,8 @@ pub fn shown(reading: &Reading, text: &str) -> String {
     anstream::adapter::strip_str(&render::human(&sources, &reading.findings)).to_string()
 }
 
-/// Files that are refused, and why: these assumptions promise the machine's own next values, which no environment can. Their
-/// translations for slugs and gr1c are refused for the same formulas.
+/// Files that are refused, and why: these assumptions promise the machine's own next values, which
+/// no environment can. Their translations for slugs and gr1c are refused for the same formulas.
 const REFUSED: [(&str, &str); 2] = [
     ("HumanoidLTL_713_Humanoid_unrealizable", "LW209"),
     (
@@ -51,7 +51,8 @@ const REFUSED: [(&str, &str); 2] = [
     ),
 ];
 
-/// Files of the mixed folder that have no machine, and why. Spectra's collection has the same bytes in `SYNTECH17/all_unrealizable`.
+/// Files of the mixed folder that have no machine, and why. Spectra's collection has the same bytes
+/// in `SYNTECH17/all_unrealizable`.
 const UNREALIZABLE: [(&str, &str); 3] = [
     (
         "AirportShuttleProject_AirportShuttle1_AirportShuttle_208",

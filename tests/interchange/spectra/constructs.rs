@@ -1,4 +1,5 @@
-//! Past operators, counters, monitors, triggers and regular expressions against what they mean, worked out on a long piece of the run.
+//! Past operators, counters, monitors, triggers and regular expressions against what they mean,
+//! worked out on a long piece of the run.
 
 use super::lassos::{Lasso, agrees, agrees_assumed};
 use rayon::prelude::*;

@@ -1,4 +1,5 @@
-//! Arrays, definitions, quantifiers, numbers, enumerations and initial conditions against what they mean.
+//! Arrays, definitions, quantifiers, numbers, enumerations and initial conditions against what they
+//! mean.
 
 use super::constructs::horizon;
 use super::lassos::{Lasso, agrees, agrees_assumed, game, lassos};

@@ -1,4 +1,5 @@
-//! Files that import others: what comes with them, whose names are meant, and what is said where it fails.
+//! Files that import others: what comes with them, whose names are meant, and what is said where it
+//! fails.
 
 use linewright::diagnostics::{Diagnostic, Severity, codes, render};
 use linewright::gr1::Specification;

@@ -1,4 +1,5 @@
-//! Runs that repeat, and whether a specification is kept on them: its internal variables are found by trying all their values.
+//! Runs that repeat, and whether a specification is kept on them: its internal variables are found
+//! by trying all their values.
 
 use linewright::gr1::eval::holds;
 use linewright::gr1::{Formula, Owner, Specification, VarId};
@@ -38,7 +39,8 @@ impl Lasso {
     }
 }
 
-/// All runs that are lassos of up to `longest` letters over variables with so many values each, or 10,000 random ones where that is too many.
+/// All runs that are lassos of up to `longest` letters over variables with so many values each, or
+/// 10,000 random ones where that is too many.
 pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
     let letters: i64 = sizes.iter().product();
     let count: i64 = (1..=longest)
@@ -94,7 +96,8 @@ pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
 /// The values of two steps that follow one another.
 type Pair = (Vec<i64>, Vec<i64>);
 
-/// A specification that has internal variables only beside inputs, and whose internal variables are determined.
+/// A specification that has internal variables only beside inputs, and whose internal variables are
+/// determined.
 pub struct Game {
     specification: Specification,
     /// All values of the internal variables, inputs left at 0.
@@ -173,8 +176,8 @@ impl Game {
         found
     }
 
-    /// The pairs of steps of a lasso, internal values included, and where the part begins that is repeated; `None` where no internal
-    /// values keep the guarantees that are no justice.
+    /// The pairs of steps of a lasso, internal values included, and where the part begins that is
+    /// repeated; `None` where no internal values keep the guarantees that are no justice.
     fn run(&mut self, lasso: &Lasso) -> Option<(Vec<Pair>, usize)> {
         let side = &self.specification.guarantees;
         let mut choice = Self::only((0..self.choices.len()).filter(|c| {
@@ -218,7 +221,8 @@ impl Game {
         Self::repeated(&self.specification.guarantees.justice, &run[start..])
     }
 
-    /// Whether the assumptions are kept on a lasso, on which the internal variables can always go on.
+    /// Whether the assumptions are kept on a lasso, on which the internal variables can always go
+    /// on.
     pub fn assumed(&mut self, lasso: &Lasso) -> bool {
         let (run, start) = self.run(lasso).expect("monitors do not get stuck");
         let side = &self.specification.assumptions;
@@ -231,7 +235,8 @@ impl Game {
     }
 }
 
-/// That a text is kept on exactly those lassos of its inputs for which `naive` says so; gives their number, and how many keep it.
+/// That a text is kept on exactly those lassos of its inputs for which `naive` says so; gives their
+/// number, and how many keep it.
 pub fn agrees(text: &str, sizes: &[i64], naive: impl Fn(&Lasso) -> bool) -> (usize, usize) {
     compared(text, sizes, naive, Game::kept)
 }

@@ -227,7 +227,8 @@ const PATTERNS: [(&str, &str, &str); 56] = [
     ("pRespondsToS", "ps", "G (p -> F s)"),
 ];
 
-/// The truth of a formula in each position of a lasso, read off its text: positions are numbered, the last is followed by `back`.
+/// The truth of a formula in each position of a lasso, read off its text: positions are numbered,
+/// the last is followed by `back`.
 struct Reader<'a> {
     text: &'a [u8],
     parameters: &'a str,

@@ -1,4 +1,5 @@
-//! Verdicts against a naive game on explicit states, by the formula that a file means: plain and strict, Mealy and Moore.
+//! Verdicts against a naive game on explicit states, by the formula that a file means: plain and
+//! strict, Mealy and Moore.
 
 use super::lassos::{Dice, L};
 use super::{file, sound, verdict};
@@ -84,8 +85,8 @@ impl Random {
         file(&format!("{kind}{strict}"), kind, &main)
     }
 
-    /// The state after a step: what is broken so far (1 REQUIRE or safety of ASSUME, 2 GUARANTEE, 4 REQUIRE), and the letter; 32 is
-    /// won, 33 lost.
+    /// The state after a step: what is broken so far (1 REQUIRE or safety of ASSUME, 2 GUARANTEE, 4
+    /// REQUIRE), and the letter; 32 is won, 33 lost.
     fn next(&self, state: usize, letter: u8) -> usize {
         if state >= 32 {
             return state;
@@ -146,7 +147,8 @@ impl Random {
         let set =
             |of: &dyn Fn(usize) -> bool| (0..34).filter(|s| of(*s)).fold(0_u64, |m, s| m | 1 << s);
         let again = |f: &L| set(&|s| s == 32 || s < 32 && f.on_two((s & 3) as u8, 0));
-        // Assumptions, and promises; where the game is won the promises are kept, where it is lost the assumptions.
+        // Assumptions, and promises; where the game is won the promises are kept, where it is lost
+        // the assumptions.
         let mut assumed: Vec<u64> = self.assume[1].iter().map(|f| again(f) | 1 << 33).collect();
         assumed.push(set(&|s| s >= 32 || s >> 2 & 1 == 0));
         let mut promised: Vec<u64> = self.guarantee[1].iter().map(again).collect();
@@ -194,7 +196,8 @@ fn random_files_have_the_verdict_of_their_formula() {
         let random = Random::new(&mut dice);
         let text = random.text();
         let reading = super::read_text(&text);
-        // What is asked of all steps in a strict file's PRESET, and of outputs in its INITIALLY, has no place of its own.
+        // What is asked of all steps in a strict file's PRESET, and of outputs in its INITIALLY,
+        // has no place of its own.
         let beyond = random.strict
             && (!random.always.is_empty() && !random.require.is_empty()
                 || random.initially.iter().any(L::mentions_b) && !random.assert.is_empty());
@@ -215,7 +218,8 @@ fn random_files_have_the_verdict_of_their_formula() {
     assert!(counts.iter().flatten().all(|c| *c > 50), "{counts:?}");
 }
 
-/// What is assumed of the first step excuses from no PRESET, and from everything else from that step on.
+/// What is assumed of the first step excuses from no PRESET, and from everything else from that
+/// step on.
 #[test]
 fn assumptions_about_the_first_step_beside_preset() {
     let mut dice = Dice(6);
@@ -241,7 +245,8 @@ fn assumptions_about_the_first_step_beside_preset() {
     assert!(counts.iter().all(|c| *c > 50), "{counts:?}");
 }
 
-/// A Moore file for a Mealy machine, and the other way round, has the verdict of its own semantics, plain and strict.
+/// A Moore file for a Mealy machine, and the other way round, has the verdict of its own semantics,
+/// plain and strict.
 #[test]
 fn the_target_changes_no_verdict() {
     let mut dice = Dice(4);
@@ -266,7 +271,8 @@ fn the_target_changes_no_verdict() {
     assert!(counts.iter().all(|c| *c > 100), "{counts:?}");
 }
 
-/// Safety beside an implication, all in one formula: the safety is kept whatever becomes of the assumptions.
+/// Safety beside an implication, all in one formula: the safety is kept whatever becomes of the
+/// assumptions.
 #[test]
 fn safety_beside_an_implication_is_kept_anyway() {
     let mut dice = Dice(5);
@@ -317,7 +323,8 @@ fn safety_beside_an_implication_is_kept_anyway() {
 
 #[test]
 fn a_promise_may_be_broken_if_the_environment_will_have_to_break_its_own() {
-    // Plain: breaking b -> X !a by b = true for ever is excused, as a is then required and forbidden.
+    // Plain: breaking b -> X !a by b = true for ever is excused, as a is then required and
+    // forbidden.
     let main =
         "INPUTS { a; } OUTPUTS { b; } REQUIRE { b -> X a; b -> X !a; } GUARANTEE { G !b; G F b; }";
     assert!(verdict(&sound(&file("Mealy", "Mealy", main))));

@@ -1,4 +1,5 @@
-//! What formulas become, against their meaning on lassos: runs that are a finite beginning and a part that repeats.
+//! What formulas become, against their meaning on lassos: runs that are a finite beginning and a
+//! part that repeats.
 
 use super::{file, read_text, shown, sound};
 use linewright::gr1::eval::{eval, holds};
@@ -212,7 +213,8 @@ fn all_lassos(longest: u32) -> Vec<Lasso> {
     found
 }
 
-/// A specification as a judge of runs: monitors are computed, a broken promise is admitted never or from the beginning.
+/// A specification as a judge of runs: monitors are computed, a broken promise is admitted never or
+/// from the beginning.
 struct Judge {
     specification: Specification,
     initial: BTreeMap<VarId, i64>,
@@ -352,7 +354,8 @@ fn same(text: &str, wanted: &L, runs: &[Lasso]) -> bool {
     true
 }
 
-/// Random promises on their own: what is accepted says the same on all lassos up to length 4 and on longer ones.
+/// Random promises on their own: what is accepted says the same on all lassos up to length 4 and on
+/// longer ones.
 #[test]
 fn random_promises() {
     let short = all_lassos(4);
@@ -482,7 +485,8 @@ fn accepted_forms() {
     }
 }
 
-/// `W` and `R` between formulas about too many conditions for an automaton: over `a`, `b` and nine inputs.
+/// `W` and `R` between formulas about too many conditions for an automaton: over `a`, `b` and nine
+/// inputs.
 #[test]
 fn weak_until_and_release_of_large_conditions() {
     let (mut dice, mut count) = (Dice(7), 0);

@@ -106,7 +106,8 @@ fn runs_that_end_are_outside_the_fragment() {
     }
 }
 
-/// Sections and entries in any order, and more than once; nothing but SEMANTICS and one signal is needed.
+/// Sections and entries in any order, and more than once; nothing but SEMANTICS and one signal is
+/// needed.
 #[test]
 fn sections_stand_in_any_order() {
     let text = "MAIN { GUARANTEES { G (a -> X b) } OUTPUTS { b } ASSERT { } INPUTS { a; } GUARANTEE { c; } OUTPUTS { c; } }
@@ -341,7 +342,8 @@ const WORDS: [&str; 60] = [
     "X[2]",
 ];
 
-/// `F` of an empty interval is true, as the format's tool has it, and a note says so; `G` of one is, as nobody doubts.
+/// `F` of an empty interval is true, as the format's tool has it, and a note says so; `G` of one
+/// is, as nobody doubts.
 #[test]
 fn an_empty_interval_is_noted() {
     let noted = |promise: &str| {
@@ -365,7 +367,8 @@ fn an_empty_interval_is_noted() {
     assert!(noted("F[1:1] g;").is_empty());
 }
 
-/// What `check` finds odd about assumptions is about those of the file, not about those that say in GR(1) what it means.
+/// What `check` finds odd about assumptions is about those of the file, not about those that say in
+/// GR(1) what it means.
 #[test]
 fn findings_about_assumptions_are_about_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -383,7 +386,8 @@ fn findings_about_assumptions_are_about_the_file() {
             shown.into_owned(),
         )
     };
-    // Beside PRESET an assumption about the first step is judged a step later: as if the plant had no next step.
+    // Beside PRESET an assumption about the first step is judged a step later: as if the plant had
+    // no next step.
     let (own, ids, shown) =
         found("INPUTS { a; } OUTPUTS { b; } PRESET { b; } ASSUME { a; } GUARANTEE { G b; }");
     assert_eq!((own, ids), (Some(0), [false, false]), "{shown}");

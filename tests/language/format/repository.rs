@@ -1,8 +1,9 @@
 //! Every file of the repository.
 //!
-//! What a case file shows may be just what the formatter would mend, so one is left as it is if it does not parse, if its marker
-//! speaks of the line above (`//~^`: it shows a finding that spans lines), or if it spells an operator otherwise than in words (as the
-//! paper does). The rule is here, and looks at the text alone: a case that is laid out otherwise for no such reason fails.
+//! What a case file shows may be just what the formatter would mend, so one is left as it is if it
+//! does not parse, if its marker speaks of the line above (`//~^`: it shows a finding that spans
+//! lines), or if it spells an operator otherwise than in words (as the paper does). The rule is
+//! here, and looks at the text alone: a case that is laid out otherwise for no such reason fails.
 
 use super::{formatted, read};
 use linewright::syntax::format;
@@ -126,7 +127,8 @@ fn every_example_in_the_texts_is_formatted() {
     assert!(looked_at > 20, "{looked_at} looked at");
 }
 
-/// The same files with their lines joined and torn apart: the same tree and the same comments come out, and lines that fit.
+/// The same files with their lines joined and torn apart: the same tree and the same comments come
+/// out, and lines that fit.
 #[test]
 fn other_layouts_say_the_same() {
     for (name, text) in files(".lw") {

@@ -4,7 +4,8 @@ use super::{Choices, name};
 use linewright::source::Span;
 use linewright::syntax::ast::*;
 
-/// Among skills the words of orders are names like others, and so are the letters of temporal operators.
+/// Among skills the words of orders are names like others, and so are the letters of temporal
+/// operators.
 const WORDS: &[&str] = &[
     "Left",
     "Up_2",

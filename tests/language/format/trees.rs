@@ -1,8 +1,10 @@
-//! Random syntax trees of every kind, as the parser can give them: any shape of operators (brackets give every shape), names that are no
-//! words of the language, and nothing that no text could mean (a negative number, an `eventually` pattern without bound and scope).
+//! Random syntax trees of every kind, as the parser can give them: any shape of operators (brackets
+//! give every shape), names that are no words of the language, and nothing that no text could mean
+//! (a negative number, an `eventually` pattern without bound and scope).
 //!
-//! A tree is made from a list of numbers, each the answer to one choice, so that proptest shrinks trees by shrinking lists; once the
-//! list is at its end, every choice is the first one, which ends what is being made.
+//! A tree is made from a list of numbers, each the answer to one choice, so that proptest shrinks
+//! trees by shrinking lists; once the list is at its end, every choice is the first one, which ends
+//! what is being made.
 
 #[path = "skills.rs"]
 mod skills;
@@ -178,7 +180,8 @@ impl<'n> Choices<'n> {
         ExprKind::Binary(self.op(), self.boxed(), self.boxed())
     }
 
-    /// A tree that long chains of one kind of operator give, and that is nearly one: halved, to the left, to the right, or compared.
+    /// A tree that long chains of one kind of operator give, and that is nearly one: halved, to the
+    /// left, to the right, or compared.
     fn chain(&mut self) -> ExprKind {
         let operands = self.list(3, 9, Self::expr);
         let op = self.op();
@@ -499,7 +502,8 @@ impl<'n> Choices<'n> {
             10 => LineItem::Shift(self.expr(), self.expr()),
             11 => {
                 let value = self.expr();
-                // A bare number would be the limit of a source above it; as the line's limit it means nothing.
+                // A bare number would be the limit of a source above it; as the line's limit it
+                // means nothing.
                 let products = self.maybe() || matches!(value.kind, ExprKind::Int(_));
                 LineItem::Limit(value, products)
             }

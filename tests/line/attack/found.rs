@@ -1,5 +1,6 @@
-//! The files in which defects were found, each with what is to be said of it and what comes of its runs. They lie in `../shared/found` or
-//! where `LINEWRIGHT_FOUND` says; without them nothing is tried.
+//! The files in which defects were found, each with what is to be said of it and what comes of its
+//! runs. They lie in `../shared/found` or where `LINEWRIGHT_FOUND` says; without them nothing is
+//! tried.
 
 use super::judge::{Judged, Report, judge, run};
 use super::runs::{PARTS, SECONDS};

@@ -1,4 +1,5 @@
-//! What the program says of lines before they run. Everything else here knows judgements by [`Judged`] alone.
+//! What the program says of lines before they run. Everything else here knows judgements by
+//! [`Judged`] alone.
 
 use crate::support::PROGRAM;
 use serde_json::Value;

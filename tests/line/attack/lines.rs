@@ -1,5 +1,6 @@
-//! Random lines over some machines, as text: one or two types of parts, or two that are joined, through places that they may share,
-//! with branches, circles of rework, rejection and every kind of supply.
+//! Random lines over some machines, as text: one or two types of parts, or two that are joined,
+//! through places that they may share, with branches, circles of rework, rejection and every kind
+//! of supply.
 
 use super::machines::{Batch, Model, X};
 use super::text::{Chance, Text};
@@ -149,7 +150,8 @@ const CONDITIONS: [&str; 14] = [
 ];
 
 impl Draft {
-    /// What a type carries: what its machines read, or a part of it. The rest has the machine's default.
+    /// What a type carries: what its machines read, or a part of it. The rest has the machine's
+    /// default.
     fn properties(&mut self, chance: &mut Chance, part: &str, batch: &Batch) -> String {
         let mut text = Vec::new();
         let mut names = Vec::new();

@@ -1,5 +1,6 @@
-//! Random machines as text: contracts with odd assumptions, one action or two, wires that depend on properties, parameters and
-//! scripts, writes, times and limits that may or may not fit, and machines within machines.
+//! Random machines as text: contracts with odd assumptions, one action or two, wires that depend on
+//! properties, parameters and scripts, writes, times and limits that may or may not fit, and
+//! machines within machines.
 
 use super::text::{Chance, Text};
 

@@ -19,8 +19,9 @@ use std::time::Duration;
 pub const PARTS: u64 = 5;
 /// In so many seconds each line here can make them several times over.
 pub const SECONDS: f64 = 5_000.0;
-/// A run that has not made them goes on for so much longer before anything is said, if no more has happened in it than this: times may be a
-/// million times a property, but a line in which much happens and nothing is made has failed.
+/// A run that has not made them goes on for so much longer before anything is said, if no more has
+/// happened in it than this: times may be a million times a property, but a line in which much
+/// happens and nothing is made has failed.
 const LONGER: [(f64, u64); 2] = [(10.0, u64::MAX), (20_000.0, 20_000)];
 
 /// Something that must not happen in a line that is proved.
@@ -89,7 +90,8 @@ impl World {
         self.library.lines.iter().find(|l| l.name == name)
     }
 
-    /// A plant for the line; none where a machine has no controller, or the runner refuses the line.
+    /// A plant for the line; none where a machine has no controller, or the runner refuses the
+    /// line.
     pub fn plant(&self, line: &Line, options: Options) -> Option<Plant> {
         let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
         for (at, node) in line.nodes.iter().enumerate() {
@@ -110,7 +112,8 @@ impl World {
         Plant::new(Arc::new(line.clone()), controllers, options).ok()
     }
 
-    /// What fails with the first of these seeds with which something does. `None` where it cannot be run at all.
+    /// What fails with the first of these seeds with which something does. `None` where it cannot
+    /// be run at all.
     pub fn failures(&self, line: &Line, seeds: &[u64]) -> Option<BTreeSet<Failure>> {
         let mut failures = BTreeSet::new();
         let mut seconds = SECONDS;
@@ -211,7 +214,8 @@ fn in_a_circle(trace: &Trace) -> bool {
     helps.any(|h| h.contains("circle"))
 }
 
-/// Whether the line need not make as many products as are ordered: supplies that end, or scrap that nobody orders again.
+/// Whether the line need not make as many products as are ordered: supplies that end, or scrap that
+/// nobody orders again.
 fn is_bounded(line: &Line, trace: &Trace) -> bool {
     let ends = |kind: &NodeKind| match kind {
         NodeKind::Source { supply, .. } => matches!(supply, Supply::Every { limit: Some(_), .. }),

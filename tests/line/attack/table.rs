@@ -28,7 +28,8 @@ pub struct Table {
     /// Machines that were not taken, by the first code.
     refused: BTreeMap<String, usize>,
     pub without_reason: Vec<String>,
-    /// Lines that are proved and fail, and checks that ended without a judgement: what, and the file.
+    /// Lines that are proved and fail, and checks that ended without a judgement: what, and the
+    /// file.
     pub broken: Vec<String>,
     kinds: BTreeMap<String, usize>,
 }
@@ -63,7 +64,8 @@ impl Table {
         *self.refused.entry(codes[0].clone()).or_default() += 1;
     }
 
-    /// Whether nothing has gone wrong in the same way before, and not too much in other ways: then it is worth a small file.
+    /// Whether nothing has gone wrong in the same way before, and not too much in other ways: then
+    /// it is worth a small file.
     pub fn is_new(&self, kind: &str, said: &str) -> bool {
         !self.kinds.contains_key(&key(kind, said)) && self.kinds.len() < MOST_KINDS
     }

@@ -4,7 +4,8 @@ use super::examples::load;
 use linewright::game::Limits;
 use linewright::line::abstraction::{Abstraction, decide, findings};
 
-/// A station joins two P and one Q, which reach it through one buffer. Gives what is advised; nothing where the line is proved.
+/// A station joins two P and one Q, which reach it through one buffer. Gives what is advised;
+/// nothing where the line is proved.
 fn advice(first: &str, second: &str) -> Option<String> {
     let text = format!(
         "import std.coordination.single

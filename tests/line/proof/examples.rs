@@ -86,7 +86,8 @@ fn proved(paths: &[&str], forms: &[Form]) {
     }
 }
 
-/// The belt's contract moves it as a whole, so two parts can fill its three places: one at the end, and one on the first place.
+/// The belt's contract moves it as a whole, so two parts can fill its three places: one at the end,
+/// and one on the first place.
 #[test]
 fn the_belts_contract_says_how_much_room_is_sure() {
     let abstraction = Abstraction::of(&load(ICE)).unwrap();
@@ -142,7 +143,8 @@ fn without_its_limit_the_line_of_the_laboratory_can_get_stuck() {
     }
 }
 
-/// The same places and ways, with times that drive them into the circle: the way of the products to the camera is slow.
+/// The same places and ways, with times that drive them into the circle: the way of the products to
+/// the camera is slow.
 #[test]
 fn the_runner_gets_stuck_where_the_abstraction_says() {
     let build = |most: Option<u32>| {

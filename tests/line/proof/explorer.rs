@@ -1,5 +1,6 @@
-//! All that a small line can do, state by state, written from the text of `crates/line/src/lib.rs`: moving takes no time, everything else takes
-//! some. It shares nothing with the abstraction but the line itself.
+//! All that a small line can do, state by state, written from the text of `crates/line/src/lib.rs`:
+//! moving takes no time, everything else takes some. It shares nothing with the abstraction but the
+//! line itself.
 
 use linewright::contract::line::{Line, NodeKind, Supply};
 use std::collections::{BTreeSet, HashSet, VecDeque};

@@ -5,8 +5,8 @@ use linewright::contract::line::{InitialValue, Line, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::line::random::Stream;
 
-/// One or two types that go different ways through shared places, or two that are joined and go on; some go back to be worked on
-/// again. The stations' times come from the seed, too.
+/// One or two types that go different ways through shared places, or two that are joined and go on;
+/// some go back to be worked on again. The stations' times come from the seed, too.
 pub fn line(seed: u64) -> Builder {
     let mut stream = Stream::from_seed(seed);
     let shape = stream.below(4);

@@ -162,7 +162,8 @@ fn the_explorer_and_the_runner_agree() {
             runs += 1;
             if trace.end == End::Blocked {
                 blocked += 1;
-                // A line that starves somebody makes no progress and is not stuck; that was not asked of all.
+                // A line that starves somebody makes no progress and is not stuck; that was not
+                // asked of all.
                 let stuck = trace
                     .findings
                     .iter()

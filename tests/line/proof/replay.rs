@@ -40,7 +40,8 @@ pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result
     Ok(())
 }
 
-/// Whether a counterexample is one: every place keeps its guarantees, what is given is given, and the goal is missed.
+/// Whether a counterexample is one: every place keeps its guarantees, what is given is given, and
+/// the goal is missed.
 pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
     let mut sides: Vec<&Side> = abstraction
         .system

@@ -123,7 +123,8 @@ fn a_belt_whose_assumption_breaks_is_named() {
         .sink("sink")
         .route("Part", &["source", "belt", "slow", "sink"]);
     let trace = builder.run(3);
-    // The first is at the station, the second at the end of the belt, and the third may not come on until that is gone.
+    // The first is at the station, the second at the end of the belt, and the third may not come on
+    // until that is gone.
     assert_eq!(trace.end, End::Products);
     assert_eq!(trace.violation_count, 1);
     let violation = &trace.violations[0];
@@ -131,8 +132,8 @@ fn a_belt_whose_assumption_breaks_is_named() {
     assert_eq!(violation.node, builder.node("belt"));
 }
 
-/// The shape of the laboratory line: printed bricks are checked, joined with two from the warehouse, checked by the same camera,
-/// and stored; contracted belts between all of them.
+/// The shape of the laboratory line: printed bricks are checked, joined with two from the
+/// warehouse, checked by the same camera, and stored; contracted belts between all of them.
 #[test]
 fn a_line_like_the_laboratory() {
     let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
@@ -181,7 +182,8 @@ fn a_line_like_the_laboratory() {
     assert!((5..30).contains(&rejected), "{rejected}");
     assert_eq!(trace.stations[0].name, "printer");
     assert_eq!(trace.bottleneck, Some(0));
-    // The printer works without a break: one print after the other, and then the last one's way through the line.
+    // The printer works without a break: one print after the other, and then the last one's way
+    // through the line.
     let printed = 100.0 * (50 + rejected) as f64;
     assert!(
         (printed..printed + 120.0).contains(&trace.seconds),

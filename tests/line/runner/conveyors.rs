@@ -1,4 +1,5 @@
-//! Accumulating conveyors, against a simulation by places that shares nothing with the closed form of the runner.
+//! Accumulating conveyors, against a simulation by places that shares nothing with the closed form
+//! of the runner.
 
 use crate::models::{Builder, Work, constant, every, took};
 use linewright::line::random::Stream;
@@ -35,7 +36,8 @@ fn a_blocked_conveyor_closes_up_and_stops() {
         .station("slow", &["Part"], constant(100.0))
         .sink("sink")
         .route("Part", &["source", "belt", "slow", "sink"]);
-    // On at 0, 1, 2, and at 3 when the first goes off; those close up by 6, and another one comes at 103 with the next.
+    // On at 0, 1, 2, and at 3 when the first goes off; those close up by 6, and another one comes
+    // at 103 with the next.
     let trace = builder.run_until(103.5);
     assert_eq!(trace.parts.in_progress, 4);
     assert_eq!(trace.conveyors[0].moving_seconds, 4.0 + 0.5);
@@ -71,7 +73,8 @@ fn by_positions(
             if *position < limit {
                 *position += 1;
             }
-            // The next one keeps a pitch behind; that is before its own move, so it moves with this one.
+            // The next one keeps a pitch behind; that is before its own move, so it moves with this
+            // one.
             limit = position.saturating_sub(fine);
         }
     }
@@ -90,7 +93,8 @@ proptest! {
         let mut stream = Stream::from_seed(seed);
         let count = 30;
         let mut time = 0;
-        // A store's parts come on whenever there is room; a clock before it makes them come at their times.
+        // A store's parts come on whenever there is room; a clock before it makes them come at
+        // their times.
         let gaps: Vec<u64> = (0..count).map(|_| stream.below(4 * fine)).collect();
         let services: Vec<u64> = (0..count).map(|_| 1 + stream.below(4 * fine)).collect();
         let arrivals: Vec<u64> = gaps.iter().map(|gap| { time += gap; time }).collect();

@@ -285,14 +285,16 @@ fn a_station_joins_products_and_works_on_them_again() {
         .route("Product", &["again", "cell"])
         .route("Product", &["camera", "warehouse"]);
     let trace = builder.run(1);
-    // Made by 10 and seen by 11. The bricks of the third product have waited in the cell since 10, so that one is made from 20
-    // to 30; those of the fourth came later than the first product did, which is worked on until 40 and seen by 41.
+    // Made by 10 and seen by 11. The bricks of the third product have waited in the cell since 10,
+    // so that one is made from 20 to 30; those of the fourth came later than the first product did,
+    // which is worked on until 40 and seen by 41.
     assert_eq!((trace.end, trace.seconds), (End::Products, 41.0));
     assert_eq!(trace.stored, 1);
     assert_eq!(trace.lead_time.max, 41.0);
 }
 
-/// A joined product that is rejected takes all that was joined into it out of the line, so all of that is ordered again.
+/// A joined product that is rejected takes all that was joined into it out of the line, so all of
+/// that is ordered again.
 #[test]
 fn a_rejected_product_orders_all_that_is_in_it() {
     let mut builder = Builder::new(&["Leg", "Frame", "Table"]);

@@ -289,7 +289,8 @@ impl Controller for Faster {
     }
 }
 
-/// A run without a product has no lead time and no makespan: it is left out of their means, and is the worst one.
+/// A run without a product has no lead time and no makespan: it is left out of their means, and is
+/// the worst one.
 #[test]
 fn runs_without_a_product_measure_nothing() {
     let mut builder = Builder::new(&["Part"]);

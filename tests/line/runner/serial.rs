@@ -1,5 +1,6 @@
-//! Serial lines with blocking after service, against two things that share no code with the runner: the throughput on which
-//! other simulators agree, and the recursion over departure times (max-plus).
+//! Serial lines with blocking after service, against two things that share no code with the runner:
+//! the throughput on which other simulators agree, and the recursion over departure times
+//! (max-plus).
 
 use crate::models::{Builder, Exponential, Work, took};
 use linewright::line::random::Stream;
@@ -50,10 +51,11 @@ fn throughput_of_five_stations() {
     assert!(last.blocked < 1e-9, "the sink is never full");
 }
 
-/// Departure times by the recursion for blocking after service: part `n` begins at station `i` when it has left station
-/// `i - 1` and its predecessor has left station `i`; it leaves when it is done and the room behind, a buffer of `b` and a
-/// station, is not taken: when part `n - b - 1` has left station `i + 1`. A buffer is entered at once, so leaving station `i - 1` is coming
-/// into the buffer, and the begin waits for the station.
+/// Departure times by the recursion for blocking after service: part `n` begins at station `i` when
+/// it has left station `i - 1` and its predecessor has left station `i`; it leaves when it is done
+/// and the room behind, a buffer of `b` and a station, is not taken: when part `n - b - 1` has left
+/// station `i + 1`. A buffer is entered at once, so leaving station `i - 1` is coming into the
+/// buffer, and the begin waits for the station.
 fn recursion(services: &[Vec<f64>], buffers: &[usize]) -> Vec<Vec<f64>> {
     let stations = services.len();
     let parts = services[0].len();

@@ -89,7 +89,8 @@ fn off_shift_the_station_stands_still() {
         .route("Part", &["source", "cell", "sink"])
         .shift(6.0 * 3600.0, 14.5 * 3600.0);
     let trace = builder.run_until(2.0 * 86_400.0);
-    // Eight and a half hours a day; the ninth part is finished in the first half hour of the second day.
+    // Eight and a half hours a day; the ninth part is finished in the first half hour of the second
+    // day.
     assert_eq!(trace.products, 17);
     near(trace.stations[0].shares.busy, 17.0 / 48.0, 1e-12);
     near(trace.stations[0].shares.idle, 31.0 / 48.0, 1e-12);
@@ -197,7 +198,8 @@ fn off_shift_stays_idle_when_nothing_is_left_to_do() {
     near(shares.starved, 8.0 / 24.0, 1e-12);
 }
 
-/// The bottleneck is where time is lost to setups or breakdowns, even if another station works more, whichever is declared first.
+/// The bottleneck is where time is lost to setups or breakdowns, even if another station works
+/// more, whichever is declared first.
 #[test]
 fn the_bottleneck_counts_setup_and_repair() {
     for order in [["slow", "works"], ["works", "slow"]] {

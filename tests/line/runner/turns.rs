@@ -8,8 +8,8 @@ use linewright::line::{End, Trace};
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 use std::collections::BTreeMap;
 
-/// A source on order has a part whenever the station is free, and a belt hands over at its steps only: its parts come through all
-/// the same.
+/// A source on order has a part whenever the station is free, and a belt hands over at its steps
+/// only: its parts come through all the same.
 #[test]
 fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
     let mut builder = Builder::new(&["P0", "A0", "P1"]);
@@ -28,7 +28,8 @@ fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
         .route("A0", &["st1", "conv5", "st6", "out"])
         .route("P1", &["p1", "st3", "belt4", "st1", "out"]);
     let trace = builder.run_until(10_000.0);
-    // The station is free once in 55 s. Every other time the components of the next A0 were there before the P1.
+    // The station is free once in 55 s. Every other time the components of the next A0 were there
+    // before the P1.
     assert!(trace.products > 85, "{} products", trace.products);
     let joined = builder.part("A0");
     let finished = trace
@@ -82,7 +83,8 @@ impl Controller for Keeps {
     }
 }
 
-/// A belt that keeps its part likewise, and shows something new in every step in which it could leave.
+/// A belt that keeps its part likewise, and shows something new in every step in which it could
+/// leave.
 struct Wavers(Keeps, bool);
 
 impl Controller for Wavers {
@@ -154,7 +156,8 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
     }
 }
 
-/// The place before a belt, where another one hands over, takes turns with a source that always has a part.
+/// The place before a belt, where another one hands over, takes turns with a source that always has
+/// a part.
 #[test]
 fn a_belt_before_a_belt_is_served_in_its_turn() {
     let mut builder = Builder::new(&["A", "B"]);
@@ -274,7 +277,8 @@ fn fed(seed: u64) -> Fed {
     }
 }
 
-/// By part number: when each began to wait for the station, read off the log by the words of the rule.
+/// By part number: when each began to wait for the station, read off the log by the words of the
+/// rule.
 fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
     let mut requests = BTreeMap::new();
     // By node: when its last part left. By station: when the last component came.
@@ -327,8 +331,9 @@ fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
     requests
 }
 
-/// None is overtaken by a request that began later than it did, whether it is served in the end or waits still. Since each
-/// feeder waits with one part at a time, that bounds how many go before it by those that waited before.
+/// None is overtaken by a request that began later than it did, whether it is served in the end or
+/// waits still. Since each feeder waits with one part at a time, that bounds how many go before it
+/// by those that waited before.
 #[test]
 fn no_request_is_overtaken_by_a_later_one() {
     let (mut waits, mut belts) = (0, 0);

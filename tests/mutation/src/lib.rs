@@ -1,14 +1,17 @@
-//! Mutation testing within one build: copies of source files in which every condition, comparison, quantifier, boundary and
-//! statement can be made wrong at run time ("mutant schemata"; Untch, Offutt, Harrold 1993).
+//! Mutation testing within one build: copies of source files in which every condition, comparison,
+//! quantifier, boundary and statement can be made wrong at run time ("mutant schemata"; Untch,
+//! Offutt, Harrold 1993).
 //!
 //! ```ignore
 //! mutation::mutants! { "crates/solver/src/mealy/certify.rs", "crates/solver/src/mealy/verify/mod.rs" }
 //! ```
 //!
-//! makes a module `certify` and a module `verify` of these files, whose paths begin at the package's folder, with the files
-//! that their `mod` items name, and a list `MUTANTS` that says what each mutant is. The files themselves stay as they are, and
-//! nothing of this is in any build but the test's. `crate::` in them becomes `linewright::`. At each place the copy asks
-//! `crate::switch::at(first, count)`, which answers `i` where mutant `first + i - 1` is switched on, and 0 otherwise.
+//! makes a module `certify` and a module `verify` of these files, whose paths begin at the
+//! package's folder, with the files that their `mod` items name, and a list `MUTANTS` that says
+//! what each mutant is. The files themselves stay as they are, and nothing of this is in any build
+//! but the test's. `crate::` in them becomes `linewright::`. At each place the copy asks
+//! `crate::switch::at(first, count)`, which answers `i` where mutant `first + i - 1` is switched
+//! on, and 0 otherwise.
 //!
 //! | operator | what it makes |
 //! |---|---|
@@ -23,9 +26,10 @@
 //! | set | operations of the kernel for one another (`and`, `or`, `and_not`, `xor`, `iff`), `prime` left out |
 //! | arm | where two arms of a `match` give a name each, the other name |
 //!
-//! Left as they are: constants outside of functions, how things are shown (`Display`, `Debug`), and what says how long
-//! something takes and never what comes out: calls that ask the clock or give a kernel an opportunity ([`SPEED`])
-//! with conditions that guard nothing else, and comparisons with constants that choose a way by size ([`SIZES`]).
+//! Left as they are: constants outside of functions, how things are shown (`Display`, `Debug`), and
+//! what says how long something takes and never what comes out: calls that ask the clock or give a
+//! kernel an opportunity ([`SPEED`]) with conditions that guard nothing else, and comparisons with
+//! constants that choose a way by size ([`SIZES`]).
 
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, quote};

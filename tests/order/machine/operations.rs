@@ -1,4 +1,5 @@
-//! Skills that are called from outside: each operation is a call, also where the same one follows on itself.
+//! Skills that are called from outside: each operation is a call, also where the same one follows
+//! on itself.
 
 use super::mutant::library;
 use crate::laboratory::{Controlled, of_lines};
@@ -146,7 +147,8 @@ fn checked(text: &str) -> Value {
     serde_json::from_slice(&output.stdout).expect("a document")
 }
 
-/// The same mover with other orders, in a line that performs these sequences on as many types of parts.
+/// The same mover with other orders, in a line that performs these sequences on as many types of
+/// parts.
 fn mover_with(orders: &str, tasks: &[&[&str]]) -> String {
     let (head, rest) = MOVER.split_once("    order home").expect("its orders");
     let (_, machine) = rest.split_once("\n}").expect("their end");
@@ -169,7 +171,8 @@ fn mover_with(orders: &str, tasks: &[&[&str]]) -> String {
     )
 }
 
-/// The calls after which one is refused, by trying all sequences of so many tasks on the machine itself.
+/// The calls after which one is refused, by trying all sequences of so many tasks on the machine
+/// itself.
 fn refused_after(text: &str, tasks: &[&[&str]], most: usize) -> Option<Vec<String>> {
     let mover = controlled(text);
     let mut sequences: Vec<Vec<String>> = vec![Vec::new()];

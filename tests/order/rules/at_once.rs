@@ -1,5 +1,5 @@
-//! Events of several skills, `Left & Down`, in every place where a rule can speak of them, on all short sequences of calls of one skill
-//! or of two at once; and calls of three skills at once.
+//! Events of several skills, `Left & Down`, in every place where a rule can speak of them, on all
+//! short sequences of calls of one skill or of two at once; and calls of three skills at once.
 
 use super::naive::Naive;
 use super::units::{

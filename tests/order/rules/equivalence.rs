@@ -1,5 +1,5 @@
-//! Random rules: the automaton and its regular expression have the same words, and those that the rules mean; making an automaton smaller
-//! keeps its words.
+//! Random rules: the automaton and its regular expression have the same words, and those that the
+//! rules mean; making an automaton smaller keeps its words.
 
 use super::naive::{Letter, Naive};
 use super::random::{Size, options, skills, two_sets};
@@ -26,13 +26,15 @@ const LENGTH: usize = 5;
 /// So long are the words that are all compared, one after the other.
 const SHORT: usize = 4;
 
-/// The automaton of the expression that is made of an automaton; `None` where that would be too long.
+/// The automaton of the expression that is made of an automaton; `None` where that would be too
+/// long.
 fn expressed(dfa: &Dfa) -> Option<Dfa> {
     let expression = eliminate::regex(dfa, Deadline::NONE).ok()?;
     Some(regex::automaton(&expression, dfa.letters(), MOST_STATES).expect("it was small before"))
 }
 
-/// Calls `seen` with every word up to a length that the automaton reads, the state after it, and the skill that it refuses there, if any.
+/// Calls `seen` with every word up to a length that the automaton reads, the state after it, and
+/// the skill that it refuses there, if any.
 fn each_word(
     dfa: &Dfa,
     state: u32,
@@ -60,7 +62,8 @@ fn accepts(dfa: &Dfa, word: &[usize]) -> bool {
     dfa.run(word).is_some_and(|state| dfa.is_complete(state))
 }
 
-/// Every pair of states is told apart by some word: refused after the one, or ending there, and not so after the other.
+/// Every pair of states is told apart by some word: refused after the one, or ending there, and not
+/// so after the other.
 fn is_smallest(dfa: &Dfa) -> bool {
     let states = dfa.states() as u32;
     let number = |a: u32, b: u32| (a * states + b) as usize;

@@ -1,4 +1,5 @@
-//! Regular expressions over skills, matched by recursion over the positions of a word. Sets of positions are masks.
+//! Regular expressions over skills, matched by recursion over the positions of a word. Sets of
+//! positions are masks.
 
 use linewright::automata::regex::Regex;
 
@@ -117,7 +118,8 @@ fn positions(mask: u32) -> impl Iterator<Item = usize> {
     (0..u32::BITS as usize).filter(move |p| mask >> p & 1 == 1)
 }
 
-/// What is left of some skills when others have been called; `None` where one is called that is not among them.
+/// What is left of some skills when others have been called; `None` where one is called that is not
+/// among them.
 fn left_of(skills: &[usize], called: &[usize]) -> Option<Vec<usize>> {
     let mut left = skills.to_vec();
     for skill in called {

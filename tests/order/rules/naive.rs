@@ -1,14 +1,18 @@
-//! What rules mean, without automata: every kind by quantifiers over the positions of a word, several skills at once by trying all orders.
+//! What rules mean, without automata: every kind by quantifiers over the positions of a word,
+//! several skills at once by trying all orders.
 //!
-//! It follows the words of `crates/language/src/order/mod.rs` and shares nothing with `crates/language/src/order` but the shape of its data. What those words leave open is
-//! decided here so:
+//! It follows the words of `crates/language/src/order/mod.rs` and shares nothing with
+//! `crates/language/src/order` but the shape of its data. What those words leave open is decided
+//! here so:
 //!
-//! - The call that ends a window is inside it, the one that begins it is not: `at most 2 of X between Y and X` counts the last `X`.
+//! - The call that ends a window is inside it, the one that begins it is not:
+//!   `at most 2 of X between Y and X` counts the last `X`.
 //! - `X before X` says nothing, and `X only after X` never allows an `X`.
 //! - An event of several skills has not been called at the start, wherever the components stand.
-//! - Which of two skills that stand at the start has been called last is not known. With `Every` all orders have to be suited.
-//! - Events of several skills come anywhere among the skills of their call. What is in a row goes by the skills alone: `Left & Down` is
-//!   there where the two follow each other in one call.
+//! - Which of two skills that stand at the start has been called last is not known. With `Every`
+//!   all orders have to be suited.
+//! - Events of several skills come anywhere among the skills of their call. What is in a row goes
+//!   by the skills alone: `Left & Down` is there where the two follow each other in one call.
 
 use super::expression;
 use linewright::order::supervisor::Options;
@@ -52,8 +56,8 @@ pub struct Naive<'a> {
     deleting: Vec<&'a Rule>,
     /// The events of several skills.
     at_once: Vec<u64>,
-    /// What may hold at the start: for every rule, whether it begins as if called. One for every order in which what stands may have been
-    /// called.
+    /// What may hold at the start: for every rule, whether it begins as if called. One for every
+    /// order in which what stands may have been called.
     beginnings: BTreeSet<Vec<bool>>,
 }
 
@@ -133,8 +137,9 @@ impl<'a> Naive<'a> {
         })
     }
 
-    /// The rules, by their places, that keep a program that is allowed from ending here: what every order leaves unfinished, where that is
-    /// nothing or every order has to be suited, what some order does.
+    /// The rules, by their places, that keep a program that is allowed from ending here: what every
+    /// order leaves unfinished, where that is nothing or every order has to be suited, what some
+    /// order does.
     pub fn unfinished(&self, program: &[u64]) -> Vec<usize> {
         if self.may_end(program) {
             return Vec::new();
@@ -305,7 +310,8 @@ impl<'a> Naive<'a> {
         }
     }
 
-    /// Whether components allow these calls: no two skills of one at once, no recall where none is to be, no deleted transition.
+    /// Whether components allow these calls: no two skills of one at once, no recall where none is
+    /// to be, no deleted transition.
     pub fn suits_components(&self, program: &[u64]) -> bool {
         let components = 0..self.skills.components.len();
         let mut situation: Vec<usize> = components
@@ -343,7 +349,8 @@ fn called(word: &[Letter]) -> Vec<usize> {
     single.map(|l| l.mask.trailing_zeros() as usize).collect()
 }
 
-/// Whether a rule begins as if its first part had been called, when these skills have been called before the start.
+/// Whether a rule begins as if its first part had been called, when these skills have been called
+/// before the start.
 fn begins(kind: &Kind, standing: &[u64]) -> bool {
     let is = |p: usize, events: &[Event]| has(events, standing[p]);
     let all = 0..standing.len();

@@ -1,4 +1,5 @@
-//! Up to six skills at once: the sets that are counted through in `crates/language/src/order/serial.rs` against all orders, one after the other.
+//! Up to six skills at once: the sets that are counted through in
+//! `crates/language/src/order/serial.rs` against all orders, one after the other.
 
 use super::naive::{Letter, Naive};
 use super::random::{Size, program, skills};
@@ -91,7 +92,8 @@ struct Behind<'a> {
 }
 
 impl Behind<'_> {
-    /// Whether these skills, with events anywhere among them, break the rule with the last of them and no rule before.
+    /// Whether these skills, with events anywhere among them, break the rule with the last of them
+    /// and no rule before.
     fn breaks_last(&mut self, rule: &Rule, order: &[usize], events: &[u64]) -> bool {
         let skill = order.split_first().map(|(s, rest)| (1 << s, rest, None));
         let event = |at: usize| (events[at], order, Some(at));
@@ -118,7 +120,8 @@ impl Behind<'_> {
     }
 }
 
-/// Whether some order of what was called before is allowed, and this order behind it breaks a rule with its last skill and none before.
+/// Whether some order of what was called before is allowed, and this order behind it breaks a rule
+/// with its last skill and none before.
 fn is_refused_at_last(
     naive: &Naive<'_>,
     before: &[u64],
@@ -167,7 +170,8 @@ proptest! {
             return Ok(());
         };
         prop_assert_eq!(supervisor.is_complete(&state), naive.may_end(&program));
-        // What is known then is all that the orders leave open. That is asked of every skill, where there are not too many orders.
+        // What is known then is all that the orders leave open. That is asked of every skill, where
+        // there are not too many orders.
         let orders = program.iter().map(|call| (1..=naive.letters(*call).len()).product::<usize>());
         if orders.product::<usize>() > MOST_ORDERS {
             return Ok(());

@@ -1,5 +1,6 @@
-//! All sequences of calls of one skill or of two at once, up to so many skills in all: allowed when every order of the pairs is, looked up
-//! one by one in a table of all words of single skills; or when some is.
+//! All sequences of calls of one skill or of two at once, up to so many skills in all: allowed when
+//! every order of the pairs is, looked up one by one in a table of all words of single skills; or
+//! when some is.
 
 use super::naive::{Letter, Naive};
 use super::units::{
@@ -13,7 +14,8 @@ use linewright::order::{Kind, Serialisation, Skills};
 
 const SKILLS: usize = 6;
 
-/// For all words of single skills, length by length, whether they keep the rules. A word is a number whose digits are its skills.
+/// For all words of single skills, length by length, whether they keep the rules. A word is a
+/// number whose digits are its skills.
 struct Words(Vec<Vec<bool>>);
 
 impl Words {
@@ -25,7 +27,8 @@ impl Words {
     }
 
     fn fill(&mut self, naive: &Naive<'_>, word: &mut Vec<Letter>, number: usize) {
-        // What goes on from a refused word is refused; that it is for the naive evaluator, too, is not looked at.
+        // What goes on from a refused word is refused; that it is for the naive evaluator, too, is
+        // not looked at.
         if !naive.keeps(word) {
             return;
         }
@@ -43,7 +46,8 @@ impl Words {
     }
 }
 
-/// The orders of calling one after the other what has been called, as numbers; how many skills that were; and the state of the automaton.
+/// The orders of calling one after the other what has been called, as numbers; how many skills that
+/// were; and the state of the automaton.
 struct Called {
     orders: Vec<usize>,
     skills: usize,

@@ -1,5 +1,5 @@
-//! Random programs over random rules: where a program is refused first, how it could go on, how it could end, and what tells two sets of
-//! rules apart.
+//! Random programs over random rules: where a program is refused first, how it could go on, how it
+//! could end, and what tells two sets of rules apart.
 
 use super::naive::Naive;
 use super::random::{Size, options, program, skills, two_sets};
@@ -35,7 +35,8 @@ fn masks(calls: &[Call]) -> Vec<u64> {
     calls.iter().map(|call| call.0).collect()
 }
 
-/// The length of the shortest allowed way of single skills behind a program, up to so many, after which something holds.
+/// The length of the shortest allowed way of single skills behind a program, up to so many, after
+/// which something holds.
 fn shortest_way(
     naive: &Naive<'_>,
     skills: usize,
@@ -56,7 +57,8 @@ fn shortest_way(
     None
 }
 
-/// A way that was found is allowed, does what is asked for, and none of those that are tried is shorter.
+/// A way that was found is allowed, does what is asked for, and none of those that are tried is
+/// shorter.
 fn is_shortest(
     naive: &Naive<'_>,
     skills: usize,
@@ -81,7 +83,8 @@ fn is_shortest(
     }
 }
 
-/// The length of the shortest sequence of calls that tells two sets of rules apart, up to so many, by trying all that both allow.
+/// The length of the shortest sequence of calls that tells two sets of rules apart, up to so many,
+/// by trying all that both allow.
 fn shortest_difference(
     naive: [&Naive<'_>; 2],
     columns: &[u64],

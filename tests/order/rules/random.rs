@@ -30,7 +30,8 @@ pub struct Size {
     pub sequences: u32,
 }
 
-/// A component: how many situations it has, in which it is at the start, and the effects of its skills.
+/// A component: how many situations it has, in which it is at the start, and the effects of its
+/// skills.
 fn one_component(skills: usize) -> impl Strategy<Value = (usize, usize, Vec<Option<usize>>)> {
     (0..=3_usize).prop_flat_map(move |situations| {
         let effect = prop_oneof![

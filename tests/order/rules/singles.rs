@@ -1,5 +1,5 @@
-//! All words of single skills up to a length: the supervisor's automaton, the regular expression made of it, and the naive evaluator agree
-//! on every one.
+//! All words of single skills up to a length: the supervisor's automaton, the regular expression
+//! made of it, and the naive evaluator agree on every one.
 
 use super::naive::{Letter, Naive};
 use super::units::{

@@ -150,13 +150,15 @@ pub fn repeat(of: Regex, low: u32, high: Option<u32>) -> Regex {
     }
 }
 
-/// The intended sequence of the paper, as often as one likes: Right, Down, Grip, Up, Left, Down, Release, Up.
+/// The intended sequence of the paper, as often as one likes: Right, Down, Grip, Up, Left, Down,
+/// Release, Up.
 pub fn pick_and_place_sequence() -> Regex {
     let skills = [RIGHT, DOWN, GRIP, UP, LEFT, DOWN, RELEASE, UP];
     repeat(word(skills.map(Regex::Letter)), 0, None)
 }
 
-/// A cycle that leaves some freedom: down and grip in any order or not at all, at most two other calls, and up.
+/// A cycle that leaves some freedom: down and grip in any order or not at all, at most two other
+/// calls, and up.
 pub fn loose_sequence() -> Regex {
     let optional = repeat(Regex::AnyOrder(vec![DOWN, GRIP]), 0, Some(1));
     let others = repeat(Regex::AnyBut(vec![DOWN, GRIP, UP]), 1, Some(2));

@@ -1,4 +1,5 @@
-//! What is known of a contract that has not changed is not worked out again; nothing else about a run changes.
+//! What is known of a contract that has not changed is not worked out again; nothing else about a
+//! run changes.
 
 use super::session::{Printed, Session};
 use serde_json::Value;
@@ -111,7 +112,8 @@ fn a_changed_contract_is_solved_again() {
     assert_eq!(cached(&session, line), [false]);
 }
 
-/// `check` of a machine's component and `synth` ask for more than a verdict: an entry that says less is no hit.
+/// `check` of a machine's component and `synth` ask for more than a verdict: an entry that says
+/// less is no hit.
 #[test]
 fn a_controller_is_there_where_it_is_needed() {
     let session = Session::new();

@@ -71,7 +71,8 @@ fn formats() {
     }
 }
 
-/// Where the one who reads has gone, the program ends without a word; the exit code stays the verdict's.
+/// Where the one who reads has gone, the program ends without a word; the exit code stays the
+/// verdict's.
 #[test]
 fn a_closed_pipe_is_quiet() {
     let session = Session::new();

@@ -1,4 +1,5 @@
-//! Faults of the program itself: the variable `LINEWRIGHT_PANIC` makes it panic where what is being done has these words in it.
+//! Faults of the program itself: the variable `LINEWRIGHT_PANIC` makes it panic where what is being
+//! done has these words in it.
 
 use super::session::{Printed, Session};
 use serde_json::Value;
@@ -14,7 +15,8 @@ fn verdict<'a>(document: &'a Value, list: &str, name: &str) -> &'a str {
     entry["verdict"].as_str().expect("a verdict")
 }
 
-/// Where it fails, and what becomes of the contract, the machine and the line of the file: everything else is judged as always.
+/// Where it fails, and what becomes of the contract, the machine and the line of the file:
+/// everything else is judged as always.
 #[test]
 fn what_it_fails_at_has_no_verdict_and_all_else_has_one() {
     const FAILED: &str = "internal_error";

@@ -18,7 +18,8 @@ fn no_compiler_on_the_path() {
     assert!(session.path("sources/lamp.c").is_file());
 }
 
-/// Without a compiler for Windows, the message names the two ways to get one; no other compiler is taken.
+/// Without a compiler for Windows, the message names the two ways to get one; no other compiler is
+/// taken.
 #[test]
 fn no_compiler_for_windows() {
     let session = Session::new();
@@ -190,7 +191,8 @@ fn what_is_built_is_not_built_again() {
     assert_eq!(session.run_with(&line, &[cached]).code, 0);
 }
 
-/// Of a file with machines and a line, what the line needs is built, as `run` would; and what no line uses, with its default sizes.
+/// Of a file with machines and a line, what the line needs is built, as `run` would; and what no
+/// line uses, with its default sizes.
 #[test]
 fn a_file_with_machines_and_a_line_builds_what_the_line_needs() {
     let session = Session::new();

@@ -6,7 +6,8 @@ use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// How long the program may go on after a limit. The promise is a second; the rest is for a busy machine.
+/// How long the program may go on after a limit. The promise is a second; the rest is for a busy
+/// machine.
 const MARGIN: Duration = Duration::from_secs(2);
 
 /// `product.lw` multiplies two numbers of 20 bits: no order of the variables makes that small.
@@ -307,8 +308,8 @@ fn joined(session: &Session) {
     std::fs::copy(file, session.path("joined.lw")).expect("a copy");
 }
 
-/// Wherever a limit of the command ends the proof of a line, the exit code is 3 and the limit is named: never a weaker verdict that looks like
-/// one of the line.
+/// Wherever a limit of the command ends the proof of a line, the exit code is 3 and the limit is
+/// named: never a weaker verdict that looks like one of the line.
 #[test]
 fn a_proof_that_is_cut_short_names_the_limit() {
     let session = Session::new();
@@ -344,7 +345,8 @@ fn a_proof_that_is_cut_short_names_the_limit() {
     }
 }
 
-/// A line of 60 stations whose parts carry millions of combinations of values, all of which `--effort` allows to follow.
+/// A line of 60 stations whose parts carry millions of combinations of values, all of which
+/// `--effort` allows to follow.
 fn counting() -> String {
     use std::fmt::Write as _;
     let mut line = String::from(
@@ -406,7 +408,8 @@ fn parts_that_are_not_followed_in_time_are_named_by_all_commands() {
     }
 }
 
-/// Thousands of variables in one line of text, each with a finding, are prepared and told about within seconds.
+/// Thousands of variables in one line of text, each with a finding, are prepared and told about
+/// within seconds.
 #[test]
 fn many_variables_take_no_time_of_their_own() {
     let session = Session::new();
@@ -439,7 +442,8 @@ fn a_proof_of_a_large_line_ends_by_itself() {
     }
 }
 
-/// A small budget ends a proof: no operation on diagrams goes on and on because little is remembered of it.
+/// A small budget ends a proof: no operation on diagrams goes on and on because little is
+/// remembered of it.
 #[test]
 fn a_small_effort_ends_soon() {
     let line = "examples/ice-lab/line.lw";
@@ -450,8 +454,8 @@ fn a_small_effort_ends_soon() {
     assert!(text.contains("the proof took more than"), "{text}");
 }
 
-/// What a limit left undecided is no error: that the parts of this machine fit together takes more work than is allowed, and what its
-/// coordinator alone allows need not happen.
+/// What a limit left undecided is no error: that the parts of this machine fit together takes more
+/// work than is allowed, and what its coordinator alone allows need not happen.
 #[test]
 fn what_was_not_decided_is_no_error() {
     let session = Session::new();

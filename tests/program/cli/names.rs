@@ -1,4 +1,5 @@
-//! Which machines are built, what their files are called, and that no file of one thing takes the place of another's.
+//! Which machines are built, what their files are called, and that no file of one thing takes the
+//! place of another's.
 
 use super::session::Session;
 use crate::support::root;
@@ -14,7 +15,8 @@ fn files(session: &Session, folder: &str) -> Vec<String> {
     names
 }
 
-/// Names that differ in capitals, underscores or umlauts only, and one that Windows keeps for itself.
+/// Names that differ in capitals, underscores or umlauts only, and one that Windows keeps for
+/// itself.
 #[test]
 fn machines_with_names_alike_have_files_of_their_own() {
     let session = Session::new();

@@ -27,7 +27,8 @@ fn a_folder_without_files_is_the_same_to_all() {
     }
 }
 
-/// A folder that cannot be read, since its path is longer than the system takes, is named; what lies beside it is looked at.
+/// A folder that cannot be read, since its path is longer than the system takes, is named; what
+/// lies beside it is looked at.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_that_cannot_be_read_is_named() {
@@ -105,7 +106,8 @@ fn a_folder_with_the_name_of_a_file() {
     }
 }
 
-/// Makes a named pipe, where there is a program for it. Nobody writes into it, so whoever reads it waits for ever.
+/// Makes a named pipe, where there is a program for it. Nobody writes into it, so whoever reads it
+/// waits for ever.
 #[cfg(unix)]
 fn pipe(at: &Path) -> bool {
     let made = Command::new("mkfifo").arg(at).status();
@@ -136,7 +138,8 @@ fn ended(mut command: Command) -> Output {
     child.wait_with_output().expect("it ended")
 }
 
-/// What lies in place of a library, a manifest or an entry of the cache is replaced, and never waited for.
+/// What lies in place of a library, a manifest or an entry of the cache is replaced, and never
+/// waited for.
 #[cfg(unix)]
 #[test]
 fn pipes_in_place_of_what_was_made_are_replaced() {
@@ -237,7 +240,8 @@ fn a_result_is_written_where_a_link_leads() {
     assert!(text.contains("linewright/proof/1"), "{text}");
 }
 
-/// A file that is imported in two ways is one file, from whichever folder the program is called, also through links.
+/// A file that is imported in two ways is one file, from whichever folder the program is called,
+/// also through links.
 #[test]
 fn a_file_is_one_file_however_it_is_reached() {
     let session = Session::new();

@@ -6,7 +6,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A new folder with `tests/cases/cli` and `tests/cases/line` in it, so that all paths are relative and short.
+/// A new folder with `tests/cases/cli` and `tests/cases/line` in it, so that all paths are relative
+/// and short.
 pub struct Session {
     folder: tempfile::TempDir,
 }

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// `--timeout` of every command, in seconds.
 const TIMEOUT: &str = "2";
-/// A command that takes longer has not kept its limit. The rest is for starting up, for a last question, for a C compiler, and for a machine that
-/// does other things, too.
+/// A command that takes longer has not kept its limit. The rest is for starting up, for a last
+/// question, for a C compiler, and for a machine that does other things, too.
 const OVERRUN: Duration = Duration::from_secs(10);
 /// A command that takes longer hangs, and is killed.
 const HANG: Duration = Duration::from_mins(1);

@@ -1,11 +1,13 @@
-//! What is damaged: a copy of everything in the tree that the program reads, in the folders that imports expect.
+//! What is damaged: a copy of everything in the tree that the program reads, in the folders that
+//! imports expect.
 
 use crate::support;
 use std::path::{Path, PathBuf};
 
 /// Endings of files that the program reads.
 const ENDINGS: [&str; 6] = ["lw", "spc", "slugsin", "structuredslugs", "spectra", "tlsf"];
-/// Longer files are left out: they take their time in a solver, and no other way through the readers.
+/// Longer files are left out: they take their time in a solver, and no other way through the
+/// readers.
 const MOST_BYTES: usize = 24_000;
 
 /// One file to begin with.
@@ -36,7 +38,8 @@ impl Seed {
     }
 }
 
-/// Copies contracts, examples, cases, the snippets of the README and `../shared/found` (where it is) below `tree`, and gives them all.
+/// Copies contracts, examples, cases, the snippets of the README and `../shared/found` (where it
+/// is) below `tree`, and gives them all.
 pub fn copied_to(tree: &Path) -> Vec<Seed> {
     let root = support::root();
     let mut seeds = Vec::new();

@@ -24,7 +24,8 @@ pub fn reduced_by(
     without(pieces, &mut most, fails).concat().into_bytes()
 }
 
-/// Delta debugging (Zeller and Hildebrandt, 2002), by complements: pieces of half the size in each round.
+/// Delta debugging (Zeller and Hildebrandt, 2002), by complements: pieces of half the size in each
+/// round.
 fn without(
     mut pieces: Vec<String>,
     most: &mut usize,

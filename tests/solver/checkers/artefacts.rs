@@ -1,5 +1,5 @@
-//! Right machines, counterstrategies and functions, and what they become when something is changed: of contracts of the
-//! repository and of random specifications.
+//! Right machines, counterstrategies and functions, and what they become when something is changed:
+//! of contracts of the repository and of random specifications.
 
 use crate::random::{self, Random};
 use crate::support;
@@ -26,7 +26,8 @@ pub enum Artefact {
     Counterstrategy(Machine),
     Functions(Box<Functions>),
     Proof(Value, Tried),
-    /// The edges of a graph with what holds on them, as bits: that it stays bad, and what is to be met.
+    /// The edges of a graph with what holds on them, as bits: that it stays bad, and what is to be
+    /// met.
     Graph(Vec<Vec<(usize, u32)>>, usize),
     /// Formulas, and the values that their variables get.
     Formulas(Vec<Expr>, Vec<[i64; 2]>),
@@ -194,7 +195,8 @@ pub fn specifications(random_ones: u64) -> Vec<Specification> {
     found
 }
 
-/// Functions of more bits than fit a word, which can only be looked at from outside: each output repeats an input.
+/// Functions of more bits than fit a word, which can only be looked at from outside: each output
+/// repeats an input.
 pub fn wide() -> (Specification, Functions) {
     let mut specification = Specification {
         name: "wide".to_owned(),
@@ -284,7 +286,8 @@ fn formula(name: &str, expr: Expr) -> Formula {
     }
 }
 
-/// Specifications with a formula more whose numbers leave 64 bits: the first of all, the last of all, and the only one.
+/// Specifications with a formula more whose numbers leave 64 bits: the first of all, the last of
+/// all, and the only one.
 pub fn too_large(specification: &Specification) -> [Specification; 3] {
     let variable = Expr::Var(VarId(0), Time::Now);
     let large = Expr::binary(BinaryOp::Mul, variable, Expr::Const(i64::MAX));
@@ -605,7 +608,8 @@ fn literal(diagram: &mut Diagram, bit: Bit) -> Edge {
     Edge::to(diagram.nodes.len() - 1)
 }
 
-/// A function of some bit; now and then it comes to it only after another one, which is always known.
+/// A function of some bit; now and then it comes to it only after another one, which is always
+/// known.
 fn asking(r: &mut Random, diagram: &mut Diagram, bit: Bit) -> Edge {
     let edge = literal(diagram, bit);
     if r.chance(60) {
@@ -943,8 +947,9 @@ fn some_bits(r: &mut Random, document: &Value, chance: u64) -> Vec<(u64, bool)> 
     found
 }
 
-/// What is asked of functions in ways that chance seldom finds: steps that leave a layer whose assumption never holds, steps
-/// that lead below the layer they are to lead to, and the last of several assumptions not asked of a driver.
+/// What is asked of functions in ways that chance seldom finds: steps that leave a layer whose
+/// assumption never holds, steps that lead below the layer they are to lead to, and the last of
+/// several assumptions not asked of a driver.
 pub fn variants(
     r: &mut Random,
     specification: &Specification,
@@ -1050,8 +1055,8 @@ fn add_layer(r: &mut Random, document: &mut Value, goal: usize, layer: usize) {
     }
 }
 
-/// Two layers more, of states from which the goal is reached already: that they are said to wait, too, is no matter, wherever
-/// they lead.
+/// Two layers more, of states from which the goal is reached already: that they are said to wait,
+/// too, is no matter, wherever they lead.
 fn add_idle_layers(r: &mut Random, document: &mut Value, goal: usize) {
     let bits = some_bits(r, document, 95);
     let states = changed(document, &json!(0), &bits, true);

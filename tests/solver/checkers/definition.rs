@@ -1,8 +1,10 @@
-//! What a right machine, a right counterstrategy and a right certificate are, by enumeration: which clauses an artefact
-//! breaks. Formulas are evaluated directly, diagrams are walked from their roots, nothing of the checkers is used.
+//! What a right machine, a right counterstrategy and a right certificate are, by enumeration: which
+//! clauses an artefact breaks. Formulas are evaluated directly, diagrams are walked from their
+//! roots, nothing of the checkers is used.
 //!
-//! Clauses come in stages, and a checker names one of the first stage in which something is broken: the form, without which
-//! the others say nothing, then safety before liveness, or a certificate's region before what is promised and the steps.
+//! Clauses come in stages, and a checker names one of the first stage in which something is broken:
+//! the form, without which the others say nothing, then safety before liveness, or a certificate's
+//! region before what is promised and the steps.
 
 use crate::game::value;
 use linewright::game::{Aim, Assumed, Edge};
@@ -177,7 +179,8 @@ fn form(specification: &Specification, machine: &Machine, asked: Owner, given: O
     found
 }
 
-/// A play's graph: nodes are states of a machine with a valuation, and what is met on an edge is asked of two valuations.
+/// A play's graph: nodes are states of a machine with a valuation, and what is met on an edge is
+/// asked of two valuations.
 #[derive(Default)]
 pub struct Product {
     pub nodes: Vec<(usize, Vec<i64>)>,
@@ -197,7 +200,8 @@ impl Product {
         number
     }
 
-    /// Walks from the first steps on; `next` gives the steps from a node, or from before the first step.
+    /// Walks from the first steps on; `next` gives the steps from a node, or from before the first
+    /// step.
     fn walk(mut next: impl FnMut(Option<(usize, &[i64])>) -> Vec<(usize, Vec<i64>)>) -> Self {
         let mut product = Self::default();
         for node in next(None) {
@@ -338,7 +342,8 @@ pub fn counterstrategy(
             }
             for (t, keeps) in transitions.iter().zip(&keeps) {
                 let next = step(t);
-                // What is given first is met with this answer whether or not a transition is for it.
+                // What is given first is met with this answer whether or not a transition is for
+                // it.
                 let met = first || of.contains(&t);
                 if !(met && *keeps && legal(&next)) {
                     continue;
@@ -431,7 +436,8 @@ fn sound(diagram: &Diagram, bits: usize, edges: &[Edge]) -> bool {
 
 type Certified = BTreeSet<certify::Clause>;
 
-/// The clauses that functions with their certificate break; `None` where formulas would be asked of codes without a meaning.
+/// The clauses that functions with their certificate break; `None` where formulas would be asked of
+/// codes without a meaning.
 pub fn functions(
     specification: &Specification,
     functions: &Functions,
@@ -858,7 +864,8 @@ impl<'a> Codes<'a> {
     }
 }
 
-/// The obligations of `docs/proof.md` that a document does not meet. Who counts states through in their order names the first.
+/// The obligations of `docs/proof.md` that a document does not meet. Who counts states through in
+/// their order names the first.
 pub fn proof(specification: &Specification, document: &Value) -> Found<String> {
     let obligations = Document::read(document)
         .filter(|d| d.goals.len() == specification.guarantees.justice.len().max(1));

@@ -1,7 +1,8 @@
-//! The mutants that nothing can notice: whatever is checked, the verdict is the same, and so is the play that shows it.
+//! The mutants that nothing can notice: whatever is checked, the verdict is the same, and so is the
+//! play that shows it.
 //!
-//! Most save time: a table of what is known already, a question that spares others. What they leave out is done by what
-//! follows, only later.
+//! Most save time: a table of what is known already, a question that spares others. What they leave
+//! out is done by what follows, only later.
 
 /// A mutant that comes to the same.
 pub struct Equivalent {

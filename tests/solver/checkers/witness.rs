@@ -236,7 +236,8 @@ pub fn cycle(edges: &[Vec<(usize, u32)>], met: usize) -> String {
     )
 }
 
-/// What a verifier builds of a right artefact: the steps from each node in order and each once, each label once.
+/// What a verifier builds of a right artefact: the steps from each node in order and each once,
+/// each label once.
 pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) -> String {
     let (edges, labels) = match of {
         Artefact::Machine(machine) => {
@@ -265,7 +266,8 @@ pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) ->
     }
 }
 
-/// Formulas of a specification, whose valuations are all there, of which one variable after the other becomes known.
+/// Formulas of a specification, whose valuations are all there, of which one variable after the
+/// other becomes known.
 pub fn formulas(specification: &Specification, formulas: &[Expr], values: &[[i64; 2]]) -> String {
     for owner in [Owner::Environment, Owner::System] {
         if checker::valuations(specification, owner) != valuations(specification, owner) {

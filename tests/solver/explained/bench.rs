@@ -40,7 +40,8 @@ fn timed<T>(what: impl FnOnce() -> T) -> (f64, T) {
     (clock.elapsed().as_secs_f64(), result)
 }
 
-/// Large ones are all realizable (`tests/interchange/formats.rs` knows them); deciding each again would take minutes.
+/// Large ones are all realizable (`tests/interchange/formats.rs` knows them); deciding each again
+/// would take minutes.
 const MOST_VARIABLES: usize = 60;
 
 fn specification(file: &PathBuf) -> Option<Specification> {
@@ -50,7 +51,8 @@ fn specification(file: &PathBuf) -> Option<Specification> {
     (spec.variables.len() <= MOST_VARIABLES).then_some(spec)
 }
 
-/// Cores, counterstrategies, plays and repairs of all that are unrealizable; prints the table of `tests/README.md`.
+/// Cores, counterstrategies, plays and repairs of all that are unrealizable; prints the table of
+/// `tests/README.md`.
 #[test]
 fn every_unrealizable_benchmark_is_explained() {
     let Some(files) = files() else { return };

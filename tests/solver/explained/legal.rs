@@ -38,7 +38,8 @@ pub fn legal(spec: &Specification, play: &Play) -> Result<(), String> {
                 return Err(format!("step {at}: {} leaves its domain", v.name));
             }
         }
-        // Safety assumptions may speak of the machine's next values, which mean nothing in the step of a clash.
+        // Safety assumptions may speak of the machine's next values, which mean nothing in the step
+        // of a clash.
         let of_inputs = |f: &&Formula| {
             let mut inputs = true;
             f.expr.for_each_var(&mut |v, t| {

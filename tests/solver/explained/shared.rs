@@ -6,7 +6,8 @@ use linewright::game::{Limits, Lost, Outcome, advise, attack, reduced, solve};
 use linewright::gr1::Specification;
 use std::fmt::Write as _;
 
-/// What guarantees say; `P` is one of few past formulas, so that most contracts ask for one of them twice.
+/// What guarantees say; `P` is one of few past formulas, so that most contracts ask for one of them
+/// twice.
 const WORDS: [&str; 10] = [
     "always (x <-> P)",
     "always not P",
@@ -56,7 +57,8 @@ fn only(guarantees: &[String], kept: impl Fn(&str) -> bool) -> Vec<String> {
         .collect()
 }
 
-/// Every core is one by name: its guarantees alone clash, and without any of them the others do not. What is suggested to be left out mends the whole.
+/// Every core is one by name: its guarantees alone clash, and without any of them the others do
+/// not. What is suggested to be left out mends the whole.
 #[test]
 fn cores_name_no_guarantee_for_a_monitor_that_it_shares() {
     let limits = Limits::default();

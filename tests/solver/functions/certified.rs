@@ -226,7 +226,8 @@ fn wrong_controllers_do_not_pass_with_another_certificate_either() {
     assert!(passed > 200 && changed > 50 && moore > 50 && refused > 400);
 }
 
-/// Where the twin of every bit equals the bit: as a "set of states" it would make every state one that is never left.
+/// Where the twin of every bit equals the bit: as a "set of states" it would make every state one
+/// that is never left.
 #[test]
 fn sets_of_states_do_not_speak_of_next_values() {
     let mut tried = 0;

@@ -103,8 +103,9 @@ fn letter(last: &[i64], domains: &[Domain], random: &mut Random) -> Vec<i64> {
     inputs
 }
 
-/// Plays at random: what was given, and what came of it. Inputs stay near the last ones that were not refused, so that most
-/// keep the assumptions. Where nothing is accepted for long, the environment has no way on, and all begins anew.
+/// Plays at random: what was given, and what came of it. Inputs stay near the last ones that were
+/// not refused, so that most keep the assumptions. Where nothing is accepted for long, the
+/// environment has no way on, and all begins anew.
 fn play(player: &mut dyn Player, random: &mut Random, steps: usize) -> (String, String) {
     let (mut given, mut wanted) = (String::new(), String::new());
     let domains: Vec<_> = player.inputs().iter().map(|p| p.domain.clone()).collect();
@@ -117,7 +118,8 @@ fn play(player: &mut dyn Player, random: &mut Random, steps: usize) -> (String, 
             last = domains.iter().map(Domain::low).collect();
             refused = 0;
         }
-        // A refusal changes nothing, so that a few letters can be tried; two times in five the first one is taken as it is.
+        // A refusal changes nothing, so that a few letters can be tried; two times in five the
+        // first one is taken as it is.
         let tries = if random.chance(40) { 1 } else { TRIES };
         let mut inputs = Vec::new();
         let mut answer = Err(0);

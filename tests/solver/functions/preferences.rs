@@ -1,4 +1,5 @@
-//! What a machine shall be good at: whatever is preferred it is right, and preferring few states never gives more.
+//! What a machine shall be good at: whatever is preferred it is right, and preferring few states
+//! never gives more.
 
 use super::{benchmark, fixtures, random};
 use linewright::game::{Limits, Outcome, Preference, solve};

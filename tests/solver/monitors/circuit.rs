@@ -23,7 +23,8 @@ type Value = BTreeMap<i64, Wire>;
 pub struct Circuit {
     gates: Vec<Gate>,
     known: HashMap<Gate, Wire>,
-    /// The first input of a variable's values, and how many there are (from 0; a boolean has one input, that it is true).
+    /// The first input of a variable's values, and how many there are (from 0; a boolean has one
+    /// input, that it is true).
     inputs: HashMap<(VarId, Time), (usize, i64)>,
 }
 
@@ -37,7 +38,8 @@ impl Circuit {
         }
     }
 
-    /// Says where the values of a variable are among the inputs: one input if it has two values, one a value otherwise.
+    /// Says where the values of a variable are among the inputs: one input if it has two values,
+    /// one a value otherwise.
     pub fn declare(&mut self, variable: VarId, time: Time, first: usize, values: i64) {
         self.inputs.insert((variable, time), (first, values));
     }

@@ -1,4 +1,5 @@
-//! Patterns from end to end: as guarantees of machines that are then played, and as assumptions that are relied on.
+//! Patterns from end to end: as guarantees of machines that are then played, and as assumptions
+//! that are relied on.
 
 use super::logic;
 use super::patterns::{Case, cases};
@@ -55,7 +56,8 @@ fn machine_of(specification: &Specification) -> Option<Machine> {
     Some(machine)
 }
 
-/// The letters of a play of the machine on a lasso of inputs, up to where it repeats. `owner[v]` says that variable `v` is an output.
+/// The letters of a play of the machine on a lasso of inputs, up to where it repeats. `owner[v]`
+/// says that variable `v` is an output.
 fn play(machine: &Machine, inputs: &[Vec<i64>], back: usize, outputs: &[bool]) -> Lassos {
     let lanes = |x: i64| if x == 1 { Lanes::ALL } else { Lanes::NONE };
     let mut letters = Vec::new();
@@ -107,7 +109,8 @@ fn expected(case: &Case, outputs: &[bool]) -> Option<bool> {
     }
 }
 
-/// Adds that every letter holds again and again, which an input is assumed to do and an output has to do.
+/// Adds that every letter holds again and again, which an input is assumed to do and an output has
+/// to do.
 fn enliven(specification: &mut Specification, outputs: &[bool]) {
     for (v, output) in outputs.iter().enumerate() {
         let often = Obligation {
@@ -123,8 +126,8 @@ fn enliven(specification: &mut Specification, outputs: &[bool]) {
     }
 }
 
-/// With all divisions of the letters into inputs and outputs; once as it is, where never opening a scope is a way to win, and once
-/// in a lively world where every letter comes again and again.
+/// With all divisions of the letters into inputs and outputs; once as it is, where never opening a
+/// scope is a way to win, and once in a lively world where every letter comes again and again.
 #[test]
 fn machines_keep_the_patterns_they_guarantee() {
     let (mut realizable, mut unrealizable, mut plays) = ([0, 0], [0, 0], [0, 0]);
@@ -186,8 +189,8 @@ fn machines_keep_the_patterns_they_guarantee() {
     assert!(plays.iter().all(|n| *n > 2_000));
 }
 
-/// What is assumed of the inputs can be guaranteed of their copies (or, where the machine answers first, of the inputs
-/// themselves), and not without the assumption.
+/// What is assumed of the inputs can be guaranteed of their copies (or, where the machine answers
+/// first, of the inputs themselves), and not without the assumption.
 #[test]
 fn machines_can_rely_on_the_patterns_they_assume() {
     for case in cases(1..=2) {

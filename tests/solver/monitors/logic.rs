@@ -29,7 +29,8 @@ impl Logic {
     /// The value in every position of the lassos. No past operators.
     pub fn on(&self, lassos: &Lassos) -> Vec<Lanes> {
         let length = lassos.letters.len();
-        // The positions that come, up to the one that has been there before: all that are ever reached.
+        // The positions that come, up to the one that has been there before: all that are ever
+        // reached.
         let walk = |from: usize| {
             let mut position = from;
             std::iter::from_fn(move || {
@@ -145,8 +146,9 @@ impl Logic {
     }
 }
 
-/// Reads `G ((q & !r) -> (!p W r))`, with the letters of `names` as variables. Unary operators bind most; then come `U`, `W` and
-/// `S`, then `&`, `or` and `->`. Future operators are `F`, `G`, `U`, `W`, past ones `Y`, `O`, `H`, `S`; a bound is `F<=3`.
+/// Reads `G ((q & !r) -> (!p W r))`, with the letters of `names` as variables. Unary operators bind
+/// most; then come `U`, `W` and `S`, then `&`, `or` and `->`. Future operators are `F`, `G`, `U`,
+/// `W`, past ones `Y`, `O`, `H`, `S`; a bound is `F<=3`.
 pub fn read(text: &str, names: &[char]) -> Logic {
     let mut tokens: Vec<String> = Vec::new();
     let mut rest = text.trim_start();

@@ -49,8 +49,8 @@ fn lower(monitors: &mut Monitors, formula: &Logic) -> Expr {
     }
 }
 
-/// Compares values step by step on every lasso, its cycle gone through `rounds` times; then the formula as an invariant, guaranteed
-/// and assumed.
+/// Compares values step by step on every lasso, its cycle gone through `rounds` times; then the
+/// formula as an invariant, guaranteed and assumed.
 fn agree(formula: &Logic, rounds: usize) {
     let mut monitors = Monitors::new(VarId(2), []);
     let expr = lower(&mut monitors, formula);

@@ -136,7 +136,8 @@ impl Player {
         }
     }
 
-    /// The values of the followed expression in every step of the words, as pairs of a value and where it is taken.
+    /// The values of the followed expression in every step of the words, as pairs of a value and
+    /// where it is taken.
     pub fn follow(&self, word: &[Vec<Lanes>]) -> Vec<Vec<(i64, Lanes)>> {
         let mut state = self.start.clone();
         let mut wires = Vec::new();
@@ -151,9 +152,9 @@ impl Player {
         found
     }
 
-    /// Whether the obligations are kept on the lassos. The cycle is gone through until the monitors' state at its head is one that
-    /// was there before, in every lane; then again, until each lane has come back to that state, and what is just has to have held
-    /// meanwhile.
+    /// Whether the obligations are kept on the lassos. The cycle is gone through until the
+    /// monitors' state at its head is one that was there before, in every lane; then again, until
+    /// each lane has come back to that state, and what is just has to have held meanwhile.
     pub fn kept(&self, lassos: &Lassos) -> Kept {
         let mut state = self.start.clone();
         let mut wires = Vec::new();

@@ -1,7 +1,8 @@
-//! Patterns and past operators as the language writes them: each comes down to the monitors that its own lowering gives.
+//! Patterns and past operators as the language writes them: each comes down to the monitors that
+//! its own lowering gives.
 //!
-//! What those monitors mean is tested on every lasso. Here nothing can go wrong but which operand, scope and bound stands where, so
-//! whole lists of formulas are compared.
+//! What those monitors mean is tested on every lasso. Here nothing can go wrong but which operand,
+//! scope and bound stands where, so whole lists of formulas are compared.
 
 use super::monitors_of;
 use super::patterns::{Case, cases};

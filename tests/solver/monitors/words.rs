@@ -1,4 +1,5 @@
-//! Many words at once: 256 of them side by side in the bits of four machine words, so that every lasso can be tried.
+//! Many words at once: 256 of them side by side in the bits of four machine words, so that every
+//! lasso can be tried.
 
 use std::ops::{BitAnd, BitOr, Not};
 
@@ -72,7 +73,8 @@ pub fn same(a: Lanes, b: Lanes) -> Lanes {
     (a & b) | (!a & !b)
 }
 
-/// 256 lassos of one shape: `letters[i][v]` is variable `v` in position `i`, and after the last position comes `back`.
+/// 256 lassos of one shape: `letters[i][v]` is variable `v` in position `i`, and after the last
+/// position comes `back`.
 pub struct Lassos {
     pub letters: Vec<Vec<Lanes>>,
     pub back: usize,
@@ -116,7 +118,8 @@ impl Lassos {
     }
 }
 
-/// Calls `visit` with all lassos over `variables` variables with at most `longest` positions, and says how many there are.
+/// Calls `visit` with all lassos over `variables` variables with at most `longest` positions, and
+/// says how many there are.
 pub fn every_lasso(variables: usize, longest: usize, visit: &mut impl FnMut(&Lassos)) -> u64 {
     let mut count = 0;
     for length in 1..=longest {

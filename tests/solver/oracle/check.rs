@@ -1,4 +1,5 @@
-//! The naive machine checker: the machine against all legal inputs, state by state and valuation by valuation.
+//! The naive machine checker: the machine against all legal inputs, state by state and valuation by
+//! valuation.
 
 use crate::game::{Board, Rules, Subset};
 use linewright::gr1::{Owner, Timing};

@@ -1,10 +1,11 @@
-//! Games over two inputs and two outputs with at most one initial, one safety and one justice formula a side, of up to three
-//! operators each.
+//! Games over two inputs and two outputs with at most one initial, one safety and one justice
+//! formula a side, of up to three operators each.
 //!
-//! Their product is more than anyone could play, so it is covered, role by role. A role is the side and kind of a formula. In
-//! a role's pass every formula that may stand there stands there once, up to renaming inputs and outputs among
-//! themselves; meanwhile timing and the other five roles go through every combination of being absent and of each number of operators, and
-//! the formulas of each number are taken in turn. A pass is never shorter than these combinations.
+//! Their product is more than anyone could play, so it is covered, role by role. A role is the side
+//! and kind of a formula. In a role's pass every formula that may stand there stands there once, up
+//! to renaming inputs and outputs among themselves; meanwhile timing and the other five roles go
+//! through every combination of being absent and of each number of operators, and the formulas of
+//! each number are taken in turn. A pass is never shorter than these combinations.
 
 use super::exhaustive::{listed, variable};
 use super::formulas::{Functions, MOST_OPERATORS, Values, renamings};
@@ -16,8 +17,9 @@ use std::collections::HashSet;
 
 const ROLES: usize = 6;
 
-/// What each role is called, and the atoms that its formulas may mention: 0 and 1 are the inputs, 2 and 3 the outputs, and four more is
-/// the next value. The environment chooses without seeing the outputs of the same step.
+/// What each role is called, and the atoms that its formulas may mention: 0 and 1 are the inputs, 2
+/// and 3 the outputs, and four more is the next value. The environment chooses without seeing the
+/// outputs of the same step.
 const ATOMS: [(&str, &[usize]); ROLES] = [
     ("assumed initial", &[0, 1]),
     ("assumed safety", &[0, 1, 2, 3, 4, 5]),
@@ -34,7 +36,8 @@ struct Draft {
     formulas: [Option<usize>; ROLES],
 }
 
-/// Formulas of one number of operators, taken in turn; neighbours in the list resemble each other, so not one after the other.
+/// Formulas of one number of operators, taken in turn; neighbours in the list resemble each other,
+/// so not one after the other.
 struct Walk {
     begin: usize,
     count: usize,
@@ -58,7 +61,8 @@ fn coprime(a: usize, b: usize) -> bool {
     a == 1
 }
 
-/// The walks through a role's formulas, one for each number of operators that there are formulas of.
+/// The walks through a role's formulas, one for each number of operators that there are formulas
+/// of.
 fn walks(functions: &Functions) -> Vec<Walk> {
     let lengths = (0..=MOST_OPERATORS).map(|operators| functions.of_length(operators));
     let present = lengths.filter(|range| !range.is_empty());
@@ -84,7 +88,8 @@ fn lists() -> Vec<Functions> {
         .collect()
 }
 
-/// How many combinations there are of the other roles being absent or having some number of operators.
+/// How many combinations there are of the other roles being absent or having some number of
+/// operators.
 fn combinations(lists: &[Functions], role: usize) -> usize {
     let others = (0..ROLES).filter(|other| *other != role);
     others.map(|other| walks(&lists[other]).len() + 1).product()
@@ -103,7 +108,8 @@ fn drafts(lists: &[Functions]) -> Vec<Draft> {
             formulas.len()
         );
         for number in 0..games {
-            // Each time round one further, so that a formula does not meet the same combinations again.
+            // Each time round one further, so that a formula does not meet the same combinations
+            // again.
             let turn = number + number / formulas.len();
             let mut rest = number / 2;
             let mut draft = Draft {
@@ -212,7 +218,8 @@ fn lengths(lists: &[Functions], draft: &Draft) -> [Option<usize>; ROLES] {
     })
 }
 
-/// Of how many games the ordinary tests play one: no factor of any number of choices, so that all choices occur in what is left.
+/// Of how many games the ordinary tests play one: no factor of any number of choices, so that all
+/// choices occur in what is left.
 const STRIDE: usize = 7;
 
 #[test]

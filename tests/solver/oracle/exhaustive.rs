@@ -1,4 +1,5 @@
-//! Every game over one input and one output whose formulas come from small lists: no choice is left to chance.
+//! Every game over one input and one output whose formulas come from small lists: no choice is left
+//! to chance.
 
 use super::ways::play;
 use linewright::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable};
@@ -25,7 +26,8 @@ fn next_y() -> Expr {
     Expr::next(OUTPUT)
 }
 
-/// What the environment may have to keep from a step to the next: nothing, a change, a memory, an answer to the machine.
+/// What the environment may have to keep from a step to the next: nothing, a change, a memory, an
+/// answer to the machine.
 fn assumed_safety() -> Vec<Option<Expr>> {
     vec![
         None,
@@ -50,7 +52,8 @@ fn safety() -> Vec<Option<Expr>> {
     ]
 }
 
-/// Each set of valuations of both, as the formula that holds there; bit `2x + y` says whether the valuation is in it.
+/// Each set of valuations of both, as the formula that holds there; bit `2x + y` says whether the
+/// valuation is in it.
 fn of_states(set: u32) -> Expr {
     let mut formula = Expr::Const(0);
     for valuation in 0..4 {
@@ -86,8 +89,8 @@ pub fn variable(name: &str, owner: Owner) -> Variable {
     }
 }
 
-/// All of them: both timings, every pair of safety formulas, every set of states as an assumption and as a goal. Each of these
-/// has one of three beginnings, in turn.
+/// All of them: both timings, every pair of safety formulas, every set of states as an assumption
+/// and as a goal. Each of these has one of three beginnings, in turn.
 fn games() -> Vec<Specification> {
     let mut games = Vec::new();
     let starts = [

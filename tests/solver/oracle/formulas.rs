@@ -1,11 +1,13 @@
-//! Every formula of up to three operators over two inputs and two outputs, now and next. A formula stands for all that mean the same:
-//! functions are told apart by their values, and each is written with as few operators as it can be.
+//! Every formula of up to three operators over two inputs and two outputs, now and next. A formula
+//! stands for all that mean the same: functions are told apart by their values, and each is written
+//! with as few operators as it can be.
 
 use linewright::gr1::{Expr, VarId};
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// The values of a function for every valuation of the atoms: bit `i` of a valuation's number is atom `i`.
+/// The values of a function for every valuation of the atoms: bit `i` of a valuation's number is
+/// atom `i`.
 pub type Values = [u64; 4];
 
 /// Two inputs, two outputs, and their next values.
@@ -29,7 +31,8 @@ enum Form {
     Binary(Operator, usize, usize),
 }
 
-/// Every function of some atoms that up to three operators can say; a negated variable counts as none.
+/// Every function of some atoms that up to three operators can say; a negated variable counts as
+/// none.
 pub struct Functions {
     all: Vec<(Values, Form)>,
     /// Where those of each number of operators begin, and the end.

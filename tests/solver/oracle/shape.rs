@@ -1,4 +1,5 @@
-//! What a specification asks for less than it seems to, by enumeration: the definitions of `game::Shape` word for word.
+//! What a specification asks for less than it seems to, by enumeration: the definitions of
+//! `game::Shape` word for word.
 
 use crate::game::{Board, Relation, Set, Subset, value};
 use linewright::game::{GuaranteeKind as Kind, GuaranteeRef, Shape};

@@ -1,5 +1,5 @@
-//! Both kernels, all heuristics on and off, on random games: the verdict of the naive solver, and machines that keep their
-//! specification.
+//! Both kernels, all heuristics on and off, on random games: the verdict of the naive solver, and
+//! machines that keep their specification.
 
 use super::ways::{Extent, Tried, agree, complete};
 use crate::game::{Board, Subset};
@@ -143,7 +143,8 @@ fn any_games_in_every_way() {
     complete(&counts.tried);
 }
 
-/// The same where it is hardest: all three fixpoints matter, and integers make some values impossible.
+/// The same where it is hardest: all three fixpoints matter, and integers make some values
+/// impossible.
 #[test]
 fn games_with_integers_and_goals_in_every_way() {
     let counts = play_all(2_000_000..2_000_000 + WITH_GOALS, |r| {

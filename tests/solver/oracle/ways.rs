@@ -74,8 +74,8 @@ impl fmt::Display for Tried {
 /// How many ways a game is solved in, on each kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// With everything; with nothing; with one heuristic alone and without one, each in turn (by seed); with any of them from
-    /// any order.
+    /// With everything; with nothing; with one heuristic alone and without one, each in turn (by
+    /// seed); with any of them from any order.
     Five,
     /// The first two, and one of the others in turn.
     Three,
@@ -194,7 +194,8 @@ pub fn agree(
     tried
 }
 
-/// Plays numbered games in three ways on each kernel, all against the oracle; gives how many are realizable.
+/// Plays numbered games in three ways on each kernel, all against the oracle; gives how many are
+/// realizable.
 pub fn play<'a>(games: impl ParallelIterator<Item = (usize, Cow<'a, Specification>)>) -> u64 {
     let played = games.map(|(number, specification)| {
         let board = Board::new(&specification);

@@ -1,4 +1,5 @@
-//! What is in an archive: all that the standard wants, the same bytes every time, and names that every importer takes.
+//! What is in an archive: all that the standard wants, the same bytes every time, and names that
+//! every importer takes.
 
 use super::hosts::{binary_name, file_of, laboratory, run};
 use crate::fixtures;
@@ -282,7 +283,8 @@ fn hostile_names() {
     }
 }
 
-/// Without a compiler the units are still written, and one finding says what is missing in all of them.
+/// Without a compiler the units are still written, and one finding says what is missing in all of
+/// them.
 #[test]
 fn a_missing_compiler_is_a_warning() {
     let sandbox = sandbox();

@@ -1,4 +1,5 @@
-//! The unit's own library under a plain C host: trajectories, wrong calls, and that the comparison can fail.
+//! The unit's own library under a plain C host: trajectories, wrong calls, and that the comparison
+//! can fail.
 
 use super::hosts::{
     arguments, build_package, host, laboratory, record, run, run_here, unpack, write,
@@ -85,7 +86,8 @@ fn a_damaged_table_is_seen() {
     }
 }
 
-/// The same wrong calls with the sanitizers for addresses and undefined behaviour in the unit and in the host.
+/// The same wrong calls with the sanitizers for addresses and undefined behaviour in the unit and
+/// in the host.
 #[test]
 fn wrong_calls_under_sanitizers() {
     const SANITIZERS: &str = "-fsanitize=address,undefined";

@@ -1,7 +1,8 @@
 //! A unit as it should be: the interpreter, stepped as `ffi/fmi.c` says a unit steps.
 //!
-//! What an operation takes is summed up here once more; where the signals were those of the machine's own script all through an
-//! operation, the sums, the properties and the machine's state afterwards are compared with those of `simulate`.
+//! What an operation takes is summed up here once more; where the signals were those of the
+//! machine's own script all through an operation, the sums, the properties and the machine's state
+//! afterwards are compared with those of `simulate`.
 
 use linewright::contract::machine::{ActionTime, Machine, PlantSource};
 use linewright::gr1::eval;
@@ -16,7 +17,8 @@ use std::sync::Arc;
 pub struct Answer {
     /// 0 OK, 3 Error.
     pub status: i32,
-    /// What the host is told; `None` where it is not known here (the step limit names what was waited for).
+    /// What the host is told; `None` where it is not known here (the step limit names what was
+    /// waited for).
     pub message: Option<String>,
 }
 
@@ -170,7 +172,8 @@ impl Reference {
         Ok(())
     }
 
-    /// The property abstraction, and what an operation begins with. A machine without operations keeps its sums.
+    /// The property abstraction, and what an operation begins with. A machine without operations
+    /// keeps its sums.
     fn begin(&self, before: Option<Job>) -> Result<Job, CallError> {
         let machine = &*self.machine;
         let mut plant = vec![0; machine.plant.len()];

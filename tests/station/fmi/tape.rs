@@ -184,7 +184,8 @@ impl Recorder<'_> {
         self.tape.expected.push((answer, values));
     }
 
-    /// Sets some inputs and parameters. After a refusal the signals go back to what they were at first, most of the time.
+    /// Sets some inputs and parameters. After a refusal the signals go back to what they were at
+    /// first, most of the time.
     fn choose(&mut self, instance: usize, refused: bool) {
         let unit = self.unit;
         let calm = refused && self.random.below(4) != 0;
@@ -237,7 +238,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// A value of a property: of its domain; else something round near its default, and now and then a fraction.
+    /// A value of a property: of its domain; else something round near its default, and now and
+    /// then a fraction.
     fn property(&mut self, index: usize, calm: bool) -> f64 {
         let property = &self.machine.properties[index];
         let calm = calm || property.kind == PropertyKind::Part && self.random.below(2) == 0;

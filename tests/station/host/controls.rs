@@ -1,4 +1,5 @@
-//! Libraries that are not what they should be: the host does not pass on them. Without these, a host that passes would say little.
+//! Libraries that are not what they should be: the host does not pass on them. Without these, a
+//! host that passes would say little.
 
 use super::images::{as_32_bit, real_32_bit};
 use super::machines::{named, shipped};

@@ -1,5 +1,6 @@
-//! Machines for what the others never do in their plans: limits of ranges, times of 0, texts that are cut at every offset, scripts of
-//! two values, controllers with holes, functions with several goals. The mutants of the runtime are judged by them ([`super::runtime`]).
+//! Machines for what the others never do in their plans: limits of ranges, times of 0, texts that
+//! are cut at every offset, scripts of two values, controllers with holes, functions with several
+//! goals. The mutants of the runtime are judged by them ([`super::runtime`]).
 
 use super::machines::{Subject, as_functions};
 use crate::controlled::controlled;
@@ -64,7 +65,8 @@ pub fn edges() -> Subject {
     subject("Edges", machine, controllers)
 }
 
-/// An axis that is never free, so that two assumptions are kept never; and a request that comes in the second step.
+/// An axis that is never free, so that two assumptions are kept never; and a request that comes in
+/// the second step.
 pub fn blocked() -> Subject {
     let (machine, controllers) = manipulator();
     let mut machine = (*machine).clone();
@@ -78,7 +80,8 @@ pub fn blocked() -> Subject {
     subject("Blocked", machine, controllers)
 }
 
-/// The jammed manipulator without any justice, and with controllers that lack answers or give wrong ones.
+/// The jammed manipulator without any justice, and with controllers that lack answers or give wrong
+/// ones.
 pub fn faulty() -> Subject {
     let (machine, controllers) = jammed();
     let mut machine = (*machine).clone();
@@ -88,7 +91,8 @@ pub fn faulty() -> Subject {
     }
     let tables = controllers.iter().map(|c| c.machine().expect("a table"));
     let mut tables: Vec<mealy::Machine> = tables.cloned().collect();
-    // The coordinator has no answer once it is done, the picker has states without a transition, the turner turns wrongly.
+    // The coordinator has no answer once it is done, the picker has states without a transition,
+    // the turner turns wrongly.
     for transitions in &mut tables[0].states {
         if transitions.first().is_some_and(|t| t.output[1] == 1) {
             transitions.clear();

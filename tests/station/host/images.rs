@@ -26,7 +26,8 @@ fn is_elf(image: &[u8]) -> bool {
     image.starts_with(b"\x7fELF")
 }
 
-/// The image with the marks of one for 32-bit processors. What a loader sees first is wrong, everything else is as it was.
+/// The image with the marks of one for 32-bit processors. What a loader sees first is wrong,
+/// everything else is as it was.
 pub fn as_32_bit(image: &[u8]) -> Vec<u8> {
     let mut image = image.to_vec();
     if is_elf(&image) {
@@ -122,7 +123,8 @@ pub fn exports(image: &[u8]) -> BTreeSet<String> {
         .collect()
 }
 
-/// The symbols that `nm` lists for a library, those that it has or those that it needs; without their versions.
+/// The symbols that `nm` lists for a library, those that it has or those that it needs; without
+/// their versions.
 pub fn symbols(library: &Path, which: &str) -> BTreeSet<String> {
     let output = Command::new("nm")
         .args(["-D", which, "--format=posix"])

@@ -70,7 +70,8 @@ pub fn as_functions(subject: &Subject) -> Subject {
     Subject::of((controlled.machine, controlled.controllers))
 }
 
-/// An operation that need not end, Moore actions, negative numbers, texts beyond ASCII, and no operation at all.
+/// An operation that need not end, Moore actions, negative numbers, texts beyond ASCII, and no
+/// operation at all.
 pub fn fixtures() -> Vec<Subject> {
     vec![
         Subject::of(fixtures::manipulator()),

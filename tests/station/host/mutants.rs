@@ -1,8 +1,9 @@
 //! Libraries with one entry of a controller's tables changed.
 //!
-//! The tables are read back from the C text, and become a controller again for the machine in this process. So it is known
-//! beforehand which changes the plan shows: a bound that moves where the assumptions allow nothing, or a place that cannot be told
-//! apart from another in this machine, is no fault. Only the others are given to the host.
+//! The tables are read back from the C text, and become a controller again for the machine in this
+//! process. So it is known beforehand which changes the plan shows: a bound that moves where the
+//! assumptions allow nothing, or a place that cannot be told apart from another in this machine, is
+//! no fault. Only the others are given to the host.
 
 use super::machines::Subject;
 use super::programs::Prepared;
@@ -214,7 +215,8 @@ fn with_tables(subject: &Subject, c: usize, lines: &[String]) -> Subject {
     }
 }
 
-/// Whether the tables in the C text, read back, are the machine: nothing in the script tells them apart.
+/// Whether the tables in the C text, read back, are the machine: nothing in the script tells them
+/// apart.
 pub fn are_read_back(prepared: &Prepared) -> bool {
     let lines = lines(&prepared.package.c_source);
     let subject = &prepared.subject;
@@ -253,7 +255,8 @@ fn one_of(list: &[usize], random: &mut Random) -> Option<usize> {
     list.get(index).copied()
 }
 
-/// Changes an entry that the script comes by; an error, which says what it was, where the script does not show the change.
+/// Changes an entry that the script comes by; an error, which says what it was, where the script
+/// does not show the change.
 pub fn mutate(prepared: &Prepared, kind: Kind, random: &mut Random) -> Result<Mutant, String> {
     let subject = &prepared.subject;
     let c = random.below(subject.controllers.len() as u64) as usize;

@@ -1,4 +1,5 @@
-//! A script with its answers as the file that the host reads; `tests/station/libraries/host/plan.c` says what is in it.
+//! A script with its answers as the file that the host reads; `tests/station/libraries/host/plan.c`
+//! says what is in it.
 
 use super::machines::Subject;
 use super::walk::{Answer, Call, Script};

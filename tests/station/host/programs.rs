@@ -42,7 +42,8 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Writes a machine's plan into a folder of its own. The way through the machine is looked for once.
+    /// Writes a machine's plan into a folder of its own. The way through the machine is looked for
+    /// once.
     pub fn new(subject: &Subject) -> Self {
         static SCRIPTS: Mutex<BTreeMap<String, Arc<Script>>> = Mutex::new(BTreeMap::new());
         let package = Package::emit(&subject.machine, &subject.controllers);
@@ -142,7 +143,8 @@ pub struct Host {
     folder: PathBuf,
 }
 
-/// An empty folder of a name, which stays until the tests run again: what is static is never dropped.
+/// An empty folder of a name, which stays until the tests run again: what is static is never
+/// dropped.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -157,7 +159,8 @@ impl Host {
         HOST.get_or_init(|| Self::with_flags("host", Toolchain::shipping(), &["-O2"]))
     }
 
-    /// The host for this computer, compiled with flags, and a toolchain that goes with them. Each has a name of its own.
+    /// The host for this computer, compiled with flags, and a toolchain that goes with them. Each
+    /// has a name of its own.
     pub fn with_flags(name: &str, toolchain: Toolchain, flags: &[&str]) -> Self {
         let folder = folder(name);
         let program = folder.join("host");
@@ -272,7 +275,8 @@ impl Host {
         assert!(finished.success || self.wine.is_some(), "{finished:?}");
     }
 
-    /// Runs the host on a library that is not what it should be; it must not pass. Gives what it said.
+    /// Runs the host on a library that is not what it should be; it must not pass. Gives what it
+    /// said.
     pub fn refuses(&self, prepared: &Prepared, library: &Path, what: &str) -> Finished {
         let finished = self.run(prepared, library, 0);
         assert_eq!(

@@ -1,16 +1,19 @@
-//! Mutants of the C that every library shares, `ffi/step.c` and `ffi/runtime.c`: the host notices them.
+//! Mutants of the C that every library shares, `ffi/step.c` and `ffi/runtime.c`: the host notices
+//! them.
 //!
-//! The text is changed in one place at a time by rules that know nothing of what it does: an operator, a constant, a condition, a
-//! statement. Each mutant becomes a library by `cc -O0`, and the host goes through the plans of a few machines until one of them
-//! fails. A host that hangs or crashes has noticed as well. A mutant that lives is judged once more, by what the other tests of the
-//! host do: with all generations used up, under the address and undefined behaviour sanitizers, and `runtime.c` under the thread
-//! sanitizer. A sample runs with the other tests; all of them with
+//! The text is changed in one place at a time by rules that know nothing of what it does: an
+//! operator, a constant, a condition, a statement. Each mutant becomes a library by `cc -O0`, and
+//! the host goes through the plans of a few machines until one of them fails. A host that hangs or
+//! crashes has noticed as well. A mutant that lives is judged once more, by what the other tests of
+//! the host do: with all generations used up, under the address and undefined behaviour sanitizers,
+//! and `runtime.c` under the thread sanitizer. A sample runs with the other tests; all of them with
 //!
 //!     LINEWRIGHT_MUTANTS=all cargo test --test station every_mutant_of_the_runtime -- --nocapture
 //!
-//! With `step.c` or `runtime.c, lw_create` for `all`, those of this file or function run; with `known`, those that are known to live.
-//! These stand in `runtime_known.txt` with the reason: a mutant that lives and is not there fails the test, and so does a row whose
-//! mutant is noticed or is no mutant any more.
+//! With `step.c` or `runtime.c, lw_create` for `all`, those of this file or function run; with
+//! `known`, those that are known to live. These stand in `runtime_known.txt` with the reason: a
+//! mutant that lives and is not there fails the test, and so does a row whose mutant is noticed or
+//! is no mutant any more.
 
 use super::corners;
 use super::machines::{Subject, as_functions, fixtures, named};
@@ -34,7 +37,8 @@ const LONG_PATIENCE: Duration = Duration::from_mins(4);
 /// Mutants in the sample of the gate. `LINEWRIGHT_MUTANTS` may name another number.
 const SAMPLE: usize = 6;
 
-/// Calls with which the host uses up all generations, and so many that its threads meet under a sanitizer, where every call takes long.
+/// Calls with which the host uses up all generations, and so many that its threads meet under a
+/// sanitizer, where every call takes long.
 const MANY_CALLS: u64 = 300_000;
 const THREADED_CALLS: u64 = 8_000;
 
@@ -245,7 +249,8 @@ impl Mutant {
         text[..self.at.start].matches('\n').count() + 1
     }
 
-    /// The function, the line in it, and the change, as the rows of known mutants begin. The same may come more than once.
+    /// The function, the line in it, and the change, as the rows of known mutants begin. The same
+    /// may come more than once.
     fn describe(&self, text: &str) -> String {
         let number = self.line(text);
         let line = text.lines().nth(number - 1).unwrap_or_default().trim();
@@ -516,7 +521,8 @@ fn known() -> BTreeMap<&'static str, &'static str> {
     known
 }
 
-/// Every mutant of the files with the text of its file and its description, which tells it from all others.
+/// Every mutant of the files with the text of its file and its description, which tells it from all
+/// others.
 fn all_mutants() -> Vec<(Mutant, &'static str, String)> {
     let mut described: Vec<(Mutant, &str, String)> = Vec::new();
     let mut times: BTreeMap<String, usize> = BTreeMap::new();

@@ -1,5 +1,6 @@
-//! The host and the libraries that it loads, both compiled with a sanitizer: no access outside of what there is, nothing undefined,
-//! no race. A library without locks shows that races would be seen.
+//! The host and the libraries that it loads, both compiled with a sanitizer: no access outside of
+//! what there is, nothing undefined, no race. A library without locks shows that races would be
+//! seen.
 
 use super::machines::{Subject, as_functions, fixtures, named};
 use super::programs::{Host, PASSED, Prepared, cc};
@@ -33,7 +34,8 @@ const LIBRARY: [&str; 7] = [
 /// Everything that is undefined ends the program, in the library and in the host.
 const STRICT: &str = "-fno-sanitize-recover=all";
 
-/// A host with a sanitizer, whose libraries have it too; `None`, and said, where a program with it does not run.
+/// A host with a sanitizer, whose libraries have it too; `None`, and said, where a program with it
+/// does not run.
 pub fn host(name: &str, word: &str, further: &[&str]) -> Option<Host> {
     let found = SANITIZERS.into_iter().find(|(w, _)| *w == word);
     let (_, option) = found.expect("a sanitizer");
@@ -81,8 +83,8 @@ fn works(option: &str) -> Result<(), String> {
     }
 }
 
-/// `ThreadSanitizer` wants its memory where a system that lays it out at random may have put something else, so that is switched off
-/// where it can be.
+/// `ThreadSanitizer` wants its memory where a system that lays it out at random may have put
+/// something else, so that is switched off where it can be.
 pub fn start(program: &Path) -> Command {
     let plain = |command: &mut Command| {
         command.env("TSAN_OPTIONS", "halt_on_error=1");
@@ -155,7 +157,8 @@ fn thread_sanitizer_finds_that_there_are_no_locks() {
     assert!(!finished.success && finished.last_line() != PASSED);
 }
 
-/// The other two find what they are there for: an element beyond an array, and a sum that is too large.
+/// The other two find what they are there for: an element beyond an array, and a sum that is too
+/// large.
 #[test]
 fn the_other_sanitizers_find_what_is_wrong() {
     let wrong = [

@@ -1,9 +1,11 @@
 //! A way through a machine that comes by everything it can do.
 //!
-//! Places of all components together are explored from step 0 on, breadth first, with every letter of the plant where there are
-//! few and with some of them where there are many. For every row of a controller (a cube of a transition) that was met, the shortest way to it
-//! goes into the script, and some steps beyond, so that a row that leads elsewhere is seen. Random ways are gone after that, and
-//! those that meet another row are kept. Operations and random steps follow, refused ones among them.
+//! Places of all components together are explored from step 0 on, breadth first, with every letter
+//! of the plant where there are few and with some of them where there are many. For every row of a
+//! controller (a cube of a transition) that was met, the shortest way to it goes into the script,
+//! and some steps beyond, so that a row that leads elsewhere is seen. Random ways are gone after
+//! that, and those that meet another row are kept. Operations and random steps follow, refused ones
+//! among them.
 
 use super::machines::Subject;
 use linewright::contract::machine::{ActionTime, Machine, PlantSource, RealExpr};
@@ -33,7 +35,8 @@ pub enum Answer {
     Error(CallError),
 }
 
-/// A row of a controller, one cube of one transition: the component, and the row in the order of its places.
+/// A row of a controller, one cube of one transition: the component, and the row in the order of
+/// its places.
 pub type Row = (usize, usize);
 
 /// What a component was asked: which one, in which place (`None` before step 0), with which inputs.
@@ -46,7 +49,8 @@ const TRIES: usize = 120_000;
 /// How many ways are gone at random, to find what an exploration that stops early does not.
 const WAYS: usize = 500;
 
-/// Values about as far from an integer as is allowed (1e-9), in cells of 90 degrees too; the least that are too small or too large.
+/// Values about as far from an integer as is allowed (1e-9), in cells of 90 degrees too; the least
+/// that are too small or too large.
 const UNUSUAL: [f64; 9] = [
     1e-9,
     1.0 + 5e-10,
@@ -96,7 +100,8 @@ pub fn answer(machine: &Machine, interpreter: &mut Interpreter, call: &Call) -> 
 /// Where each component is, and which rows lead on from there.
 pub struct Tables<'a> {
     subject: &'a Subject,
-    /// For every component that is a table, the first row of every place (before step 0 first), and the number of rows.
+    /// For every component that is a table, the first row of every place (before step 0 first), and
+    /// the number of rows.
     first: Vec<Option<Vec<usize>>>,
 }
 
@@ -129,7 +134,8 @@ impl<'a> Tables<'a> {
         vec![None; self.first.len()]
     }
 
-    /// Advances the places by a step that put these values on the wires, and gives the rows that did so.
+    /// Advances the places by a step that put these values on the wires, and gives the rows that
+    /// did so.
     fn follow(&self, places: &mut Places, wires: &[i64]) -> Vec<(Row, Question)> {
         let mut rows = Vec::new();
         for (c, component) in self.subject.machine.components.iter().enumerate() {
@@ -173,7 +179,8 @@ struct Explored {
     whole: bool,
 }
 
-/// Every letter where there are few, and whether these are all; else those near the letter before, and some others.
+/// Every letter where there are few, and whether these are all; else those near the letter before,
+/// and some others.
 fn letters(machine: &Machine, before: &[i64], random: &mut Random) -> (Vec<Vec<i64>>, bool) {
     let mut sizes = machine.plant.iter().map(|p| p.domain.size());
     if sizes
@@ -219,7 +226,8 @@ fn explore(subject: &Subject, tables: &Tables<'_>, random: &mut Random) -> Explo
         rows: BTreeMap::new(),
         whole: true,
     };
-    // New places first; the same places with other values on the wires may still allow other letters.
+    // New places first; the same places with other values on the wires may still allow other
+    // letters.
     let (mut queue, mut later) = (VecDeque::from([0]), VecDeque::new());
     let mut places_met = BTreeSet::from([tables.start()]);
     let mut met: BTreeSet<(Places, Vec<i64>)> = BTreeSet::new();
@@ -287,7 +295,8 @@ pub struct Script {
     pub covered: BTreeSet<Row>,
     /// What the components were asked.
     pub questions: BTreeSet<Question>,
-    /// How many rows all tables have. Not all can be met in a machine: its coordinator does not ask for everything.
+    /// How many rows all tables have. Not all can be met in a machine: its coordinator does not ask
+    /// for everything.
     pub rows: usize,
     /// Whether the exploration left nothing out, so that no other row can be met.
     pub whole: bool,
@@ -318,7 +327,8 @@ impl Writer<'_> {
         self.wires = wires;
     }
 
-    /// Makes a call, and writes down what was answered and which rows it came by. Whether it succeeded.
+    /// Makes a call, and writes down what was answered and which rows it came by. Whether it
+    /// succeeded.
     fn call(&mut self, call: Call) -> bool {
         let machine = &*self.subject.machine;
         let before = self.interpreter.clone();
@@ -413,7 +423,8 @@ impl Writer<'_> {
                     -0.0,
                     123_456_789.25,
                     -98_765_432.125,
-                    // In cells of 90 degrees: the least that is too large for a text, less than is shown, and -1.
+                    // In cells of 90 degrees: the least that is too large for a text, less than is
+                    // shown, and -1.
                     9e13,
                     -1e-5,
                     -90.0,
@@ -441,7 +452,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Operations with values that are almost integers, below 0, or large, for everything that inputs, times and powers are computed from.
+    /// Operations with values that are almost integers, below 0, or large, for everything that
+    /// inputs, times and powers are computed from.
     fn unusual_values(&mut self) {
         let machine = &*self.subject.machine;
         let values: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
@@ -492,7 +504,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Steps of all kinds: those that succeed, those that break an assumption, those with a value out of its domain.
+    /// Steps of all kinds: those that succeed, those that break an assumption, those with a value
+    /// out of its domain.
     fn steps(&mut self, calls: usize, random: &mut Random) {
         let machine = &*self.subject.machine;
         for _ in 0..calls {

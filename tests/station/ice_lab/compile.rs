@@ -1,4 +1,5 @@
-//! The generated C of every machine of the line, under the warnings that a careful project compiles with.
+//! The generated C of every machine of the line, under the warnings that a careful project compiles
+//! with.
 
 use crate::laboratory::machines;
 use linewright::station::Package;
@@ -32,7 +33,8 @@ fn no_machine_of_the_line_has_a_warning() {
     }
 }
 
-/// The tables of what ships are small: a whole machine's object code stays under a mebibyte, places for instances aside.
+/// The tables of what ships are small: a whole machine's object code stays under a mebibyte, places
+/// for instances aside.
 #[test]
 fn explicit_machines_are_small() {
     let folder = tempfile::tempdir().unwrap();

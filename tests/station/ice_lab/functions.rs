@@ -1,5 +1,6 @@
-//! The machines of the line with all their controllers as functions, although tables would do: library and interpreter agree, the
-//! contracts are kept, and operations come to the same as with tables.
+//! The machines of the line with all their controllers as functions, although tables would do:
+//! library and interpreter agree, the contracts are kept, and operations come to the same as with
+//! tables.
 
 use crate::differential::{Random, differential};
 use crate::laboratory::{Controlled, as_functions, machines};

@@ -1,11 +1,13 @@
 //! The assembly cell in one contract (`holistic.lw`) against the cell in parts (`cell.lw`).
 //!
-//! Three questions: whether every rule of every part is in the one contract, under its name, on the right side and with the
-//! same meaning; whether the one contract is realizable, and not for want of a plant; and whether the cell in parts, walked
-//! at random, is an implementation of it that reaches every job and every action.
+//! Three questions: whether every rule of every part is in the one contract, under its name, on the
+//! right side and with the same meaning; whether the one contract is realizable, and not for want
+//! of a plant; and whether the cell in parts, walked at random, is an implementation of it that
+//! reaches every job and every action.
 //!
-//! The rules are compared through the parts as the cell puts them together: a part's variables are replaced by the wires
-//! they are bound to, and both formulas are evaluated on random pairs of steps.
+//! The rules are compared through the parts as the cell puts them together: a part's variables are
+//! replaced by the wires they are bound to, and both formulas are evaluated on random pairs of
+//! steps.
 
 use crate::differential::Random;
 use crate::laboratory::{Controlled, machines};
@@ -25,7 +27,8 @@ const SAMPLES: usize = 30_000;
 /// Steps of the walk.
 const STEPS: usize = 20_000;
 
-/// The holistic contract with the arguments that `machine` in `holistic.lw` beside this file gives it.
+/// The holistic contract with the arguments that `machine` in `holistic.lw` beside this file gives
+/// it.
 fn holistic(machine: &str) -> Arc<Specification> {
     let file = crate::support::root().join("tests/station/ice_lab/holistic.lw");
     let loaded = files::load(&[file.display().to_string()], &StandardLibrary::default());
@@ -41,8 +44,8 @@ fn parts() -> &'static Controlled {
     cell.expect("the line has it")
 }
 
-/// The name in the holistic contract of a component's variable: `pick_a_stage`, and `pick_a_executed` for its `pick_executed`. The
-/// coordinator's variables keep their names.
+/// The name in the holistic contract of a component's variable: `pick_a_stage`, and
+/// `pick_a_executed` for its `pick_executed`. The coordinator's variables keep their names.
 fn holistic_name(machine: &Machine, component: usize, variable: &str) -> String {
     let component = &machine.components[component];
     if machine
@@ -83,7 +86,8 @@ fn wires(machine: &Machine, whole: &Specification) -> Vec<VarId> {
             Some(input) => (Owner::Environment, input.domain.clone()),
             None => (Owner::System, domain_of(machine, wire)),
         };
-        // The plant's wire for jobs has the numbers of the operations; the labels are the coordinator's.
+        // The plant's wire for jobs has the numbers of the operations; the labels are the
+        // coordinator's.
         assert_eq!(variable.owner, owner, "{}", variable.name);
         let values = (variable.domain.low(), variable.domain.high());
         assert_eq!(values, (domain.low(), domain.high()), "{}", variable.name);
@@ -130,7 +134,8 @@ enum Kind {
     Justice,
 }
 
-/// The formulas of one side by rule and kind. A rule with several conjuncts of one kind is their conjunction.
+/// The formulas of one side by rule and kind. A rule with several conjuncts of one kind is their
+/// conjunction.
 fn rules(side: &Side) -> BTreeMap<(String, Kind), Expr> {
     let mut rules: BTreeMap<(String, Kind), Expr> = BTreeMap::new();
     let mut add = |kind: Kind, formulas: &[Formula]| {
@@ -147,8 +152,8 @@ fn rules(side: &Side) -> BTreeMap<(String, Kind), Expr> {
     rules
 }
 
-/// Values of all variables in two steps. Smallest values (none, false, 0) and outputs that stay are drawn more often than
-/// others: they are what rules ask about.
+/// Values of all variables in two steps. Smallest values (none, false, 0) and outputs that stay are
+/// drawn more often than others: they are what rules ask about.
 fn sample(whole: &Specification, random: &mut Random) -> (Vec<i64>, Vec<i64>) {
     let (mut now, mut next) = (Vec::new(), Vec::new());
     for variable in &whole.variables {
@@ -166,15 +171,17 @@ fn sample(whole: &Specification, random: &mut Random) -> (Vec<i64>, Vec<i64>) {
     (now, next)
 }
 
-/// The rules that the plant's side of the holistic contract has to say differently: a part's assumption about the plant's next
-/// value may ask for a request in the next step, which the plant of the whole cell does not see yet. They are compared on
-/// steps that keep the coordinator's rules, since by these a request goes on exactly while it is not executed.
+/// The rules that the plant's side of the holistic contract has to say differently: a part's
+/// assumption about the plant's next value may ask for a request in the next step, which the plant
+/// of the whole cell does not see yet. They are compared on steps that keep the coordinator's
+/// rules, since by these a request goes on exactly while it is not executed.
 const SAID_DIFFERENTLY: [&str; 2] = ["move_a_target_held", "turn_a_target_held"];
 
 /// The one rule that speaks of constants only: arm b moves to where the arms meet and nowhere else.
 const SAYS_NOTHING: [&str; 1] = ["move_b_target_held"];
 
-/// Whether a pair of steps keeps the coordinator's own rules, and is one of those that occur: without a job, no command.
+/// Whether a pair of steps keeps the coordinator's own rules, and is one of those that occur:
+/// without a job, no command.
 fn coordinated(whole: &Specification, now: &[i64], next: &[i64]) -> bool {
     let value = |name: &str| {
         let place = whole.variables.iter().position(|v| v.name == name);
@@ -285,7 +292,8 @@ fn the_cell_in_parts_implements_the_holistic_contract() {
     let mut before: Option<Vec<i64>> = None;
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for step in 0..STEPS {
-        // A plant that keeps its word: the first of some random changes that breaks no part's assumption.
+        // A plant that keeps its word: the first of some random changes that breaks no part's
+        // assumption.
         let mut candidates = (0..2_000).map(|_| {
             let inputs = machine.plant.iter().zip(&plant);
             let mut change = |p: &Domain, old: i64| {

@@ -1,8 +1,10 @@
-//! Every operation of every machine: what the coordinator really does is what the machine's file says.
+//! Every operation of every machine: what the coordinator really does is what the machine's file
+//! says.
 //!
-//! An operation is begun in a state where its assumptions hold (`screw` needs a part in the gripper, so `hold` comes before
-//! it); those that have to come before are searched for, and compared with what the process needs. It then runs twice: in
-//! one call of `simulate`, and step by step, where the actions that are active are written down.
+//! An operation is begun in a state where its assumptions hold (`screw` needs a part in the
+//! gripper, so `hold` comes before it); those that have to come before are searched for, and
+//! compared with what the process needs. It then runs twice: in one call of `simulate`, and step by
+//! step, where the actions that are active are written down.
 
 use crate::differential::{Random, assert_same};
 use crate::laboratory::{Controlled, machines};
@@ -58,8 +60,8 @@ impl Pair {
         Some(figures(&a))
     }
 
-    /// Both make one operation in single steps. Gives the executions, each a component and its number of steps, and the
-    /// number of all steps.
+    /// Both make one operation in single steps. Gives the executions, each a component and its
+    /// number of steps, and the number of all steps.
     fn walk(&mut self, operation: usize, values: &[f64]) -> (Vec<usize>, u64) {
         let machine = Arc::clone(&self.machine);
         let outputs = machine.wire_count() - machine.plant.len();
@@ -103,7 +105,8 @@ fn plant(machine: &Machine, operation: usize, values: &[f64], step: u64) -> Vec<
     machine.plant.iter().map(|p| wire(&p.source)).collect()
 }
 
-/// The properties' defaults for the first call, then what their domains allow; angles in steps of 45 degrees.
+/// The properties' defaults for the first call, then what their domains allow; angles in steps of
+/// 45 degrees.
 fn values(machine: &Machine, call: usize, random: &mut Random) -> Vec<f64> {
     let properties = machine.properties.iter();
     properties
@@ -227,7 +230,8 @@ fn check_written(machine: &str, operation: &str, before: &[f64], after: &[f64]) 
     assert_eq!(after, wanted, "{machine}.{operation}");
 }
 
-/// A blank of which something is missing cannot be milled to more than is there: it is refused, and stays as it is.
+/// A blank of which something is missing cannot be milled to more than is there: it is refused, and
+/// stays as it is.
 #[test]
 fn a_part_that_is_lower_than_its_target_is_not_milled() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! The line at real size: every controller verified, both forms of controllers, libraries like the interpreter, no violation.
+//! The line at real size: every controller verified, both forms of controllers, libraries like the
+//! interpreter, no violation.
 
 use crate::differential::differential;
 use crate::support::{linewright_with_cache, root};

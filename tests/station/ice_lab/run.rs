@@ -5,7 +5,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Output;
 
-/// A folder with the controllers and the libraries of both lines, so that only the first of these tests has to solve and to compile.
+/// A folder with the controllers and the libraries of both lines, so that only the first of these
+/// tests has to solve and to compile.
 fn libraries() -> &'static Path {
     static FOLDER: std::sync::OnceLock<tempfile::TempDir> = std::sync::OnceLock::new();
     FOLDER

@@ -1,8 +1,10 @@
-//! Library and interpreter on random steps: the same outputs, the same errors, for every machine of the line.
+//! Library and interpreter on random steps: the same outputs, the same errors, for every machine of
+//! the line.
 //!
-//! A tenth of the steps at least break an assumption. A value outside its domain is another error and does not count as one.
-//! The lists below name every assumption that a plant can break through a machine's own wires; the others speak of what
-//! the coordinator gives, which keeps them whatever the plant does.
+//! A tenth of the steps at least break an assumption. A value outside its domain is another error
+//! and does not count as one. The lists below name every assumption that a plant can break through
+//! a machine's own wires; the others speak of what the coordinator gives, which keeps them whatever
+//! the plant does.
 
 use crate::differential::differential;
 use crate::laboratory::machines;

@@ -1,4 +1,5 @@
-//! A function block checked and compiled: its declarations. Statements and expressions have files of their own.
+//! A function block checked and compiled: its declarations. Statements and expressions have files
+//! of their own.
 
 use super::interpreter::{Code, INTEGERS, Program, Type, Variable};
 use super::syntax::{Block, Declaration, Section, Spec, Unit};

@@ -1,10 +1,11 @@
-//! Structured Text, run: a function block is checked and compiled ([`compiler`](super::compiler)) to closures over a row of numbers,
-//! and called.
+//! Structured Text, run: a function block is checked and compiled ([`compiler`](super::compiler))
+//! to closures over a row of numbers, and called.
 //!
-//! Where IEC 61131-3 leaves room, this takes the narrow side, so that what runs here runs everywhere: no conversion happens by
-//! itself, both operands of AND and OR are evaluated, temporary variables have no value at the beginning of a call, and neither
-//! has the variable of a FOR loop behind it. Numbers that leave their type, indices that leave their array, and loops that do
-//! not end are faults.
+//! Where IEC 61131-3 leaves room, this takes the narrow side, so that what runs here runs
+//! everywhere: no conversion happens by itself, both operands of AND and OR are evaluated,
+//! temporary variables have no value at the beginning of a call, and neither has the variable of a
+//! FOR loop behind it. Numbers that leave their type, indices that leave their array, and loops
+//! that do not end are faults.
 
 use super::compiler::Compiler;
 use super::syntax::{Section, Unit};

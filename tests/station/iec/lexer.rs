@@ -1,7 +1,8 @@
 //! Structured Text as words and signs.
 //!
-//! From IEC 61131-3: identifiers are the same in upper and lower case, an underscore stands alone and not at the end, comments
-//! are `(* *)`, `/* */` and `//`, directives stand in braces, numbers may hold single underscores and a base.
+//! From IEC 61131-3: identifiers are the same in upper and lower case, an underscore stands alone
+//! and not at the end, comments are `(* *)`, `/* */` and `//`, directives stand in braces, numbers
+//! may hold single underscores and a base.
 
 /// A word or sign.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -101,8 +102,9 @@ fn skipped(text: &str) -> Result<Option<usize>, String> {
     Ok(None)
 }
 
-/// A character string and its length with its quotes: `'it$'s'`. It holds printable characters of ASCII, so that a character is a byte
-/// in every system; of the marks with `$` only the two that stand for themselves are known here.
+/// A character string and its length with its quotes: `'it$'s'`. It holds printable characters of
+/// ASCII, so that a character is a byte in every system; of the marks with `$` only the two that
+/// stand for themselves are known here.
 fn string(text: &str) -> Result<(String, usize), String> {
     let mut found = String::new();
     let mut rest = text[1..].char_indices();

@@ -1,7 +1,8 @@
-//! The part of Structured Text that function blocks are written in: types, declarations, statements, expressions.
+//! The part of Structured Text that function blocks are written in: types, declarations,
+//! statements, expressions.
 //!
-//! From IEC 61131-3, tables of operators and of statements. An operator binds before those below it; of equal ones the left one
-//! binds first:
+//! From IEC 61131-3, tables of operators and of statements. An operator binds before those below
+//! it; of equal ones the left one binds first:
 //!
 //! ```text
 //! - NOT    * / MOD    + -    < > <= >=    = <>    & AND    XOR    OR

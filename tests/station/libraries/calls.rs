@@ -319,7 +319,8 @@ fn plain_steps_check_their_counts() {
     let host = Host::new(&fixtures::belt(), folder.path());
     let handle = host.instantiate();
     let (plant, mut outputs) = ([0_i64, 0], [-1_i64; 4]);
-    // SAFETY: the signature of `lw_step`, with pointers to as many values as are promised, or to none.
+    // SAFETY: the signature of `lw_step`, with pointers to as many values as are promised, or to
+    // none.
     unsafe {
         let step: libloading::Symbol<
             '_,
@@ -364,7 +365,8 @@ fn threads_share_libraries_and_instances() {
             });
         }
     });
-    // One instance in several threads, some of which end it: every answer is one that a single thread could get.
+    // One instance in several threads, some of which end it: every answer is one that a single
+    // thread could get.
     let host = Host::new(&(machine, controllers), folder.path());
     for _ in 0..50 {
         let handle = host.instantiate();

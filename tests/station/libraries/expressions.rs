@@ -1,6 +1,7 @@
 //! Random expressions, computed by emitted C and by direct evaluation.
 //!
-//! All functions of a test go into one C file, warnings are errors, and the program prints what it computes.
+//! All functions of a test go into one C file, warnings are errors, and the program prints what it
+//! computes.
 
 #![expect(clippy::float_cmp, reason = "the two must agree to the last bit")]
 
@@ -365,7 +366,8 @@ fn real_expressions_mean_the_same_in_c() {
             let expected = expr.eval(properties, wires);
             let got = f64::from_bits(u64::from_str_radix(&lines.next().unwrap(), 16).unwrap());
             nans += usize::from(expected.is_nan());
-            // Which of two zeros a minimum gives is left open, and so are the bits of what is not a number.
+            // Which of two zeros a minimum gives is left open, and so are the bits of what is not a
+            // number.
             let same = expected == got || (expected.is_nan() && got.is_nan());
             assert!(same, "f{i}: {expr:?} is {expected:?} here and {got:?} in C");
         }

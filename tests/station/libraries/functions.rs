@@ -1,5 +1,6 @@
-//! Controllers as functions, with everything that the laboratory's machines have none of: domains that do not begin at 0, constants,
-//! copies of many inputs, several goals, and outputs before the inputs are known.
+//! Controllers as functions, with everything that the laboratory's machines have none of: domains
+//! that do not begin at 0, constants, copies of many inputs, several goals, and outputs before the
+//! inputs are known.
 
 use crate::controlled::controlled;
 use crate::differential::differential;

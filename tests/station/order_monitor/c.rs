@@ -1,4 +1,5 @@
-//! The monitor in C: compiled without a warning, as C and as C++, and run beside the one of this process.
+//! The monitor in C: compiled without a warning, as C and as C++, and run beside the one of this
+//! process.
 
 use super::reference::some_call;
 use super::tables::random;
@@ -13,8 +14,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What a script may say: `c` a mask called at once, `o` one skill, `a` a mask that is only asked for, `n` what may come next, `t` a
-/// run of skills, `r` back to the beginning.
+/// What a script may say: `c` a mask called at once, `o` one skill, `a` a mask that is only asked
+/// for, `n` what may come next, `t` a run of skills, `r` back to the beginning.
 fn driver(name: &str) -> String {
     format!(
         "#include \"{name}.h\"\n#include <stdio.h>\n#include <inttypes.h>\n\

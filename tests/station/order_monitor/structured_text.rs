@@ -1,4 +1,5 @@
-//! The monitor as a function block, run by the interpreter of the other function blocks, beside the monitor of this process.
+//! The monitor as a function block, run by the interpreter of the other function blocks, beside the
+//! monitor of this process.
 
 use super::tables::random;
 use crate::iec::document::text_of;
@@ -25,7 +26,8 @@ fn ascii(text: &str) -> String {
     letters.collect()
 }
 
-/// Inputs that rise, fall and stay, cycle by cycle. Gives how many cycles had something refused, and how many granted something.
+/// Inputs that rise, fall and stay, cycle by cycle. Gives how many cycles had something refused,
+/// and how many granted something.
 fn compare(program: &Program, table: &Table, cycles: usize, seed: u64) -> (usize, usize) {
     let skills = table.skills.len();
     let of = |name: &String| program.variables[name].clone();

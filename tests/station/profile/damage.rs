@@ -1,4 +1,5 @@
-//! Dumps that are cut off, changed or made up: findings, never a panic, and never a profile that could not be read again.
+//! Dumps that are cut off, changed or made up: findings, never a panic, and never a profile that
+//! could not be read again.
 
 use super::mocks::mocks;
 use super::probing::{build, probe};

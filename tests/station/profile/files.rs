@@ -1,4 +1,5 @@
-//! Profiles as files: printed and read again as they were; every mistake a finding at its place, all of them at once.
+//! Profiles as files: printed and read again as they were; every mistake a finding at its place,
+//! all of them at once.
 
 use linewright::diagnostics::{codes, render};
 use linewright::source::SourceMap;

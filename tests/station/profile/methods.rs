@@ -1,5 +1,5 @@
-//! The SimTalk of machines, against the description of their libraries: arity and order of every call, that loading comes first,
-//! and that every negative code is looked at.
+//! The SimTalk of machines, against the description of their libraries: arity and order of every
+//! call, that loading comes first, and that every negative code is looked at.
 
 use super::simtalk::{Expression, Method, Statement, methods};
 use crate::{fixtures, support};
@@ -54,7 +54,8 @@ fn wrong(text: &str, description: &Value) -> Vec<String> {
         ("loadLibrary", "instantiate"),
         ("instantiate", "simulate"),
         ("deinstantiate", "freeLibrary"),
-        // What an unfinished run has left is given back before anything is given anew: handles could be equal.
+        // What an unfinished run has left is given back before anything is given anew: handles
+        // could be equal.
         ("loadLibrary", "deinstantiate"),
         ("deinstantiate", "instantiate"),
     ];
@@ -239,7 +240,8 @@ impl Checker<'_> {
         }
     }
 
-    /// Handle and operation of the station, then every property in order, of the part or of the station.
+    /// Handle and operation of the station, then every property in order, of the part or of the
+    /// station.
     fn simulate(&mut self, passed: &[Expression]) {
         let mut wanted = vec!["?.LW_Handle".to_owned(), "?.LW_Operation".to_owned()];
         for property in self.properties {

@@ -18,7 +18,8 @@ pub struct Mock {
     more: &'static [&'static str],
 }
 
-/// All of them: packing 1, 4 and 8, integers of 16, 32 and 64 bits, tags of 8 to 64, values before tags, every encoding.
+/// All of them: packing 1, 4 and 8, integers of 16, 32 and 64 bits, tags of 8 to 64, values before
+/// tags, every encoding.
 pub fn mocks() -> Vec<Mock> {
     let plain = || Mock {
         name: "assumed",

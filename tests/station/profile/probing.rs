@@ -1,4 +1,5 @@
-//! From a mock to a verified profile, through the program alone: build the probe, run its SimTalk in the mock, read the dump, confirm.
+//! From a mock to a verified profile, through the program alone: build the probe, run its SimTalk
+//! in the mock, read the dump, confirm.
 
 use super::mocks::{Mock, mocks, run};
 use super::simtalk::{Expression, Statement, methods};
@@ -161,7 +162,8 @@ fn every_layout_is_recovered_and_confirmed() {
     assert!(layouts.iter().any(|l| l.value < l.tag.offset));
 }
 
-/// The second round with a layout that is not the mock's: nothing is confirmed, whether the host notices or not.
+/// The second round with a layout that is not the mock's: nothing is confirmed, whether the host
+/// notices or not.
 #[test]
 fn a_wrong_layout_is_refuted() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,5 +1,5 @@
-//! A reader of the SimTalk 2 that is generated, written from its texts alone: statements, `if`, assignments, calls. Whatever else
-//! stands in a text is an error.
+//! A reader of the SimTalk 2 that is generated, written from its texts alone: statements, `if`,
+//! assignments, calls. Whatever else stands in a text is an error.
 
 /// An expression.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,4 +1,5 @@
-//! A station library with the profile that was found passes the host suite of its layout, and no other's.
+//! A station library with the profile that was found passes the host suite of its layout, and no
+//! other's.
 
 use super::mocks::{Mock, here, mocks, run};
 use super::probing::{build, find};
@@ -132,7 +133,8 @@ fn the_vendors_header_is_taken_where_it_is_asked_for() {
             options.push(format!("-DLW_UF_MORE_REAL(tag)=((tag)=={time})"));
         }
         options.extend(own);
-        // The header is included by the library's own files: it is not ours, and neither are its warnings.
+        // The header is included by the library's own files: it is not ours, and neither are its
+        // warnings.
         options.extend(
             ["-Wno-conversion", "-Wno-sign-compare", "-Wno-type-limits"].map(str::to_owned),
         );
@@ -152,7 +154,8 @@ fn the_vendors_header_is_taken_where_it_is_asked_for() {
     }
 }
 
-/// The bundled runner passes the assumed layout; a library with another one is refused, never misread.
+/// The bundled runner passes the assumed layout; a library with another one is refused, never
+/// misread.
 #[test]
 fn the_runner_refuses_other_layouts() {
     use linewright::diagnostics::codes;

@@ -1,4 +1,5 @@
-//! The same on Windows, under Wine: the probe's guarded reading, the dump beside the DLL, and libraries with the profiles found.
+//! The same on Windows, under Wine: the probe's guarded reading, the dump beside the DLL, and
+//! libraries with the profiles found.
 
 use super::mocks::{Mock, here, mocks};
 use super::probing::{as_c, doctor};
@@ -118,8 +119,8 @@ fn layouts_are_recovered_and_confirmed_on_windows() {
     }
 }
 
-/// The command that the page of the sources names makes, byte for byte, the library that `--target windows` makes; its source lies beside
-/// that, too.
+/// The command that the page of the sources names makes, byte for byte, the library that
+/// `--target windows` makes; its source lies beside that, too.
 #[test]
 fn the_command_of_the_page_makes_the_same_library() {
     match Compiler::windows() {

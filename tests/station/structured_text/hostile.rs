@@ -1,4 +1,5 @@
-//! Names that Structured Text does not take: what is written is legal, every name is there once, and nothing else changes.
+//! Names that Structured Text does not take: what is written is legal, every name is there once,
+//! and nothing else changes.
 
 use super::play::{compiled, play as played};
 use crate::iec::document::text_of;
@@ -114,8 +115,8 @@ fn renamed(names: &[String], labels: &[String], own: &str) -> (Specification, [C
     (specification, controllers)
 }
 
-/// Every form of it, as text and as a document, is accepted and makes the same steps. That a broken assumption is called by its
-/// name is left to the names of the library.
+/// Every form of it, as text and as a document, is accepted and makes the same steps. That a broken
+/// assumption is called by its name is left to the names of the library.
 fn check(names: &[String], labels: &[String], own: &str, steps: usize) -> Result<(), String> {
     let (specification, [machine, functions]) = renamed(names, labels, own);
     let explicit = machine.machine().expect("a machine");

@@ -1,4 +1,5 @@
-//! The comparison itself: a block with one state, guard, output, assumption or decision changed must be found out.
+//! The comparison itself: a block with one state, guard, output, assumption or decision changed
+//! must be found out.
 
 use super::play::{compare, compiled};
 use crate::library::{Controlled, as_functions, machines};
@@ -83,7 +84,8 @@ fn changed_lines_of_a_case_are_found() {
         tried += 1;
         found += usize::from(differs(&mutant, &controlled.controller));
     }
-    // The others change what is done on inputs that the assumptions exclude, which are refused before.
+    // The others change what is done on inputs that the assumptions exclude, which are refused
+    // before.
     assert!(
         tried > 150 && found * 100 >= tried * 85,
         "{found} of {tried}"

@@ -1,6 +1,8 @@
-//! What is not ours: blark, a parser of Structured Text, and the schema of PLCopen XML under a validator.
+//! What is not ours: blark, a parser of Structured Text, and the schema of PLCopen XML under a
+//! validator.
 //!
-//! Both run as processes of their own, and both must refuse what is damaged, or their consent would mean nothing.
+//! Both run as processes of their own, and both must refuse what is damaged, or their consent would
+//! mean nothing.
 
 use crate::library::{as_functions, bundled, large, machines};
 use crate::support::{self, python_with};
@@ -23,7 +25,8 @@ fn accepted(command: &mut Command) -> Result<(), String> {
     Err(lines[lines.len().saturating_sub(5)..].join("\n"))
 }
 
-/// The bundled library as it is written, and two of it in the forms of larger controllers. blark needs some seconds for a long text.
+/// The bundled library as it is written, and two of it in the forms of larger controllers. blark
+/// needs some seconds for a long text.
 fn blocks() -> Vec<Block> {
     let library = bundled().iter();
     let mut blocks: Vec<Block> = library

@@ -1,7 +1,8 @@
 //! A controller and its function block, played side by side on random steps.
 //!
-//! Inputs stay near the last ones that were accepted, so that most keep the assumptions; some are outside their domains. A step
-//! must have the same outputs, or be refused for the same reason, and a refused one must change nothing.
+//! Inputs stay near the last ones that were accepted, so that most keep the assumptions; some are
+//! outside their domains. A step must have the same outputs, or be refused for the same reason, and
+//! a refused one must change nothing.
 
 use crate::iec::interpreter::{Instance, Program, Variable};
 use crate::iec::syntax::{Section, parse};
@@ -126,7 +127,8 @@ impl<'a> Reference<'a> {
         Ok(outputs)
     }
 
-    /// Whether the controller is a machine and has a transition for these inputs, which may break assumptions.
+    /// Whether the controller is a machine and has a transition for these inputs, which may break
+    /// assumptions.
     fn has_transition(&self, inputs: &[i64]) -> bool {
         let machine = self.controller.machine();
         machine.is_some_and(|m| m.step(self.state, inputs).is_some())

@@ -1,4 +1,5 @@
-//! The interpreter itself, against the rules of IEC 61131-3: what each construct means, and what is an error.
+//! The interpreter itself, against the rules of IEC 61131-3: what each construct means, and what is
+//! an error.
 
 use super::play::compiled;
 use crate::iec::interpreter::Program;

@@ -1,7 +1,8 @@
 //! The questions about a closed composition.
 //!
-//! Safety is asked at once: is there a step, after steps in which all went well, in which anything goes wrong? Only where there is one
-//! each duty is asked for by itself, in the order of a step. What comes again and again is asked of the runs on which all goes well.
+//! Safety is asked at once: is there a step, after steps in which all went well, in which anything
+//! goes wrong? Only where there is one each duty is asked for by itself, in the order of a step.
+//! What comes again and again is asked of the runs on which all goes well.
 
 use super::rules::{Book, Duty, Owed};
 use super::{Closed, FailureKind, Form, Met, OperationFailure, Stuck, Verdict, replay};
@@ -16,7 +17,8 @@ use linewright_solver::game::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A composition with more bits than this is not looked at: what it takes grows too fast, and a proof from contracts does without.
+/// A composition with more bits than this is not looked at: what it takes grows too fast, and a
+/// proof from contracts does without.
 const MOST_BITS: u32 = 90;
 
 /// So many bits hold so many values.
@@ -66,7 +68,7 @@ impl Asked<'_> {
         self.runs.add(Rule { kind, expr })
     }
 
-    // ---- what may go wrong in a step -----------------------------------------------------------------------------------
+    // ---- what may go wrong in a step ------------------------------------------------------------
 
     fn safety(&mut self, all: [usize; 2]) -> Result<(), Limit> {
         let mut sound = true;
@@ -160,7 +162,8 @@ impl Asked<'_> {
         }
     }
 
-    /// Whether the controllers make a run that was found. Where one of them went in as its contract, it need not be so.
+    /// Whether the controllers make a run that was found. Where one of them went in as its
+    /// contract, it need not be so.
     fn is_real(&self, played: Result<(), String>) -> bool {
         let exact = self.closed.taking.iter().all(|t| t.form == Form::Table);
         match played {
@@ -170,9 +173,10 @@ impl Asked<'_> {
         }
     }
 
-    // ---- what comes again and again ------------------------------------------------------------------------------------
+    // ---- what comes again and again -------------------------------------------------------------
 
-    /// Justice that components assume, turn by turn: a contract's own justice is relied on once what it assumes comes true.
+    /// Justice that components assume, turn by turn: a contract's own justice is relied on once
+    /// what it assumes comes true.
     fn justice(&mut self) -> Result<(), Limit> {
         for at in self.book.exported.clone() {
             if at.kind == RuleKind::Justice {
@@ -234,7 +238,7 @@ impl Asked<'_> {
         self.book.again.iter().chain(owed).copied().collect()
     }
 
-    // ---- what is kept together -----------------------------------------------------------------------------------------
+    // ---- what is kept together ------------------------------------------------------------------
 
     fn goals(&mut self) -> Result<(), Limit> {
         for (at, rule) in self.book.goals.clone() {
@@ -253,8 +257,9 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// Whether a broken rule counts: not where the step leads to one after which the environment that is assumed has no way to go on, as
-    /// for a contract that is refined only runs without an end matter.
+    /// Whether a broken rule counts: not where the step leads to one after which the environment
+    /// that is assumed has no way to go on, as for a contract that is refined only runs without an
+    /// end matter.
     fn goes_on(&mut self, rule: usize) -> Result<bool, Limit> {
         let Some(slipped) = self
             .closed
@@ -286,7 +291,7 @@ impl Asked<'_> {
         Ok(self.runs.lasso(&wanted)?.is_some())
     }
 
-    // ---- operations ----------------------------------------------------------------------------------------------------
+    // ---- operations -----------------------------------------------------------------------------
 
     fn operations(&mut self) -> Result<(), Limit> {
         for operation in 0..self.closed.machine.operations.len() {
@@ -346,8 +351,9 @@ impl Asked<'_> {
         Ok(false)
     }
 
-    /// What keeps an operation from ever beginning: assumptions without one of which it could, or, where that is no single one, all that
-    /// speak of what is asked for. Of formulas that were made from one, the first stands for all.
+    /// What keeps an operation from ever beginning: assumptions without one of which it could, or,
+    /// where that is no single one, all that speak of what is asked for. Of formulas that were made
+    /// from one, the first stands for all.
     fn forbidding(
         &mut self,
         asked: Option<VarId>,

@@ -1,17 +1,22 @@
-//! The closed composition of a machine: its components are the controllers that were synthesized for them.
+//! The closed composition of a machine: its components are the controllers that were synthesized
+//! for them.
 //!
-//! [`crate::proof`] shows what is true of all controllers that keep the contracts. Here there is one controller a component,
-//! and what comes from outside is free as far as the [`Claim`] leaves it free. So an answer is exact: what holds is true of the
-//! machine that is built, and what does not comes with a run that the controllers themselves make ([`replay`]).
+//! [`crate::proof`] shows what is true of all controllers that keep the contracts. Here there is
+//! one controller a component, and what comes from outside is free as far as the [`Claim`] leaves
+//! it free. So an answer is exact: what holds is true of the machine that is built, and what does
+//! not comes with a run that the controllers themselves make ([`replay`]).
 //!
-//! - A table (`table.rs`) becomes rules over the component's wires and one variable more, which says together with the outputs of a step
-//!   which state the table is in *after* it. Before step 0 it is in none; that is what initial rules speak of.
-//! - A controller that is functions, too large for a table, goes in as its contract: it keeps the guarantees as long as its assumptions are
-//!   kept, for it was certified against them. What is found so may be due to what the contract leaves open, and counts only if the
-//!   functions themselves make that run.
-//! - Who answers when is what a step of a machine is: components that answer first give their outputs, the others follow in the order of their
-//!   declaration, and then those that answered first look at their inputs. So of all that can go wrong in one step there is a first, and
-//!   only that is told.
+//! - A table (`table.rs`) becomes rules over the component's wires and one variable more, which
+//!   says together with the outputs of a step which state the table is in *after* it. Before step 0
+//!   it is in none; that is what initial rules speak of.
+//! - A controller that is functions, too large for a table, goes in as its contract: it keeps the
+//!   guarantees as long as its assumptions are kept, for it was certified against them. What is
+//!   found so may be due to what the contract leaves open, and counts only if the functions
+//!   themselves make that run.
+//! - Who answers when is what a step of a machine is: components that answer first give their
+//!   outputs, the others follow in the order of their declaration, and then those that answered
+//!   first look at their inputs. So of all that can go wrong in one step there is a first, and only
+//!   that is told.
 //! - What an assumption says of the first step of a call is the caller's to keep ([`Exports`]).
 
 mod decide;
@@ -66,15 +71,18 @@ pub struct Closed<'a> {
     pub machine: &'a Machine,
     /// One controller a component.
     pub controllers: Vec<&'a Controller>,
-    /// The wires and the contracts, as in a proof from contracts alone, with a state for every table and what watches operations.
+    /// The wires and the contracts, as in a proof from contracts alone, with a state for every
+    /// table and what watches operations.
     pub system: System,
     /// What is claimed.
     pub claim: Claim,
     /// How each component takes part.
     pub taking: Vec<Participant>,
-    /// What watches that operations run what they name, where there are some and nothing else is claimed.
+    /// What watches that operations run what they name, where there are some and nothing else is
+    /// claimed.
     pub watch: Option<Watch>,
-    /// A truth value that stays true once a rule under examination was broken, where only runs without an end matter.
+    /// A truth value that stays true once a rule under examination was broken, where only runs
+    /// without an end matter.
     slipped: Option<VarId>,
 }
 
@@ -92,10 +100,12 @@ pub enum Met {
 pub struct Stuck {
     /// The component.
     pub component: usize,
-    /// Whether it answers first and has no outputs where it is. A table that was verified has a row for all inputs that keep the
-    /// assumptions, so no inputs keep them there ([`Closed::contradiction`]).
+    /// Whether it answers first and has no outputs where it is. A table that was verified has a row
+    /// for all inputs that keep the assumptions, so no inputs keep them there
+    /// ([`Closed::contradiction`]).
     pub silent: bool,
-    /// The run; in its last step there is no answer. Of a silent component, what wires are in that step means nothing.
+    /// The run; in its last step there is no answer. Of a silent component, what wires are in that
+    /// step means nothing.
     pub trace: Vec<Vec<i64>>,
 }
 
@@ -111,9 +121,11 @@ pub struct OperationFailure {
 /// What is wrong with an operation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FailureKind {
-    /// No call can begin with it: these assumptions keep it from that, each of them alone where there are several and one would do.
+    /// No call can begin with it: these assumptions keep it from that, each of them alone where
+    /// there are several and one would do.
     NeverBegins(Vec<FormulaRef>),
-    /// In the last step of this run an action begins that is not the next one, or the operation is done too early.
+    /// In the last step of this run an action begins that is not the next one, or the operation is
+    /// done too early.
     Order(Vec<Vec<i64>>),
     /// On this run it is never done.
     Endless(Lasso),
@@ -134,7 +146,8 @@ pub struct Verdict {
     pub misruns: Vec<OperationFailure>,
     /// Operations of which that was not decided.
     pub unclear: Vec<usize>,
-    /// How many states can be reached: values of all wires, with what they leave open of the tables' states and what is remembered.
+    /// How many states can be reached: values of all wires, with what they leave open of the
+    /// tables' states and what is remembered.
     pub states: f64,
 }
 
@@ -171,7 +184,8 @@ impl<'a> Closed<'a> {
         Self::new(machine, controllers, system, claim, watch)
     }
 
-    /// A machine in the place of a contract that it is said to refine: under what that assumes, and nothing else.
+    /// A machine in the place of a contract that it is said to refine: under what that assumes, and
+    /// nothing else.
     ///
     /// # Panics
     /// When there is not one controller a component.

@@ -1,5 +1,5 @@
-//! The evaluator of runs of a closed composition: the controllers themselves are stepped, and formulas are evaluated on plain values. No
-//! rule of `rules.rs` and no diagram is relied on.
+//! The evaluator of runs of a closed composition: the controllers themselves are stepped, and
+//! formulas are evaluated on plain values. No rule of `rules.rs` and no diagram is relied on.
 
 use super::{Closed, FailureKind, OperationFailure, Stuck};
 use crate::proof::{Broken, Exports, Open};
@@ -131,7 +131,8 @@ impl<'a> Playing<'a> {
 }
 
 impl Closed<'_> {
-    /// Whether the environment keeps its part in a step, and what monitors and watches remember is right there.
+    /// Whether the environment keeps its part in a step, and what monitors and watches remember is
+    /// right there.
     fn surroundings(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
         let values = self.system.variables.iter().zip(&steps[at]);
         if let Some((v, value)) = values.into_iter().find(|(v, x)| !v.domain.contains(**x)) {
@@ -224,8 +225,8 @@ impl Closed<'_> {
         Ok(())
     }
 
-    /// Steps the controllers along a run. All goes well in it; in the last step as far as `until`, whose own assumptions are not asked
-    /// for.
+    /// Steps the controllers along a run. All goes well in it; in the last step as far as `until`,
+    /// whose own assumptions are not asked for.
     fn play(&self, steps: &[Vec<i64>], until: Until) -> Result<Playing<'_>, String> {
         let mut playing = Playing::new(self);
         let Some(last) = steps.len().checked_sub(1) else {
@@ -296,7 +297,8 @@ impl Closed<'_> {
     }
 }
 
-/// Whether a component has no answer at the end of a run, although it is the first with which something is wrong.
+/// Whether a component has no answer at the end of a run, although it is the first with which
+/// something is wrong.
 ///
 /// # Errors
 /// What is wrong with the run, in words.
@@ -358,7 +360,8 @@ pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
     }
 }
 
-/// Whether a run shows that an operation does not do what it says. That one never begins is shown by no run.
+/// Whether a run shows that an operation does not do what it says. That one never begins is shown
+/// by no run.
 ///
 /// # Errors
 /// What is wrong with the run, in words.

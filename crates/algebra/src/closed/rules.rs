@@ -1,4 +1,5 @@
-//! Everything that is known and everything that is to be shown of a closed composition, as numbered rules.
+//! Everything that is known and everything that is to be shown of a closed composition, as numbered
+//! rules.
 
 use super::table::{Both, Table, any, conjunction};
 use super::{Closed, Form};
@@ -49,7 +50,8 @@ pub(super) struct Book {
     pub keep: Vec<usize>,
     /// Of these, what components assume.
     pub kept: Vec<(FormulaRef, usize)>,
-    /// By component: what its table says (of `keep`), and the same where the table knows its inputs. Nothing of one that goes in as its contract.
+    /// By component: what its table says (of `keep`), and the same where the table knows its
+    /// inputs. Nothing of one that goes in as its contract.
     pub tables: Vec<Option<[[usize; 2]; 2]>>,
     /// What a step keeps whatever goes wrong in it.
     pub last: Vec<usize>,

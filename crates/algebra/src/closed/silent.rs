@@ -1,8 +1,9 @@
 //! Why a component that answers first has no outputs: what it assumes of a step contradicts itself.
 //!
-//! Assumptions read no output of the step that they speak of, so whether some inputs keep them depends on the step before alone. Where none
-//! do, a table has no row, and no outputs to begin the step with. Which assumptions that takes is found out by leaving one after the
-//! other away, as long as the rest still contradict each other.
+//! Assumptions read no output of the step that they speak of, so whether some inputs keep them
+//! depends on the step before alone. Where none do, a table has no row, and no outputs to begin the
+//! step with. Which assumptions that takes is found out by leaving one after the other away, as
+//! long as the rest still contradict each other.
 
 use super::{Closed, Stuck};
 use crate::system::formulas;
@@ -10,8 +11,9 @@ use linewright_core::gr1::{Expr, Formula, Owner, Time, VarId, eval};
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 
 impl Closed<'_> {
-    /// Assumptions of a silent component of which none can be left out: no inputs keep all of them in the last step of the run. None where
-    /// some inputs do, which no table that was verified leads to.
+    /// Assumptions of a silent component of which none can be left out: no inputs keep all of them
+    /// in the last step of the run. None where some inputs do, which no table that was verified
+    /// leads to.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -73,7 +75,8 @@ impl Closed<'_> {
     }
 }
 
-/// What an assumption asks of a step after these values, or of step 0, as a condition on the values of that step.
+/// What an assumption asks of a step after these values, or of step 0, as a condition on the values
+/// of that step.
 fn in_step(kind: RuleKind, formula: &Formula, before: Option<&[i64]>) -> Option<Expr> {
     match (kind, before) {
         (RuleKind::Initial, None) | (RuleKind::Invariant, _) => Some(formula.expr.clone()),

@@ -1,10 +1,12 @@
 //! A controller's table as rules over wires and a state.
 //!
-//! A row of the table says: from this state, on inputs that satisfy the guard, these outputs and that state. The rows of a state are
-//! disjoint, so that their disjunction is the table. Inputs are what they are bound to.
+//! A row of the table says: from this state, on inputs that satisfy the guard, these outputs and
+//! that state. The rows of a state are disjoint, so that their disjunction is the table. Inputs are
+//! what they are bound to.
 //!
-//! The outputs of a step nearly say which state the table is in after it. So only what they leave open is a variable of its own
-//! ([`States`]): a number among the states that rows with these outputs lead to.
+//! The outputs of a step nearly say which state the table is in after it. So only what they leave
+//! open is a variable of its own ([`States`]): a number among the states that rows with these
+//! outputs lead to.
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, Timing, VarId};
 use linewright_solver::game::{Rule, RuleKind};
@@ -115,7 +117,8 @@ impl Both {
 }
 
 impl Table<'_> {
-    /// What it does on inputs that it has a row for. A table that answers first does the part about its outputs in any case.
+    /// What it does on inputs that it has a row for. A table that answers first does the part about
+    /// its outputs in any case.
     pub fn moves(&self) -> Both {
         let outputs = self.machine.timing == Timing::Mealy;
         self.over_states(|table, state, time| {

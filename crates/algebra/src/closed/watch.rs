@@ -1,8 +1,9 @@
-//! Whether each operation runs the actions that it names, and is then done: what is remembered for that.
+//! Whether each operation runs the actions that it names, and is then done: what is remembered for
+//! that.
 //!
-//! Every step belongs to a call; the first one of a call comes after one in which the operation before was done. An action begins
-//! where it is active and was not active in the step before, or where a call begins with it. Of several that are active in a step the first
-//! declared one counts.
+//! Every step belongs to a call; the first one of a call comes after one in which the operation
+//! before was done. An action begins where it is active and was not active in the step before, or
+//! where a call begins with it. Of several that are active in a step the first declared one counts.
 
 use super::remember;
 use crate::system::System;
@@ -15,7 +16,8 @@ use linewright_solver::game::{Rule, RuleKind};
 pub struct Watch {
     /// The wire that says which operation runs, where something asks for it.
     pub operation: Option<VarId>,
-    /// How many actions have begun in this call. One more than any operation names stands for all that are more.
+    /// How many actions have begun in this call. One more than any operation names stands for all
+    /// that are more.
     pub begun: VarId,
 }
 

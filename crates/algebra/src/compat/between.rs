@@ -1,8 +1,9 @@
 //! The game where Moore machines answer before the environment, and Mealy machines after it.
 //!
-//! GR(1) games have two moves a step, and this one has three. But the last move of a step and the first one of the next are both the parts':
-//! a late answer is made known a step later, together with the next early one. What is asked of a step is then asked of the one before,
-//! with copies of its early values.
+//! GR(1) games have two moves a step, and this one has three. But the last move of a step and the
+//! first one of the next are both the parts': a late answer is made known a step later, together
+//! with the next early one. What is asked of a step is then asked of the one before, with copies of
+//! its early values.
 
 use super::{Game, of_last_step, unnamed};
 use crate::proof::last_step;
@@ -21,7 +22,8 @@ struct Delay<'s> {
 }
 
 impl Delay<'_> {
-    /// A formula about the last step: its late values are known in the next state, or stand in `copies`, as may others.
+    /// A formula about the last step: its late values are known in the next state, or stand in
+    /// `copies`, as may others.
     fn of(&self, kind: RuleKind, expr: &Expr, copies: &BTreeMap<VarId, VarId>) -> Expr {
         let expr = expr.substitute(&mut |v, time| {
             if kind == RuleKind::Justice || time != last_step(kind) {
@@ -81,7 +83,8 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
 
     let none = BTreeMap::new();
     let kept = delay.all(promised(), &none);
-    // Parts that name no way to make their early answer an allowed one give up, after what was asked of the step before.
+    // Parts that name no way to make their early answer an allowed one give up, after what was
+    // asked of the step before.
     let gone_on = delay.all(promised().chain(defining()), &allowed);
     let kept = gone_on.clone().and(kept);
     let mut rules = Side {
@@ -124,7 +127,8 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
     game.specification
 }
 
-/// The variables of which a side's formulas need the values of an earlier step, when they are asked a step late.
+/// The variables of which a side's formulas need the values of an earlier step, when they are asked
+/// a step late.
 fn of_the_step_before(side: &Side) -> BTreeSet<VarId> {
     let mut found = BTreeSet::new();
     for (kind, _, f) in formulas(side) {
@@ -137,7 +141,8 @@ fn of_the_step_before(side: &Side) -> BTreeSet<VarId> {
     found
 }
 
-/// The steps of a play without the delay: late values stand in the step after. The last one is left out, unless `next` follows it.
+/// The steps of a play without the delay: late values stand in the step after. The last one is left
+/// out, unless `next` follows it.
 pub(super) fn undelayed(
     steps: &[Vec<i64>],
     next: Option<&Vec<i64>>,

@@ -1,4 +1,5 @@
-//! All formulas of a system and a claim as numbered rules, and what each of them says something about.
+//! All formulas of a system and a claim as numbered rules, and what each of them says something
+//! about.
 
 use super::super::system::{FormulaRef, Half, System, formulas, rule};
 use super::Claim;
@@ -16,10 +17,11 @@ pub struct Entry {
     pub part: Option<usize>,
     /// The variables that it mentions.
     pub mentions: BTreeSet<VarId>,
-    /// Those among them that its part sets (for what is given: that come from outside), or all where there are none.
+    /// Those among them that its part sets (for what is given: that come from outside), or all
+    /// where there are none.
     pub defines: BTreeSet<VarId>,
-    /// Whether it holds in a step whatever comes from elsewhere in that step: what is given, and what a part that answers first says
-    /// of its own answer.
+    /// Whether it holds in a step whatever comes from elsewhere in that step: what is given, and
+    /// what a part that answers first says of its own answer.
     pub unconditional: bool,
 }
 
@@ -106,7 +108,8 @@ impl<'a> Book<'a> {
         self.runs.add(rule)
     }
 
-    /// The definitions of all monitors that these rules speak of, directly or through other monitors.
+    /// The definitions of all monitors that these rules speak of, directly or through other
+    /// monitors.
     pub fn definitions(&self, rules: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut needed: BTreeSet<VarId> = BTreeSet::new();
         for index in rules {
@@ -134,8 +137,8 @@ impl<'a> Book<'a> {
         entry.at.is_none() && entry.part.is_some()
     }
 
-    /// What is reached from a goal by asking who sets what occurs: the candidates in rings, the nearest first. Candidates that nothing leads
-    /// to are left out.
+    /// What is reached from a goal by asking who sets what occurs: the candidates in rings, the
+    /// nearest first. Candidates that nothing leads to are left out.
     pub fn rings(&self, goals: &[usize], candidates: &[usize]) -> Vec<Vec<usize>> {
         let mut needed: BTreeSet<VarId> = BTreeSet::new();
         for goal in goals {

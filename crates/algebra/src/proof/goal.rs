@@ -11,8 +11,9 @@ use std::collections::{BTreeSet, VecDeque};
 const NEAR: [usize; 3] = [1, 2, 3];
 
 impl<'a> Prover<'a> {
-    /// What the parts are to keep together. Justice of the goal that was shown is a reason for what else comes again and again: it holds of
-    /// all runs, and so a proof may go place by place, where everything at once would be too much.
+    /// What the parts are to keep together. Justice of the goal that was shown is a reason for what
+    /// else comes again and again: it holds of all runs, and so a proof may go place by place,
+    /// where everything at once would be too much.
     pub(super) fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
         // After everybody's assumptions.
         let turns = self
@@ -58,7 +59,8 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// Safety among the lemmas, as far as what they are looked for among was asked before. `left` are the goals that were not.
+    /// Safety among the lemmas, as far as what they are looked for among was asked before. `left`
+    /// are the goals that were not.
     fn ready_lemmas(
         &mut self,
         lemmas: &mut Vec<usize>,
@@ -80,8 +82,9 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// Justice of the goal: first all that follows from what stands near, and then, while something is left, one of the others from
-    /// everything, which may bring more near. Lemmas are only looked for near.
+    /// Justice of the goal: first all that follows from what stands near, and then, while something
+    /// is left, one of the others from everything, which may bring more near. Lemmas are only
+    /// looked for near.
     fn again_and_again(
         &mut self,
         mut left: Vec<usize>,
@@ -156,8 +159,8 @@ impl<'a> Prover<'a> {
         self.claim.from.get(&self.book.entries[rule].at?)
     }
 
-    /// The rules that a formula is tried to be shown from first, where that is said. `others` are what may be relied on beside formulas of the
-    /// goal.
+    /// The rules that a formula is tried to be shown from first, where that is said. `others` are
+    /// what may be relied on beside formulas of the goal.
     pub(super) fn sources(&self, rule: usize, others: &[usize]) -> Option<Vec<usize>> {
         let from = self.from(rule)?;
         let again = self.book.is_justice(rule);
@@ -186,7 +189,8 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Records that a formula of the goal was shown: in this turn at the earliest, and after all formulas of the goal that it rests on.
+    /// Records that a formula of the goal was shown: in this turn at the earliest, and after all
+    /// formulas of the goal that it rests on.
     fn show(&mut self, rule: usize, by: &[usize], first: usize) {
         let after: Vec<FormulaRef> = by
             .iter()
@@ -226,7 +230,8 @@ impl<'a> Prover<'a> {
         Ok(Found::Follows(self.fewest(&all, &mut holds)?))
     }
 
-    /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes on breaks nothing.
+    /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes
+    /// on breaks nothing.
     fn fairly(&mut self, rule: usize, reliable: &BTreeSet<usize>) -> Result<Found, Limit> {
         let slipped = self.book.slipped;
         let Rule { kind, expr } = self.book.rule(rule).clone();

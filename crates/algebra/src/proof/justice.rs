@@ -7,7 +7,8 @@ use linewright_solver::game::{Lasso, Limit, RuleKind, Wanted};
 use std::collections::BTreeSet;
 
 impl Prover<'_> {
-    /// Justice that parts assume, turn by turn. Gives the parts whose justice guarantees can be relied on in the end.
+    /// Justice that parts assume, turn by turn. Gives the parts whose justice guarantees can be
+    /// relied on in the end.
     pub(super) fn justice(&mut self) -> Result<BTreeSet<usize>, Limit> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
         let mut left: Vec<usize> = assumed;
@@ -72,7 +73,8 @@ impl Prover<'_> {
         Ok(waiting)
     }
 
-    /// Meets one justice assumption with what these parts guarantee, one that speaks of few parts if it can; gives the others.
+    /// Meets one justice assumption with what these parts guarantee, one that speaks of few parts
+    /// if it can; gives the others.
     fn by_justice(
         &mut self,
         left: &[usize],
@@ -116,7 +118,8 @@ impl Prover<'_> {
             .collect()
     }
 
-    /// Rules that justice may rest on: safety, and the justice of the environment and of these parts.
+    /// Rules that justice may rest on: safety, and the justice of the environment and of these
+    /// parts.
     pub(super) fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
         let mut found = self.hypotheses();
         found.extend(self.book.numbers(|at| {
@@ -200,7 +203,8 @@ impl Prover<'_> {
         }
     }
 
-    /// Circles among justice assumptions that were not met: one waits for those that the part whose variables it speaks of makes.
+    /// Circles among justice assumptions that were not met: one waits for those that the part whose
+    /// variables it speaks of makes.
     fn circles(&self, left: &[usize]) -> Vec<Circle> {
         let waits_for = |a: usize| -> BTreeSet<usize> {
             let own = self.part_of(a);

@@ -1,7 +1,8 @@
 //! Who waits for whom within a step.
 //!
-//! A part that sees the inputs of the step that it answers waits for whoever sets them, as far as what it may answer depends on them:
-//! that is asked of its guarantees, not of their words. A part that answers first waits for nobody.
+//! A part that sees the inputs of the step that it answers waits for whoever sets them, as far as
+//! what it may answer depends on them: that is asked of its guarantees, not of their words. A part
+//! that answers first waits for nobody.
 
 use super::super::system::{Half, System};
 use super::SameStepLoop;

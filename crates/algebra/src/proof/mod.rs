@@ -1,21 +1,25 @@
-//! The proof that parts discharge one another's assumptions, and keep what is claimed of them together.
+//! The proof that parts discharge one another's assumptions, and keep what is claimed of them
+//! together.
 //!
-//! Parts rely on one another in circles, the coordinator and its actions first of all, so that "each assumption follows from
-//! guarantees" proves nothing by itself. What is sound:
+//! Parts rely on one another in circles, the coordinator and its actions first of all, so that
+//! "each assumption follows from guarantees" proves nothing by itself. What is sound:
 //!
-//! - **Safety, step by step.** No assumption is the first to be broken: up to the step before everything was kept, and in this step an
-//!   assumption may rest on guarantees of parts that answer without waiting for it (Abadi and Lamport, "Conjoining
-//!   Specifications", TOPLAS 17, 1995). Parts are brought into an order for that; outputs that wait for one another within a step are
-//!   refused.
-//! - **Justice, in an order.** That each of two parts comes true again and again because the other does is no reason for either
-//!   (McMillan, "Circular compositional reasoning about liveness", CHARME 1999). So a part's justice guarantees are relied on only after all its own justice
+//! - **Safety, step by step.** No assumption is the first to be broken: up to the step before
+//!   everything was kept, and in this step an assumption may rest on guarantees of parts that
+//!   answer without waiting for it (Abadi and Lamport, "Conjoining Specifications", TOPLAS 17,
+//!   1995). Parts are brought into an order for that; outputs that wait for one another within a
+//!   step are refused.
+//! - **Justice, in an order.** That each of two parts comes true again and again because the other
+//!   does is no reason for either (McMillan, "Circular compositional reasoning about liveness",
+//!   CHARME 1999). So a part's justice guarantees are relied on only after all its own justice
 //!   assumptions were discharged, turn by turn; what is left waits in circles, which are reported.
 //!
-//! A premise: that a part which answers first keeps what it says of its own answer is relied on without asking for its assumptions in that step. A
-//! part whose assumptions leave its environment no next step at all may say anything there; `check` tells of such contracts (LW206).
+//! A premise: that a part which answers first keeps what it says of its own answer is relied on
+//! without asking for its assumptions in that step. A part whose assumptions leave its environment
+//! no next step at all may say anything there; `check` tells of such contracts (LW206).
 //!
-//! What a proof rests on is a minimal set: it is first looked for near the obligation, by asking who sets what occurs, and then
-//! `QuickXplain` leaves away what is not needed.
+//! What a proof rests on is a minimal set: it is first looked for near the obligation, by asking
+//! who sets what occurs, and then `QuickXplain` leaves away what is not needed.
 
 mod book;
 mod goal;
@@ -39,12 +43,14 @@ pub struct Claim {
     pub goal: Side,
     /// Formulas of the goal that need not be shown: where one can be, others may rest on it.
     pub lemmas: BTreeMap<FormulaRef, Reach>,
-    /// What a formula of the goal is tried to be shown from first, and a lemma from nothing else; formulas of the goal only where they were
-    /// shown. A proof of many steps, each of which is about little, is written down so.
+    /// What a formula of the goal is tried to be shown from first, and a lemma from nothing else;
+    /// formulas of the goal only where they were shown. A proof of many steps, each of which is
+    /// about little, is written down so.
     pub from: BTreeMap<FormulaRef, BTreeSet<FormulaRef>>,
     /// Formulas of the goal that were shown before, step by step: they are not shown again.
     pub known: BTreeSet<FormulaRef>,
-    /// Whether an assumption that speaks of what comes from outside may be handed on to the environment.
+    /// Whether an assumption that speaks of what comes from outside may be handed on to the
+    /// environment.
     pub exports: Exports,
 }
 
@@ -88,7 +94,8 @@ pub enum Reach {
     Named,
 }
 
-/// What happens to an assumption that no guarantee discharges and that speaks of what comes from outside.
+/// What happens to an assumption that no guarantee discharges and that speaks of what comes from
+/// outside.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Exports {
     /// It stays open.
@@ -96,8 +103,8 @@ pub enum Exports {
     Never,
     /// The environment has to keep it.
     Always,
-    /// The environment has to keep it in the step after one in which this holds (and in step 0); everywhere else it has to be
-    /// discharged.
+    /// The environment has to keep it in the step after one in which this holds (and in step 0);
+    /// everywhere else it has to be discharged.
     After(linewright_core::gr1::Expr),
 }
 
@@ -121,7 +128,8 @@ pub enum Discharged {
     Exported,
     /// Step by step: it is not broken before a guarantee is.
     Induction,
-    /// It comes true again and again, since these guarantees do; parts that were discharged in earlier turns (from 0) may be relied on.
+    /// It comes true again and again, since these guarantees do; parts that were discharged in
+    /// earlier turns (from 0) may be relied on.
     Justice {
         /// The turn.
         turn: usize,
@@ -156,7 +164,8 @@ pub struct SameStepLoop {
 /// Justice assumptions that wait for one another.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Circle {
-    /// Each is owed by the part of the one after it, which owes it only under its own assumption; the last waits for the first.
+    /// Each is owed by the part of the one after it, which owes it only under its own assumption;
+    /// the last waits for the first.
     pub assumptions: Vec<FormulaRef>,
 }
 
@@ -188,7 +197,8 @@ pub fn prove(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, L
     prover::Prover::new(system, claim, limits)?.prove()
 }
 
-/// Whether a claim holds, as [`prove`] says it, sooner: what a discharge rests on is then enough, and not all of it needed.
+/// Whether a claim holds, as [`prove`] says it, sooner: what a discharge rests on is then enough,
+/// and not all of it needed.
 ///
 /// # Errors
 /// When a limit was reached.
@@ -196,8 +206,9 @@ pub fn decide(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, 
     prover::Prover::new(system, claim, limits)?.quick().prove()
 }
 
-/// The same, but what is claimed of safety has to be kept step by step: it may not rest on what happens later, nor on runs that cannot go
-/// on. Whoever relies on such a claim within a step, as a proof does that knows a machine by the contract that it refines, needs this.
+/// The same, but what is claimed of safety has to be kept step by step: it may not rest on what
+/// happens later, nor on runs that cannot go on. Whoever relies on such a claim within a step, as a
+/// proof does that knows a machine by the contract that it refines, needs this.
 ///
 /// # Errors
 /// When a limit was reached.

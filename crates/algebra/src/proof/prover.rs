@@ -82,7 +82,8 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// The same, but safety of the goal has to be kept step by step, also on runs that cannot go on.
+    /// The same, but safety of the goal has to be kept step by step, also on runs that cannot go
+    /// on.
     pub fn stepwise(self) -> Self {
         Self {
             stepwise: true,
@@ -106,9 +107,10 @@ impl<'a> Prover<'a> {
         Ok(self.proof)
     }
 
-    // ---- who answers before whom -----------------------------------------------------------------------------------
+    // ---- who answers before whom ----------------------------------------------------------------
 
-    /// A part comes after those whose answers its own wait for, and after those that its assumptions speak of.
+    /// A part comes after those whose answers its own wait for, and after those that its
+    /// assumptions speak of.
     fn order_of(&self, waits: &Waits) -> Order {
         let system = self.book.system;
         let mut edges = waits.parts.clone();
@@ -150,9 +152,10 @@ impl<'a> Prover<'a> {
             || entry.part.is_some_and(|p| self.order.is_before(p, part))
     }
 
-    // ---- safety ----------------------------------------------------------------------------------------------------
+    // ---- safety ---------------------------------------------------------------------------------
 
-    /// Rules that hold from the beginning: what is given, what was handed on, and what parts guarantee.
+    /// Rules that hold from the beginning: what is given, what was handed on, and what parts
+    /// guarantee.
     pub(super) fn hypotheses(&self) -> Vec<usize> {
         let mut found = self.book.numbers(|at| is_given(*at));
         found.extend(&self.exported);
@@ -162,7 +165,8 @@ impl<'a> Prover<'a> {
         found
     }
 
-    /// These, and the safety that parts assume: it was kept so far. It follows from the others unless one of the assumptions is open.
+    /// These, and the safety that parts assume: it was kept so far. It follows from the others
+    /// unless one of the assumptions is open.
     pub(super) fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
         rules.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
@@ -181,7 +185,8 @@ impl<'a> Prover<'a> {
             let mut open = Vec::new();
             let mut moved = false;
             for rule in std::mem::take(&mut left) {
-                // Where the caller chooses, what does not follow from what stands near is handed on, and not looked for further.
+                // Where the caller chooses, what does not follow from what stands near is handed
+                // on, and not looked for further.
                 if matches!(self.claim.exports, Exports::After(_)) && self.is_about_outside(rule) {
                     if let Some(by) = self.step_minimal(rule, Some(rule), NEAR)? {
                         self.discharged(rule, &by);
@@ -193,7 +198,8 @@ impl<'a> Prover<'a> {
                             moved = true;
                             continue;
                         }
-                        // What fails even where it is not the environment's choice fails altogether.
+                        // What fails even where it is not the environment's choice fails
+                        // altogether.
                         Err(Some(worse)) => {
                             open.push((rule, worse));
                             continue;
@@ -224,7 +230,8 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// What failed without the answers of parts that may wait for one another: with them, if that can be put into an order.
+    /// What failed without the answers of parts that may wait for one another: with them, if that
+    /// can be put into an order.
     fn within_a_step(&mut self, failed: Vec<(usize, Broken)>) -> Result<(), Limit> {
         let mut needs: Vec<(usize, BTreeSet<usize>, Vec<usize>)> = Vec::new();
         let mut open = Vec::new();
@@ -335,8 +342,9 @@ impl<'a> Prover<'a> {
         Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
     }
 
-    /// The smallest part of the hypotheses from which a rule follows step by step, as far as so many rings of them are looked at; `None`
-    /// when it does not follow. `assumed` says that it is an assumption of a part.
+    /// The smallest part of the hypotheses from which a rule follows step by step, as far as so
+    /// many rings of them are looked at; `None` when it does not follow. `assumed` says that it is
+    /// an assumption of a part.
     pub(super) fn step_minimal(
         &mut self,
         rule: usize,
@@ -363,8 +371,8 @@ impl<'a> Prover<'a> {
         })
     }
 
-    /// The smallest part of some candidates that is enough: what is given alone, a single guarantee, and then ring by ring, up to so many
-    /// rings.
+    /// The smallest part of some candidates that is enough: what is given alone, a single
+    /// guarantee, and then ring by ring, up to so many rings.
     pub(super) fn minimal(
         &mut self,
         goal: usize,
@@ -400,7 +408,8 @@ impl<'a> Prover<'a> {
         }
         let mut kept = Vec::new();
         for ring in rings.into_iter().take(most_rings) {
-            // Justice where it is enough, since it is what the reader looks for; then what stands nearest.
+            // Justice where it is enough, since it is what the reader looks for; then what stands
+            // nearest.
             let (justice, safety): (Vec<usize>, Vec<usize>) =
                 ring.into_iter().partition(|i| self.book.is_justice(*i));
             kept.splice(0..0, justice);
@@ -444,8 +453,8 @@ impl<'a> Prover<'a> {
         Ok(self.step(kept, rule, part)?.is_none())
     }
 
-    /// A run up to the first step that breaks a rule, kept to some others. Of a part's assumption the last step is only held to what can be
-    /// relied on when the part's inputs are there.
+    /// A run up to the first step that breaks a rule, kept to some others. Of a part's assumption
+    /// the last step is only held to what can be relied on when the part's inputs are there.
     pub(super) fn step(
         &mut self,
         kept: &[usize],
@@ -463,17 +472,19 @@ impl<'a> Prover<'a> {
         self.book.runs.step(&slip)
     }
 
-    // ---- what is handed on -----------------------------------------------------------------------------------------
+    // ---- what is handed on ----------------------------------------------------------------------
 
-    /// Whether what a rule says of the last step that it speaks of is about what comes from outside, too.
+    /// Whether what a rule says of the last step that it speaks of is about what comes from
+    /// outside, too.
     fn is_about_outside(&self, rule: usize) -> bool {
         let Rule { kind, expr } = self.book.rule(rule);
         let mut latest = latest(expr, *kind).into_iter();
         latest.any(|v| self.book.system.driver(v).is_none())
     }
 
-    /// Whether an assumption that is not discharged may be handed on to the environment, and on what that rests; if not, how it is broken
-    /// where it would not be the environment's own choice, if it may be handed on at all.
+    /// Whether an assumption that is not discharged may be handed on to the environment, and on
+    /// what that rests; if not, how it is broken where it would not be the environment's own
+    /// choice, if it may be handed on at all.
     pub(super) fn export(
         &mut self,
         rule: usize,

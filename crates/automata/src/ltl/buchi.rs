@@ -1,8 +1,10 @@
 //! A formula as a deterministic Büchi automaton.
 //!
-//! A state is a conjunction of disjunctions of temporal formulas. A disjunction with a `weak` or a `release` in it is kept by going on; one
-//! without, a *debt*, has to be paid some day. Debts are paid in rounds: those that are there when a round begins are watched until
-//! none is left, which is accepting (the break-point construction of Miyano and Hayashi, "Alternating finite automata on ω-words", 1984).
+//! A state is a conjunction of disjunctions of temporal formulas. A disjunction with a `weak` or a
+//! `release` in it is kept by going on; one without, a *debt*, has to be paid some day. Debts are
+//! paid in rounds: those that are there when a round begins are watched until none is left, which
+//! is accepting (the break-point construction of Miyano and Hayashi, "Alternating finite automata
+//! on ω-words", 1984).
 //!
 //! That is right for formulas in which no `until` holds a `weak` or a `release`.
 
@@ -58,7 +60,8 @@ mod tests {
         }
     }
 
-    /// `G (p -> F q)`: accepting states come again and again, unless the last `p` is never answered.
+    /// `G (p -> F q)`: accepting states come again and again, unless the last `p` is never
+    /// answered.
     #[test]
     fn a_debt_has_to_be_paid() {
         const P: u32 = 1;
@@ -84,13 +87,15 @@ mod tests {
                 state = after(&automaton, state, *letter);
                 last.push(automaton.accepting[state]);
             }
-            // There are fewer states than steps in the second half, so what is seen there is seen for ever.
+            // There are fewer states than steps in the second half, so what is seen there is seen
+            // for ever.
             let half = &last[last.len() / 2..];
             assert_eq!(half.contains(&true), wanted, "{beginning:?} {round:?}");
         }
     }
 
-    /// A formula that a finite run can break is lost in the same states, whichever automaton is made of it.
+    /// A formula that a finite run can break is lost in the same states, whichever automaton is
+    /// made of it.
     #[test]
     fn both_automata_of_a_safety_formula_agree() {
         let mut formulas = Formulas::default();

@@ -32,7 +32,8 @@ pub enum Formula {
 pub struct Formulas {
     nodes: Vec<Formula>,
     known: BTreeMap<Formula, Node>,
-    /// For every node, whether it can be kept by going on: whether a `weak` or a `release` is in it.
+    /// For every node, whether it can be kept by going on: whether a `weak` or a `release` is in
+    /// it.
     goes_on: Vec<bool>,
 }
 

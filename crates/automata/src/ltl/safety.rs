@@ -14,8 +14,8 @@ pub struct Limits {
     pub alternatives: usize,
 }
 
-/// The smallest automaton of a formula without `until`. Its letters are these choices of atoms, as bits; it refuses the steps that break the formula,
-/// whatever comes.
+/// The smallest automaton of a formula without `until`. Its letters are these choices of atoms, as
+/// bits; it refuses the steps that break the formula, whatever comes.
 ///
 /// # Errors
 /// When it is larger than the limits.

@@ -179,7 +179,8 @@ fn parts(regex: &Regex) -> Vec<Regex> {
     }
 }
 
-/// Says once what two alternatives begin or end with: `x y | x z` is `x (y | z)`, as long as that is shorter.
+/// Says once what two alternatives begin or end with: `x y | x z` is `x (y | z)`, as long as that
+/// is shorter.
 fn factor(flat: &mut Vec<Regex>) {
     'again: loop {
         for i in 0..flat.len() {

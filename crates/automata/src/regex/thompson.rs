@@ -1,7 +1,7 @@
 //! An expression as a deterministic automaton.
 //!
-//! It becomes a nondeterministic automaton with empty moves (Thompson, "Regular expression search algorithm", 1968), and that a deterministic
-//! one by sets of its states.
+//! It becomes a nondeterministic automaton with empty moves (Thompson, "Regular expression search
+//! algorithm", 1968), and that a deterministic one by sets of its states.
 
 use super::tree::Regex;
 use crate::bound::{Bound, TooLarge};
@@ -65,7 +65,8 @@ impl Places {
                 let mut at = from;
                 for _ in 0..*low {
                     at = self.lay(of, at)?;
-                    // Also nothing repeated takes a place, so that no number is too large to be refused.
+                    // Also nothing repeated takes a place, so that no number is too large to be
+                    // refused.
                     let next = self.new_place()?;
                     self.from[at].push((Move::Nothing, next));
                     at = next;
@@ -135,10 +136,12 @@ impl Places {
     }
 }
 
-/// The smallest automaton of an expression over `letters` letters. What no longer leads to a word is refused.
+/// The smallest automaton of an expression over `letters` letters. What no longer leads to a word
+/// is refused.
 ///
 /// # Errors
-/// When the expression has more than [`MOST_PLACES`] places, or the automaton more states than `bound` allows, or when the time is over.
+/// When the expression has more than [`MOST_PLACES`] places, or the automaton more states than
+/// `bound` allows, or when the time is over.
 pub fn automaton(regex: &Regex, letters: usize, bound: impl Into<Bound>) -> Result<Dfa, TooLarge> {
     let mut places = Places {
         letters,

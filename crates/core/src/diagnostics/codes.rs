@@ -1,7 +1,8 @@
 //! Every diagnostic code, with its title.
 //!
-//! The first digit says what a code is about: see [`GROUPS`]. A code is never used again for something else. Each code has a
-//! page in `crates/core/src/diagnostics/explanations/`, shown by `linewright explain`.
+//! The first digit says what a code is about: see [`GROUPS`]. A code is never used again for
+//! something else. Each code has a page in `crates/core/src/diagnostics/explanations/`, shown by
+//! `linewright explain`.
 
 /// A diagnostic code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -1,9 +1,11 @@
 //! The pages behind `linewright explain`: one Markdown file a code, embedded in the program.
 //!
-//! A page says what the finding means to somebody who knows the plant and no temporal logic, shows the smallest
-//! contract that has it, and how to repair that. The example is a block fenced with ```` ```lw LW103 ````: a test checks it and
-//! wants that very code. What only other tools' files show stands in one of those, fenced with its ending: ```` ```spc LW209 ````. A plain
-//! ```` ```lw ```` block is the repaired contract, in which nothing may be found. What needs a plant, a compiler or a folder to happen is fenced as plain `console` text instead.
+//! A page says what the finding means to somebody who knows the plant and no temporal logic, shows
+//! the smallest contract that has it, and how to repair that. The example is a block fenced with
+//! ```` ```lw LW103 ````: a test checks it and wants that very code. What only other tools' files
+//! show stands in one of those, fenced with its ending: ```` ```spc LW209 ````. A plain
+//! ```` ```lw ```` block is the repaired contract, in which nothing may be found. What needs a
+//! plant, a compiler or a folder to happen is fenced as plain `console` text instead.
 
 use super::Code;
 use include_dir::{Dir, include_dir};
@@ -60,7 +62,8 @@ pub struct Example {
     pub text: String,
 }
 
-/// The examples of a page: its blocks fenced with the ending of a file and a code, ```` ```lw CODE ````.
+/// The examples of a page: its blocks fenced with the ending of a file and a code, ````
+/// ```lw CODE ````.
 pub fn examples(page: &str) -> Vec<Example> {
     let mut examples = Vec::new();
     let mut lines = page.lines();

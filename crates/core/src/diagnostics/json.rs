@@ -4,7 +4,8 @@ use super::{Diagnostic, render};
 use crate::source::{SourceMap, Span};
 use serde::Serialize;
 
-/// A finding in JSON. Positions count from 1, columns count characters, and the end is one past the last character.
+/// A finding in JSON. Positions count from 1, columns count characters, and the end is one past the
+/// last character.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// `LW101`

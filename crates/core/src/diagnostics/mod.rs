@@ -1,7 +1,8 @@
 //! Findings as plain values.
 //!
-//! A stage collects [`Diagnostic`]s and never prints; [`render`](mod@render), [`json`] and [`sarif`] turn them into text. Codes
-//! are listed in [`codes`], each with a page in [`explanations`] that `linewright explain` shows.
+//! A stage collects [`Diagnostic`]s and never prints; [`render`](mod@render), [`json`] and
+//! [`sarif`] turn them into text. Codes are listed in [`codes`], each with a page in
+//! [`explanations`] that `linewright explain` shows.
 
 pub mod codes;
 pub mod explanations;
@@ -55,7 +56,8 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// The next step.
     pub help: Option<String>,
-    /// Whether something was not decided because the command reached a limit that it was given: its time or its memory, or Ctrl-C.
+    /// Whether something was not decided because the command reached a limit that it was given: its
+    /// time or its memory, or Ctrl-C.
     pub gave_up: bool,
 }
 

@@ -1,8 +1,9 @@
 //! "Did you mean ...?": the known word closest to one that nobody declared.
 //!
-//! A name can be missed in three ways: by its spelling (`comand`), by the way its words are put together (`angleDesired`,
-//! `ANGLE_DESIRED`), and by its words (`desired` for `desired_angle`, `cmd` for `command`). The first two are slips; the third is
-//! a guess, so it is asked last, and only whole words and what engineers shorten them to count.
+//! A name can be missed in three ways: by its spelling (`comand`), by the way its words are put
+//! together (`angleDesired`, `ANGLE_DESIRED`), and by its words (`desired` for `desired_angle`,
+//! `cmd` for `command`). The first two are slips; the third is a guess, so it is asked last, and
+//! only whole words and what engineers shorten them to count.
 
 /// A longer name, in bytes, is not compared: nobody has mistyped it.
 const LONGEST_NAME: usize = 256;
@@ -59,8 +60,8 @@ pub struct NameSimilarity {
     pub abbreviated: bool,
 }
 
-/// Whether two different names are related word by word, given their [`words`]: one begins or ends with the words of the other, or with what
-/// they are shortened to.
+/// Whether two different names are related word by word, given their [`words`]: one begins or ends
+/// with the words of the other, or with what they are shortened to.
 pub fn related(a: &[String], b: &[String]) -> Option<NameSimilarity> {
     let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     // A single letter, or a number, is too little to know anyone by.
@@ -95,7 +96,8 @@ fn same(a: &str, b: &str) -> bool {
     a == b || abbreviates(a, b) || abbreviates(b, a)
 }
 
-/// Whether a word is another one shortened: its beginning (`pos`, `req`), or its consonants (`cmd`, `cnt`).
+/// Whether a word is another one shortened: its beginning (`pos`, `req`), or its consonants (`cmd`,
+/// `cnt`).
 fn abbreviates(short: &str, long: &str) -> bool {
     if short.len() < 3 || long.len() < short.len() + 2 || short.as_bytes()[0] != long.as_bytes()[0]
     {
@@ -130,7 +132,8 @@ pub fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// How many letters must be changed, added, left out or exchanged with their neighbour (optimal string alignment).
+/// How many letters must be changed, added, left out or exchanged with their neighbour (optimal
+/// string alignment).
 pub fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut before: Vec<usize> = Vec::new();

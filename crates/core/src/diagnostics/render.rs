@@ -1,8 +1,9 @@
 //! Findings as text for a person: with the source lines ([`human`]) or one line each ([`short`]).
 //!
-//! The layout of `human` is that of rustc, by annotate-snippets: readers know it, and editors recognise its places. It
-//! is always coloured; whoever prints it strips the colours where they are not wanted (anstream). `short` is what a build
-//! log or an editor's problem matcher parses: `file:line:column: severity[code]: message`.
+//! The layout of `human` is that of rustc, by annotate-snippets: readers know it, and editors
+//! recognise its places. It is always coloured; whoever prints it strips the colours where they are
+//! not wanted (anstream). `short` is what a build log or an editor's problem matcher parses:
+//! `file:line:column: severity[code]: message`.
 
 use super::{Diagnostic, Severity};
 use crate::source::{FileId, SourceMap, Span};
@@ -15,7 +16,8 @@ const WIDTH: usize = 120;
 /// Lines of more bytes are not shown: each finding would be searched for in the whole of its line.
 const LONG_LINE: usize = 4_000;
 
-/// The findings by file name and place; those without a place come last, in the order they were found.
+/// The findings by file name and place; those without a place come last, in the order they were
+/// found.
 pub fn sorted<'a>(sources: &SourceMap, findings: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
     let mut sorted: Vec<&Diagnostic> = findings.iter().collect();
     sorted.sort_by_cached_key(|d| {
@@ -27,7 +29,8 @@ pub fn sorted<'a>(sources: &SourceMap, findings: &'a [Diagnostic]) -> Vec<&'a Di
     sorted
 }
 
-/// The findings with their source lines, labels and next steps, in colours, each followed by an empty line.
+/// The findings with their source lines, labels and next steps, in colours, each followed by an
+/// empty line.
 pub fn human(sources: &SourceMap, findings: &[Diagnostic]) -> String {
     let renderer = Renderer::styled().term_width(WIDTH);
     let mut text = String::new();
@@ -79,8 +82,8 @@ fn group<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Group<'a> {
     group
 }
 
-/// One snippet a file: that of the finding's own place first, those of its labels in the order they come. Where a line is very long, its place
-/// alone.
+/// One snippet a file: that of the finding's own place first, those of its labels in the order they
+/// come. Where a line is very long, its place alone.
 fn snippets<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Vec<Element<'a>> {
     let mut files: Vec<FileId> = Vec::new();
     let places = finding
@@ -134,8 +137,8 @@ fn longest(text: &str) -> usize {
     text.lines().map(str::len).max().unwrap_or_default()
 }
 
-/// A span as a range that lies within the text, on character boundaries: the renderer panics on any other. White space at
-/// its end (a rule of the grammar may take it along) is not marked.
+/// A span as a range that lies within the text, on character boundaries: the renderer panics on any
+/// other. White space at its end (a rule of the grammar may take it along) is not marked.
 fn range(text: &str, span: Span) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());

@@ -1,7 +1,9 @@
 //! Findings as SARIF 2.1.0 (OASIS standard), which code hosts and editors read.
 //!
-//! One run; every code that occurs is a rule, with its page as the help. There is no `helpUri`: the pages are in the program. Regions carry the columns in characters (`unicodeCodePoints`), as everything
-//! else in this program does. A finding's further places are `relatedLocations`, its next step stands behind the message.
+//! One run; every code that occurs is a rule, with its page as the help. There is no `helpUri`: the
+//! pages are in the program. Regions carry the columns in characters (`unicodeCodePoints`), as
+//! everything else in this program does. A finding's further places are `relatedLocations`, its
+//! next step stands behind the message.
 
 use super::json::Place;
 use super::{Code, Diagnostic, Severity, explanations, render};

@@ -1,4 +1,5 @@
-//! Graphs of states with labels, as Graphviz text and as pictures. What they show is the business of others.
+//! Graphs of states with labels, as Graphviz text and as pictures. What they show is the business
+//! of others.
 
 pub mod dot;
 pub mod svg;

@@ -1,7 +1,7 @@
 //! A graph as a picture: laid out by layout-rs, drawn by a backend of our own.
 //!
-//! Our own backend because the package's writes its styles in the order of a hash map, draws edge labels without a ground of
-//! their own, and knows no other font than Times.
+//! Our own backend because the package's writes its styles in the order of a hash map, draws edge
+//! labels without a ground of their own, and knows no other font than Times.
 
 use super::{Graph, Region};
 use layout::core::base::Orientation;

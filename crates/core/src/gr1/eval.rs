@@ -4,8 +4,8 @@ use super::{BinaryOp, Expr, Time, UnaryOp};
 
 /// The value of `expr` where variable `v` has the value `now[v]` and the next value `next[v]`.
 ///
-/// An expression without next values may be given an empty `next`. Arithmetic is exact as long as the value fits an `i64`,
-/// which [`interval`](super::interval) checks beforehand.
+/// An expression without next values may be given an empty `next`. Arithmetic is exact as long as
+/// the value fits an `i64`, which [`interval`](super::interval) checks beforehand.
 pub fn eval(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
     match expr {
         Expr::Const(c) => *c,

@@ -50,9 +50,11 @@ pub enum BinaryOp {
     Sub,
     /// `*`
     Mul,
-    /// Division rounded towards minus infinity. The divisor is never 0 (checked when a file is resolved).
+    /// Division rounded towards minus infinity. The divisor is never 0 (checked when a file is
+    /// resolved).
     Div,
-    /// The rest of that division; it has the divisor's sign, so it is never negative for a positive divisor.
+    /// The rest of that division; it has the divisor's sign, so it is never negative for a positive
+    /// divisor.
     Mod,
     /// The smaller one.
     Min,
@@ -185,8 +187,9 @@ impl Expr {
         }
     }
 
-    /// The same value with constants folded: operators whose operands are known, connectives and choices that are decided by one of
-    /// them. Arithmetic that would leave an `i64` or divide by zero is left as it is.
+    /// The same value with constants folded: operators whose operands are known, connectives and
+    /// choices that are decided by one of them. Arithmetic that would leave an `i64` or divide by
+    /// zero is left as it is.
     #[must_use]
     pub fn simplify(&self) -> Self {
         use BinaryOp as B;

@@ -1,7 +1,8 @@
 //! The smallest and largest value an expression can take, by interval arithmetic.
 //!
-//! Sound, not exact: the true range lies within. Used to choose bit widths, to refuse arithmetic that could leave an
-//! `i64` or divide by zero, and to find next values that can leave their domain.
+//! Sound, not exact: the true range lies within. Used to choose bit widths, to refuse arithmetic
+//! that could leave an `i64` or divide by zero, and to find next values that can leave their
+//! domain.
 
 use super::{BinaryOp, Domain, Expr, UnaryOp, VarId};
 
@@ -43,7 +44,8 @@ pub enum Problem {
 
 const LIMIT: i128 = 1 << 62;
 
-/// The interval of `expr`, where `domain` gives that of each variable (current and next values alike).
+/// The interval of `expr`, where `domain` gives that of each variable (current and next values
+/// alike).
 pub fn interval(expr: &Expr, domain: &impl Fn(VarId) -> Interval) -> Result<Interval, Problem> {
     let make = |low: i128, high: i128| {
         if low < -LIMIT || high > LIMIT {

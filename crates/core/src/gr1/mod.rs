@@ -1,21 +1,25 @@
 //! GR(1) specifications: the narrow waist between languages and solvers.
 //!
-//! A [`Specification`] is flat: scalar variables with finite domains, and formulas over their current and next values.
-//! Arrays, parameters, quantifiers and defines are gone; every formula keeps its name, its span and its text.
+//! A [`Specification`] is flat: scalar variables with finite domains, and formulas over their
+//! current and next values. Arrays, parameters, quantifiers and defines are gone; every formula
+//! keeps its name, its span and its text.
 //!
 //! # Meaning
 //!
-//! Time is a sequence of steps; in step *t* the environment gives the inputs x(t) and the machine answers with the
-//! outputs y(t) (internal variables count as outputs). With `Mealy` timing y(t) may depend on x(t); with `Moore` it may not.
+//! Time is a sequence of steps; in step *t* the environment gives the inputs x(t) and the machine
+//! answers with the outputs y(t) (internal variables count as outputs). With `Mealy` timing y(t)
+//! may depend on x(t); with `Moore` it may not.
 //!
 //! - `initial` formulas hold in step 0 (no next values);
 //! - `invariants` hold in every step, step 0 included (no next values);
 //! - `safety` formulas hold for every two consecutive steps (current and next values);
-//! - `justice` formulas hold infinitely often (current values, and next values where a format allows it).
+//! - `justice` formulas hold infinitely often (current values, and next values where a format
+//!   allows it).
 //!
-//! Safety comes first, strictly (Bloem et al., Synthesis of Reactive(1) Designs, 2012): the machine must keep its initial
-//! conditions, invariants and safety for as long as the environment has kept its own, and its justice whenever the
-//! environment's justice holds. It must have an answer for every initial choice the environment may make.
+//! Safety comes first, strictly (Bloem et al., Synthesis of Reactive(1) Designs, 2012): the machine
+//! must keep its initial conditions, invariants and safety for as long as the environment has kept
+//! its own, and its justice whenever the environment's justice holds. It must have an answer for
+//! every initial choice the environment may make.
 
 pub mod eval;
 mod expr;
@@ -138,7 +142,8 @@ pub struct Variable {
     pub internal: bool,
     /// Its values.
     pub domain: Domain,
-    /// What its values count, `mm`; empty for bare numbers. It is shown and never computed with: formulas are in one unit already.
+    /// What its values count, `mm`; empty for bare numbers. It is shown and never computed with:
+    /// formulas are in one unit already.
     pub unit: String,
     /// Its declaration.
     pub span: Span,
@@ -198,7 +203,8 @@ pub struct Formula {
     pub span: Span,
     /// Its source text, in one line.
     pub text: String,
-    /// Whether it only says what a monitor remembers, so that it leaves the machine no choice: see [`monitors`].
+    /// Whether it only says what a monitor remembers, so that it leaves the machine no choice: see
+    /// [`monitors`].
     pub defines: bool,
 }
 
@@ -235,8 +241,8 @@ pub struct Specification {
     pub timing: Timing,
     /// All variables; inputs and outputs may be mixed, their order is the declaration's.
     pub variables: Vec<Variable>,
-    /// What the environment promises. Invariants and initial conditions mention inputs only; safety mentions next
-    /// values of inputs only.
+    /// What the environment promises. Invariants and initial conditions mention inputs only; safety
+    /// mentions next values of inputs only.
     pub assumptions: Side,
     /// What the machine promises.
     pub guarantees: Side,
@@ -258,7 +264,8 @@ impl Specification {
         &self.variables[id.index()]
     }
 
-    /// Whether a variable was made up for a monitor: it stands where a formula does, not in a declaration of its own.
+    /// Whether a variable was made up for a monitor: it stands where a formula does, not in a
+    /// declaration of its own.
     pub fn is_auxiliary(&self, id: VarId) -> bool {
         let variable = self.variable(id);
         let mut formulas = self.assumptions.all().chain(self.guarantees.all());

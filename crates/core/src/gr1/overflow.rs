@@ -1,9 +1,11 @@
-//! Next values that can leave their domain: `next made = made + 1` where `made` is at the end of its range.
+//! Next values that can leave their domain: `next made = made + 1` where `made` is at the end of
+//! its range.
 //!
-//! All arithmetic is exact and nothing wraps around, so such a formula cannot be kept in such a step. Intervals alone would
-//! also blame `made < 9 -> next made = made + 1`; so the conditions under which an equation is asked for are kept, and the
-//! values of the variables in both are tried out. Where there are too many values, nothing is said: this is a hint beside
-//! the verdict, which the game decides exactly.
+//! All arithmetic is exact and nothing wraps around, so such a formula cannot be kept in such a
+//! step. Intervals alone would also blame `made < 9 -> next made = made + 1`; so the conditions
+//! under which an equation is asked for are kept, and the values of the variables in both are tried
+//! out. Where there are too many values, nothing is said: this is a hint beside the verdict, which
+//! the game decides exactly.
 
 use super::interval::{Interval, interval};
 use super::{BinaryOp, Expr, Formula, Specification, Time, UnaryOp, VarId};
@@ -25,7 +27,8 @@ pub struct Overflow<'a> {
     pub example: Vec<(VarId, i64)>,
 }
 
-/// The formulas that can ask for a next value outside its domain, the guarantees first, at most one finding a formula.
+/// The formulas that can ask for a next value outside its domain, the guarantees first, at most one
+/// finding a formula.
 pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
     let (g, a) = (&specification.guarantees, &specification.assumptions);
     let safety = g.safety.iter().chain(&a.safety);
@@ -103,8 +106,9 @@ impl<'a> Search<'a> {
         self.try_values(variable, value)
     }
 
-    /// Tries the values of all variables that the equation and its conditions mention. Conditions on next values are left
-    /// out: the machine may choose those, so they say nothing about what it is asked for.
+    /// Tries the values of all variables that the equation and its conditions mention. Conditions
+    /// on next values are left out: the machine may choose those, so they say nothing about what it
+    /// is asked for.
     fn try_values(&self, variable: VarId, value: &Expr) -> Option<Overflow<'a>> {
         if value.mentions_next() {
             return None;

@@ -1,4 +1,5 @@
-//! Expressions as their author would write them: the contract language's own words, labels by their names.
+//! Expressions as their author would write them: the contract language's own words, labels by their
+//! names.
 
 use super::{BinaryOp, Domain, Expr, Specification, Time, UnaryOp};
 

@@ -1,7 +1,7 @@
 //! Source files, spans and line numbers.
 //!
-//! A [`SourceMap`] owns the text of every file that was read; a [`Span`] is a byte range in one of them. Nothing
-//! here touches the disk: whoever reads a file hands its text over.
+//! A [`SourceMap`] owns the text of every file that was read; a [`Span`] is a byte range in one of
+//! them. Nothing here touches the disk: whoever reads a file hands its text over.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -122,7 +122,8 @@ impl SourceMap {
         self.position(span.file, span.end)
     }
 
-    /// The whole lines, as a range of bytes, from the first of these places in one file to the last.
+    /// The whole lines, as a range of bytes, from the first of these places in one file to the
+    /// last.
     pub(crate) fn lines(&self, places: impl Iterator<Item = Span>) -> Range<usize> {
         let mut places = places.peekable();
         let Some(first) = places.peek() else {

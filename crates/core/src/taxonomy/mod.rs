@@ -1,8 +1,10 @@
-//! The taxonomies that contracts name in `implements`: DIN 8580 (manufacturing) and VDI 2860 (handling).
+//! The taxonomies that contracts name in `implements`: DIN 8580 (manufacturing) and VDI 2860
+//! (handling).
 //!
-//! The data are two tables in `din8580/`, embedded in the program. A [`Taxonomy`] is their tree; a code carries its standard
-//! before the colon (`din:4.3.1`, `vdi:Drehen`), as in the language. How sure each entry is, and where it comes from, is data
-//! too: neither standard is freely available, and the sources disagree in places.
+//! The data are two tables in `din8580/`, embedded in the program. A [`Taxonomy`] is their tree; a
+//! code carries its standard before the colon (`din:4.3.1`, `vdi:Drehen`), as in the language. How
+//! sure each entry is, and where it comes from, is data too: neither standard is freely available,
+//! and the sources disagree in places.
 
 use crate::diagnostics::distance;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,7 +108,8 @@ pub fn find(code: &str) -> Option<&'static Entry> {
     taxonomy().find(code)
 }
 
-/// The entry of a full code in the embedded taxonomy, or the next step for somebody who wrote one that is not there.
+/// The entry of a full code in the embedded taxonomy, or the next step for somebody who wrote one
+/// that is not there.
 pub fn lookup(code: &str) -> Result<&'static Entry, String> {
     taxonomy().find(code).ok_or_else(|| {
         let near: Vec<String> = taxonomy()
@@ -186,8 +189,8 @@ impl Taxonomy {
             .map(|i| &self.entries[*i])
     }
 
-    /// The entries whose code or term, German or English, contains a word. Case does not matter, and neither does the
-    /// spelling of umlauts: `Fraesen` and `frasen` both find Fräsen.
+    /// The entries whose code or term, German or English, contains a word. Case does not matter,
+    /// and neither does the spelling of umlauts: `Fraesen` and `frasen` both find Fräsen.
     pub fn search(&self, word: &str) -> Vec<&Entry> {
         let spellings = [fold(word.trim()), bare(word.trim())];
         self.entries
@@ -232,8 +235,8 @@ impl Taxonomy {
         path
     }
 
-    /// At most three entries near a code that does not exist, nearest first: the same code or term with its standard
-    /// missing or mixed up, a code above, or one that differs in a few letters.
+    /// At most three entries near a code that does not exist, nearest first: the same code or term
+    /// with its standard missing or mixed up, a code above, or one that differs in a few letters.
     pub fn suggestions(&self, code: &str) -> Vec<&Entry> {
         let wanted = fold(code.trim());
         let local = wanted.split_once(':').map_or(wanted.as_str(), |(_, l)| l);

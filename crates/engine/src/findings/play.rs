@@ -150,7 +150,8 @@ fn ending(s: &Specification, play: &Play) -> String {
     }
 }
 
-/// The variables that these formulas mention, and those that the monitors among these remember, in the order of their declaration.
+/// The variables that these formulas mention, and those that the monitors among these remember, in
+/// the order of their declaration.
 pub fn mentioned<'f>(
     specification: &'f Specification,
     formulas: impl Iterator<Item = &'f Formula>,

@@ -166,7 +166,8 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
     findings
 }
 
-/// A frame for an output: it stays unless one of the conditions holds under which a guarantee sets it.
+/// A frame for an output: it stays unless one of the conditions holds under which a guarantee sets
+/// it.
 fn frame(s: &Specification, v: VarId) -> String {
     let name = &s.variable(v).name;
     let mut conditions: Vec<String> = Vec::new();

@@ -1,4 +1,5 @@
-//! Why a contract is unrealizable: the counterstrategy of its core, verified, the play that shows it, and what could be done.
+//! Why a contract is unrealizable: the counterstrategy of its core, verified, the play that shows
+//! it, and what could be done.
 
 use super::InternalError;
 use linewright_core::gr1::Specification;

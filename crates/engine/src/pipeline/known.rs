@@ -61,7 +61,8 @@ impl Known {
         self
     }
 
-    /// Whether it is told where it demands less than it seems to: not where no plant keeps the assumptions, since then nothing has a meaning.
+    /// Whether it is told where it demands less than it seems to: not where no plant keeps the
+    /// assumptions, since then nothing has a meaning.
     pub(super) fn tells_shape(&self, job: &Job) -> bool {
         let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
         let means_nothing = self.environment.as_ref().is_some_and(empty);

@@ -1,7 +1,8 @@
 //! What was found out in the run before, for a program that checks again and again.
 //!
-//! A result is taken over when the whole job is the same, with all its places in the files, so that its findings still point where they
-//! should. Jobs that have moved are left to the [cache](crate::cache). Unlike there, also what was given up is remembered.
+//! A result is taken over when the whole job is the same, with all its places in the files, so that
+//! its findings still point where they should. Jobs that have moved are left to the
+//! [cache](crate::cache). Unlike there, also what was given up is remembered.
 
 use super::{CheckedContract, Job};
 

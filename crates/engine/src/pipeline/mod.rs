@@ -1,8 +1,9 @@
 //! From a specification to a verified controller: solve → extract → verify, many at once.
 //!
-//! A controller that the verifier refuses is a fault of this program, and is never written out. What was
-//! solved before comes from the [cache](super::cache): results, from which the findings are made anew. A task finds out what
-//! is to be known of a contract, and that is then put into words.
+//! A controller that the verifier refuses is a fault of this program, and is never written out.
+//! What was solved before comes from the [cache](super::cache): results, from which the findings
+//! are made anew. A task finds out what is to be known of a contract, and that is then put into
+//! words.
 
 mod explain;
 mod known;
@@ -84,8 +85,8 @@ pub struct CheckedContract {
     pub environment: Option<EnvironmentFindings>,
     /// Why there is none.
     pub lost: Option<Box<Explained>>,
-    /// The verified controller. A realizable contract has none when nobody asked for it, or when a limit was reached after the
-    /// verdict; the findings say so.
+    /// The verified controller. A realizable contract has none when nobody asked for it, or when a
+    /// limit was reached after the verdict; the findings say so.
     pub controller: Option<mealy::Controller>,
     /// Why it is realizable, where that was asked for.
     pub ranking: Option<Ranking>,
@@ -95,7 +96,8 @@ pub struct CheckedContract {
     pub peak_nodes: Option<u64>,
     /// What it took, by phase.
     pub statistics: Statistics,
-    /// Whether its controller and its plant were left unexamined because the game is too large for that.
+    /// Whether its controller and its plant were left unexamined because the game is too large for
+    /// that.
     pub left_out: bool,
 }
 
@@ -153,11 +155,14 @@ pub struct Job {
     pub span: Span,
     /// How far to go.
     pub goal: Goal,
-    /// Whether the controller has to be a machine, whatever its size, although functions were wished for.
+    /// Whether the controller has to be a machine, whatever its size, although functions were
+    /// wished for.
     pub explicit: bool,
-    /// Whether another tool's file says it: then nothing is said about formulas that could be left out.
+    /// Whether another tool's file says it: then nothing is said about formulas that could be left
+    /// out.
     foreign: bool,
-    /// The specification with the assumptions that stand in the file only, where others were added; findings about assumptions are about it.
+    /// The specification with the assumptions that stand in the file only, where others were added;
+    /// findings about assumptions are about it.
     own: Option<Arc<Specification>>,
     /// For a specification of another tool: what to find out beside, to say what that tool answers.
     pub inquiries: Vec<Inquiry>,
@@ -168,11 +173,12 @@ pub struct Job {
 pub enum Goal {
     /// Only whether there is a controller.
     Answer,
-    /// The same; and if there is none, which guarantees clash. Nothing is extracted or verified, and only small
-    /// games are examined: for specifications whose controller nobody asked for, and which may be far larger than a contract.
+    /// The same; and if there is none, which guarantees clash. Nothing is extracted or verified,
+    /// and only small games are examined: for specifications whose controller nobody asked for, and
+    /// which may be far larger than a contract.
     Verdict,
-    /// The same; and if the game is small, a verified controller. What is small is the solver's business; the clock has no
-    /// part in it.
+    /// The same; and if the game is small, a verified controller. What is small is the solver's
+    /// business; the clock has no part in it.
     Small,
     /// A verified controller, whatever it costs.
     Controller,
@@ -199,8 +205,8 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// No jobs yet; those that come also look for what makes a realizable contract mean less than it seems to (LW205,
-    /// LW206, LW208). `build` and `run` do without: it changes no controller.
+    /// No jobs yet; those that come also look for what makes a realizable contract mean less than
+    /// it seems to (LW205, LW206, LW208). `build` and `run` do without: it changes no controller.
     pub fn examining() -> Self {
         Self {
             examine: true,
@@ -298,7 +304,8 @@ impl Jobs {
         self.run_with(None, settings, progress)
     }
 
-    /// The same without the jobs that a run before has done, if it asked for the same of them; this run is remembered instead.
+    /// The same without the jobs that a run before has done, if it asked for the same of them; this
+    /// run is remembered instead.
     pub fn run_with(
         &self,
         memory: Option<&mut Memory>,
@@ -325,7 +332,8 @@ impl Jobs {
         results
     }
 
-    /// Does one of them. A fault of this program is told where the contract stands, and leaves the others alone.
+    /// Does one of them. A fault of this program is told where the contract stands, and leaves the
+    /// others alone.
     fn done(&self, job: &Job, settings: &Settings) -> CheckedContract {
         let name = &job.specification.name;
         let doing = || format!("checking the contract `{name}`");

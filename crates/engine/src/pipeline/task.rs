@@ -59,8 +59,9 @@ impl Task {
         })
     }
 
-    /// Solves the specification, extracts its controller, and verifies that; also looks for what makes a realizable
-    /// contract mean less than it seems to. As soon as there is a verdict, it is given to `report`.
+    /// Solves the specification, extracts its controller, and verifies that; also looks for what
+    /// makes a realizable contract mean less than it seems to. As soon as there is a verdict, it is
+    /// given to `report`.
     fn check(&self, report: &dyn Fn(Known)) -> Result<Result<Known, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let heuristics: Vec<Heuristic> = Heuristic::ALL
@@ -132,8 +133,8 @@ impl Task {
         self.job.goal.extracts(large)
     }
 
-    /// What it shall be like. Where only a small game has one at all, a machine may still be large; functions show as well that
-    /// there is a right controller.
+    /// What it shall be like. Where only a small game has one at all, a machine may still be large;
+    /// functions show as well that there is a right controller.
     fn wish(&self) -> ExtractionOptions {
         ExtractionOptions {
             functions: !self.job.explicit && (self.wish.functions || self.job.goal == Goal::Small),
@@ -153,8 +154,8 @@ impl Task {
     ) -> Result<Result<Known, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let limits = &self.settings.limits;
-        // What a written controller looks like may depend on the order. So only where none is written may the search begin
-        // with what earlier runs have left.
+        // What a written controller looks like may depend on the order. So only where none is
+        // written may the search begin with what earlier runs have left.
         let version = cache.filter(|_| self.job.goal != Goal::Controller);
         let hints = version
             .and_then(|c| c.version(specification))
@@ -275,14 +276,16 @@ impl Task {
         game::solve_with(&self.job.specification, &options)
     }
 
-    /// What an entry says, cut down to what would be known without it. `None` when it does not say enough.
+    /// What an entry says, cut down to what would be known without it. `None` when it does not say
+    /// enough.
     fn recall(&self, entry: Entry) -> Option<Known> {
         let large = entry.statistics.large;
         let extracts = entry.realizable && self.extracts(large);
         let examines = entry.realizable && self.examines(large);
         let explains = !entry.realizable && self.job.goal > Goal::Answer;
         let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
-        // An entry is about the specification itself, and so would be what it says of the assumptions.
+        // An entry is about the specification itself, and so would be what it says of the
+        // assumptions.
         let other = examines && self.job.own.is_some();
         if other
             || extracts && !entry.extracted

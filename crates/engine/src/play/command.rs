@@ -1,4 +1,5 @@
-//! A line as a command. What is no command's word is a move: `name = value, name = value`, or values alone.
+//! A line as a command. What is no command's word is a move: `name = value, name = value`, or
+//! values alone.
 
 /// What a person can ask for.
 #[derive(Debug, Clone, PartialEq, Eq)]

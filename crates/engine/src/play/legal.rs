@@ -1,8 +1,9 @@
 //! What the rules of a side still say about the step to come, and which moves they leave.
 //!
-//! The formulas of the specification themselves are asked, never a controller. What is known of the step is put into them; moves
-//! are then looked for variable by variable, and left as soon as a formula can only be false, by interval arithmetic. Looking
-//! ends after so many tries: then it is not known whether there is a move, and that is said.
+//! The formulas of the specification themselves are asked, never a controller. What is known of the
+//! step is put into them; moves are then looked for variable by variable, and left as soon as a
+//! formula can only be false, by interval arithmetic. Looking ends after so many tries: then it is
+//! not known whether there is a move, and that is said.
 
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Owner, Specification, Time, VarId};
@@ -26,7 +27,8 @@ pub(super) struct Moves<'a> {
     specification: &'a Specification,
     /// What holds for them.
     pub rules: Vec<Rule<'a>>,
-    /// What has to hold of the step once it is left. A move that breaks it is legal, and no step can follow it.
+    /// What has to hold of the step once it is left. A move that breaks it is legal, and no step
+    /// can follow it.
     pub leaving: Vec<Rule<'a>>,
     /// The variables that are not known yet, and for each the value that is tried first.
     open: Vec<(VarId, i64)>,
@@ -43,7 +45,8 @@ pub(super) type Values = Vec<(VarId, i64)>;
 type Visit<'v> = dyn FnMut(&[(VarId, i64)]) -> ControlFlow<()> + 'v;
 
 impl<'a> Moves<'a> {
-    /// The moves of `side` after a step, or in step 0, where these values of the step are known already.
+    /// The moves of `side` after a step, or in step 0, where these values of the step are known
+    /// already.
     pub fn new(
         specification: &'a Specification,
         side: Owner,
@@ -108,7 +111,8 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// Whether a variable's value matters to any rule, also to one that counts once the step is left.
+    /// Whether a variable's value matters to any rule, also to one that counts once the step is
+    /// left.
     pub fn matters(&self, variable: VarId) -> bool {
         let mut rules = self.rules.iter().chain(&self.leaving);
         rules.any(|r| mentions(&r.left, variable))
@@ -127,7 +131,8 @@ impl<'a> Moves<'a> {
             .collect()
     }
 
-    /// A legal move with these values that a step can follow, as far as the rules of the step alone tell; if there is none, any legal move.
+    /// A legal move with these values that a step can follow, as far as the rules of the step alone
+    /// tell; if there is none, any legal move.
     pub fn find_lasting(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, TooMany> {
         let all = self.rules.iter().chain(&self.leaving);
         match self.find_under(all, fixed) {
@@ -255,7 +260,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The conjuncts of a rule from step to step that only speak of the step that is left. The recursion is as deep as the formula.
+/// The conjuncts of a rule from step to step that only speak of the step that is left. The
+/// recursion is as deep as the formula.
 fn lasting(expr: &Expr) -> Vec<&Expr> {
     match expr {
         Expr::Binary(BinaryOp::And, a, b) => [lasting(a), lasting(b)].concat(),
@@ -312,8 +318,8 @@ mod tests {
         }
     }
 
-    /// Inputs `a` (0..3) and `b` (0..4), an output `c` (0..2): `a + b <= 5` always, `next a + next b >= c + a` from step to step,
-    /// `a = 1` at first.
+    /// Inputs `a` (0..3) and `b` (0..4), an output `c` (0..2): `a + b <= 5` always,
+    /// `next a + next b >= c + a` from step to step, `a = 1` at first.
     fn specification() -> Specification {
         let [a, b, c] = [0, 1, 2].map(VarId);
         let binary = Expr::binary;

@@ -1,7 +1,8 @@
 //! A contract played step by step: a person has one side, a verified machine the other.
 //!
-//! Of a realizable contract the person is the plant, and its controller answers. Of one that is not, the person is the machine, and
-//! the counterstrategy plays the plant. What a person may do is decided by the contract's rules alone.
+//! Of a realizable contract the person is the plant, and its controller answers. Of one that is
+//! not, the person is the machine, and the counterstrategy plays the plant. What a person may do is
+//! decided by the contract's rules alone.
 //!
 //! [`Session`] takes commands as lines and gives texts; it knows neither files nor terminals.
 

@@ -1,4 +1,5 @@
-//! The other player: the controller of a realizable contract, or the counterstrategy of one that is not.
+//! The other player: the controller of a realizable contract, or the counterstrategy of one that is
+//! not.
 
 use linewright_core::gr1::{Owner, Timing};
 use linewright_solver::mealy::functions::State;
@@ -60,7 +61,8 @@ impl Opponent {
         Some(first.output.clone())
     }
 
-    /// What it gives in a step in which the person gives these values, and where it is then. None where they break a rule.
+    /// What it gives in a step in which the person gives these values, and where it is then. None
+    /// where they break a rule.
     pub(super) fn answer(&self, place: &Place, moved: &[i64]) -> Option<(Vec<i64>, Place)> {
         if let (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) =
             (self, place)

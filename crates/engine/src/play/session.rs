@@ -374,7 +374,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// That a legal move is the last one, because of these rules, of which some count once the step is left.
+    /// That a legal move is the last one, because of these rules, of which some count once the step
+    /// is left.
     fn last(&self, moves: &Moves<'_>, fixed: &[(VarId, i64)], rules: &[&Rule<'_>]) -> String {
         let mut known = self.known();
         for (variable, value) in fixed {
@@ -447,7 +448,8 @@ impl<'a> Session<'a> {
     }
 }
 
-/// The next number by chance (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014).
+/// The next number by chance (Steele, Lea and Flood, "Fast splittable pseudorandom number
+/// generators", 2014).
 fn draw(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let mut z = *state;

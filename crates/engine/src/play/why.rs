@@ -137,7 +137,8 @@ impl<'a> Book<'a> {
         line + "\n"
     }
 
-    /// A rule as its author wrote it, `assume held: always (a -> next a)`; from where that cannot be seen, its name and its formula.
+    /// A rule as its author wrote it, `assume held: always (a -> next a)`; from where that cannot
+    /// be seen, its name and its formula.
     pub fn title(&self, formula: &Formula) -> String {
         let file = self.sources.file(formula.span.file);
         let (start, end) = (

@@ -1,7 +1,7 @@
 //! Arrays: elements by numbers and by variables, and what is said of all elements.
 //!
-//! `a[i]` is a choice between the elements that `i` can name. All of them have to be there: an index that could leave its array is a
-//! mistake, as it is in Spectra.
+//! `a[i]` is a choice between the elements that `i` can name. All of them have to be there: an
+//! index that could leave its array is a mistake, as it is in Spectra.
 
 use super::reader::{Binding, Reader};
 use super::scope::{Cells, Symbol};
@@ -174,7 +174,8 @@ impl Reader {
         Some(found)
     }
 
-    /// `a.all`, `a.any`, `a.sum`, `a.prod`, `a.min`, `a.max`: of all elements; a variable that is no array has one.
+    /// `a.all`, `a.any`, `a.sum`, `a.prod`, `a.min`, `a.max`: of all elements; a variable that is
+    /// no array has one.
     pub fn function(&mut self, name: &Name, indices: &[Node], function: &Name) -> Option<Value> {
         let cells = match (self.bound(&name.text), self.symbol(&name.text, name.span)) {
             (Some(Binding::Cells(cells)), _) | (None, Some((Symbol::Variable(cells), _))) => {

@@ -1,8 +1,9 @@
-//! Automata over the steps of a run as state of the machine: what triggers and published patterns come to.
+//! Automata over the steps of a run as state of the machine: what triggers and published patterns
+//! come to.
 //!
-//! An [`Automaton`] reads truth values in each step. Its state is an internal variable of the machine: the value in step t
-//! comes from the steps before t, so the machine has no choice in it. That an accepting state is visited again and again is assumed or
-//! guaranteed.
+//! An [`Automaton`] reads truth values in each step. Its state is an internal variable of the
+//! machine: the value in step t comes from the steps before t, so the machine has no choice in it.
+//! That an accepting state is visited again and again is assumed or guaranteed.
 
 use super::reader::Reader;
 use super::value::{Kind, Value};

@@ -1,7 +1,7 @@
 //! Comparisons: what is equal, and the order of enumerations.
 //!
-//! Values of enumerations are equal where their names are. Two variables of enumerations can be compared by size, which goes by the
-//! places of their values, as in Spectra's tool.
+//! Values of enumerations are equal where their names are. Two variables of enumerations can be
+//! compared by size, which goes by the places of their values, as in Spectra's tool.
 
 use super::reader::Reader;
 use super::syntax::Node;

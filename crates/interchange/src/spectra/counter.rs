@@ -1,4 +1,5 @@
-//! Counters: `counter c(0..9) { c = 0; inc: p; dec: q; reset: r; overflow: keep; underflow: modulo; }`.
+//! Counters: `counter c(0..9) { c = 0; inc: p; dec: q; reset: r; overflow: keep; underflow: modulo;
+//! }`.
 //!
 //! The counter is an internal variable of the machine. From each step to the next:
 //!
@@ -9,8 +10,9 @@
 //! | `reset` | to the lower end |
 //! | none of them | as it was |
 //!
-//! Where nothing is said of an end, it is `false`. Each is a demand of its own, as in Spectra: two of them in one step that ask for
-//! different values cannot be kept, so the machine has to prevent that.
+//! Where nothing is said of an end, it is `false`. Each is a demand of its own, as in Spectra: two
+//! of them in one step that ask for different values cannot be kept, so the machine has to prevent
+//! that.
 
 use super::reader::Reader;
 use super::scope::Cells;

@@ -1,9 +1,11 @@
 //! The patterns that Spectra's users import as `DwyerPatterns.spectra`.
 //!
-//! Maoz and Ringert (GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015) took the patterns of Dwyer, Avrunin and
-//! Corbett (Patterns in Property Specifications for Finite-State Verification, ICSE 1999) and gave each an automaton whose state
-//! infinitely often says that the formula holds. Names, parameters and formulas are theirs; the automata are made here, from the
-//! formulas, by [`ltl`]. As in their translation, also a pattern that a finite run can break is asked for by justice only.
+//! Maoz and Ringert (GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015) took the
+//! patterns of Dwyer, Avrunin and Corbett (Patterns in Property Specifications for Finite-State
+//! Verification, ICSE 1999) and gave each an automaton whose state infinitely often says that the
+//! formula holds. Names, parameters and formulas are theirs; the automata are made here, from the
+//! formulas, by [`ltl`]. As in their translation, also a pattern that a finite run can break is
+//! asked for by justice only.
 
 use linewright_automata::ltl::{self, Formula, Formulas, Node};
 use linewright_automata::symbolic::Automaton;

@@ -1,4 +1,5 @@
-//! Formulas: names are looked up, operators are applied, kinds are checked. What has its own rules has its own file.
+//! Formulas: names are looked up, operators are applied, kinds are checked. What has its own rules
+//! has its own file.
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;

@@ -1,8 +1,8 @@
 //! `import "Rules.spectra"`: the file, and those that it imports, each read once.
 //!
-//! An import brings in types, defines, predicates, patterns and regular expressions. Variables, monitors, counters, assumptions and
-//! guarantees stay behind, as in Spectra, whose scopes look for them in the file itself. So it does no harm that files import
-//! each other in a circle.
+//! An import brings in types, defines, predicates, patterns and regular expressions. Variables,
+//! monitors, counters, assumptions and guarantees stay behind, as in Spectra, whose scopes look for
+//! them in the file itself. So it does no harm that files import each other in a circle.
 //!
 //! The file of the published patterns is there also where it is not: see [`dwyer`](super::dwyer).
 

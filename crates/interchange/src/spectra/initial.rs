@@ -1,6 +1,7 @@
 //! Initial conditions that say more than one side can keep in the first step.
 //!
-//! Spectra's type checker looks for that in a formula itself, not in the definitions that it uses. What gets through has a meaning:
+//! Spectra's type checker looks for that in a formula itself, not in the definitions that it uses.
+//! What gets through has a meaning:
 //!
 //! | | |
 //! |---|---|
@@ -18,7 +19,8 @@ use std::collections::BTreeSet;
 const MAX_VALUES: u64 = 1 << 12;
 
 impl Reader {
-    /// An initial condition over two steps, as a formula from each step to the next: it holds where no step was before.
+    /// An initial condition over two steps, as a formula from each step to the next: it holds where
+    /// no step was before.
     pub fn first_transition(&mut self, expr: Expr) -> Expr {
         let origin = self.origin.clone();
         let finding = Diagnostic::warning(
@@ -31,8 +33,9 @@ impl Reader {
         self.monitors.previous(&Expr::TRUE, &origin).or(expr)
     }
 
-    /// What an initial assumption leaves to the environment, if the machine's variables are in it through definitions, monitors and
-    /// counters only; nothing where it speaks of them itself, or would become too large.
+    /// What an initial assumption leaves to the environment, if the machine's variables are in it
+    /// through definitions, monitors and counters only; nothing where it speaks of them itself, or
+    /// would become too large.
     pub fn left_to_environment(&mut self, expr: &Expr) -> Option<Expr> {
         let mut outputs = BTreeSet::new();
         expr.for_each_var(&mut |v, time| {

@@ -1,7 +1,8 @@
 //! What the names of each file stand for.
 //!
-//! A file sees what it declares itself and what the files that it imports declare, not what those import. A definition is read with
-//! the names of its own file, wherever it is used: each name carries its place, and its place tells the file.
+//! A file sees what it declares itself and what the files that it imports declare, not what those
+//! import. A definition is read with the names of its own file, wherever it is used: each name
+//! carries its place, and its place tells the file.
 
 use super::import::Target;
 use super::reader::Reader;
@@ -22,7 +23,8 @@ impl Reader {
         scopes.flatten()
     }
 
-    /// What a name means in the file in which it is used: its own meaning, or the first one that is imported.
+    /// What a name means in the file in which it is used: its own meaning, or the first one that is
+    /// imported.
     pub fn symbol(&self, name: &str, at: Span) -> Option<&(Symbol, Span)> {
         let own = self.scopes.get(&at.file)?.symbols.get(name);
         own.or_else(|| {

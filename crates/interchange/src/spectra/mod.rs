@@ -1,7 +1,8 @@
-//! Spectra's language (Maoz, Ringert: Spectra: a specification language for reactive systems, Software and Systems Modeling
-//! 2021), whole.
+//! Spectra's language (Maoz, Ringert: Spectra: a specification language for reactive systems,
+//! Software and Systems Modeling 2021), whole.
 //!
-//! Its meaning is strict GR(1) with Mealy timing. Constructs beyond variables and formulas are lowered, each by its own file:
+//! Its meaning is strict GR(1) with Mealy timing. Constructs beyond variables and formulas are
+//! lowered, each by its own file:
 //!
 //! | construct | file |
 //! |---|---|
@@ -16,11 +17,11 @@
 //! | `trig`, `regexp` | `trigger`, `regexp`, `automata::derivative` |
 //! | `ini`, `G`, `alw`, `GF` | `statement`, `initial` |
 //!
-//! What counts weights (an energy objective) or asks for the existence of runs has no place in GR(1): the former is ignored with a note, the
-//! latter refused.
+//! What counts weights (an energy objective) or asks for the existence of runs has no place in
+//! GR(1): the former is ignored with a note, the latter refused.
 //!
-//! Declarations may stand in any order, so a file is read in three passes: its words into declarations ([`parser`]), names and types,
-//! formulas. Imported files take part in the first two.
+//! Declarations may stand in any order, so a file is read in three passes: its words into
+//! declarations ([`parser`]), names and types, formulas. Imported files take part in the first two.
 
 mod array;
 mod automaton;

@@ -8,8 +8,8 @@
 //! | `p SINCE q` | q in some step k up to t, and p in all steps after k up to t |
 //! | `p TRIGGERED q` | not (not p SINCE not q) |
 //!
-//! `PREV` may stand before what speaks of the next step: that is the step at hand. Where the formula also speaks of its own step, its
-//! variables are remembered one by one.
+//! `PREV` may stand before what speaks of the next step: that is the step at hand. Where the
+//! formula also speaks of its own step, its variables are remembered one by one.
 
 use super::reader::Reader;
 use super::syntax::{Node, Past, SinceOp};

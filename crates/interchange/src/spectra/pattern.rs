@@ -1,8 +1,10 @@
-//! Patterns: `gar respondsTo(a, b);` with `pattern respondsTo(p, q) { var boolean ...; ... GF ...; }`.
+//! Patterns: `gar respondsTo(a, b);` with
+//! `pattern respondsTo(p, q) { var boolean ...; ... GF ...; }`.
 //!
-//! Each use has variables of its own, which are the machine's internal ones, and what the pattern says of their beginning and steps is
-//! the machine's duty, also where the pattern is assumed: so it is in Spectra. What the pattern asks for by `GF` is assumed or
-//! guaranteed. A published pattern is an automaton in place of that.
+//! Each use has variables of its own, which are the machine's internal ones, and what the pattern
+//! says of their beginning and steps is the machine's duty, also where the pattern is assumed: so
+//! it is in Spectra. What the pattern asks for by `GF` is assumed or guaranteed. A published
+//! pattern is an automaton in place of that.
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;

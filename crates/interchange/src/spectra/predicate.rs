@@ -1,7 +1,7 @@
 //! Predicates: `predicate free(Int(0..3) room): !occupied[room];`, used as `free(2)`.
 //!
-//! Arguments are put in by value. As a formula's value is an expression, `next(free(r))` speaks of next values within the argument
-//! too.
+//! Arguments are put in by value. As a formula's value is an expression, `next(free(r))` speaks of
+//! next values within the argument too.
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;

@@ -1,4 +1,5 @@
-//! `forall i in Int(0..3) . p(i)`, `exists v in {a, b} . x = v`: the formula for each value, taken together.
+//! `forall i in Int(0..3) . p(i)`, `exists v in {a, b} . x = v`: the formula for each value, taken
+//! together.
 
 use super::array::constant;
 use super::reader::{Binding, Reader};

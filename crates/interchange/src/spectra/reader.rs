@@ -65,7 +65,8 @@ pub(super) struct Reader {
     pub origin: Origin,
     /// How often each stem was given to helpers.
     pub numbers: BTreeMap<String, u32>,
-    /// Defines that were expanded, by their names' places. Nothing around a define is seen in it, so it is expanded once.
+    /// Defines that were expanded, by their names' places. Nothing around a define is seen in it,
+    /// so it is expanded once.
     pub expanded: BTreeMap<Span, Expansion>,
     depth: u32,
     budget: u64,

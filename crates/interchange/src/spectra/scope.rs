@@ -29,7 +29,8 @@ pub(super) enum Symbol {
 }
 
 impl Symbol {
-    /// Whether a file that imports this one may use it: it is a definition, with no state of its own.
+    /// Whether a file that imports this one may use it: it is a definition, with no state of its
+    /// own.
     pub fn is_definition(&self) -> bool {
         !matches!(self, Self::Variable(_))
     }

@@ -7,8 +7,8 @@
 //! | `alw` | in every step; with `next`, as `G` | in every step where it is about inputs and their past; else as `G` |
 //! | `GF` | again and again | again and again |
 //!
-//! `asm alw` over the machine's variables is judged when the environment has made its next move, as Spectra's tool does: it could not
-//! be blamed for what the machine answers.
+//! `asm alw` over the machine's variables is judged when the environment has made its next move, as
+//! Spectra's tool does: it could not be blamed for what the machine answers.
 
 use super::parser::one_line;
 use super::reader::Reader;
@@ -89,7 +89,8 @@ impl Reader {
     fn body(&mut self, statement: &Statement) -> Option<()> {
         let side = statement.side;
         match &statement.body {
-            // They make it GR(1)* (Amram, Maoz, Pistiner: GR(1)*: GR(1) Specifications Extended with Existential Guarantees, FM 2019).
+            // They make it GR(1)* (Amram, Maoz, Pistiner: GR(1)*: GR(1) Specifications Extended
+            // with Existential Guarantees, FM 2019).
             Body::Existential(span) => {
                 self.error(
                     codes::NOT_GR1,
@@ -104,8 +105,8 @@ impl Reader {
         }
     }
 
-    /// A formula, a pattern or a regular expression, also below `forall`. A pattern says itself when it has to hold: `G` before it
-    /// adds nothing.
+    /// A formula, a pattern or a regular expression, also below `forall`. A pattern says itself
+    /// when it has to hold: `G` before it adds nothing.
     fn lowered(&mut self, side: Owner, clause: &Clause, node: &Node) -> Option<()> {
         let plain = !clause.explicit || matches!(clause.when, When::Transition | When::Always);
         match &node.shape {

@@ -1,14 +1,16 @@
 //! Triggers: `trig r |=> e`, and `G regexp(r)`, `GF regexp(r)`.
 //!
-//! Whenever r matches, e has to match the steps that follow (Amram, Ma'ayan, Maoz, Pistiner, Ringert: Triggers for Reactive Synthesis
-//! Specifications, ICSE 2023). Matches do not overlap, and each is the shortest:
+//! Whenever r matches, e has to match the steps that follow (Amram, Ma'ayan, Maoz, Pistiner,
+//! Ringert: Triggers for Reactive Synthesis Specifications, ICSE 2023). Matches do not overlap, and
+//! each is the shortest:
 //!
 //! 1. Steps are read until those read so far match r; if that never happens, all is well.
-//! 2. The steps from the next one on are read until they match e. That has to happen some day; then it begins anew with 1 in the
-//!    step after.
+//! 2. The steps from the next one on are read until they match e. That has to happen some day; then
+//!    it begins anew with 1 in the step after.
 //!
-//! Where r matches the empty word, 1 takes no step. Where e does, nothing is asked. `GF regexp(r)` is `trig true* |=> true* r`:
-//! again and again some steps match r. `G regexp(r)` is `trig true* |=> r`: the run is cut into pieces that match r.
+//! Where r matches the empty word, 1 takes no step. Where e does, nothing is asked. `GF regexp(r)`
+//! is `trig true* |=> true* r`: again and again some steps match r. `G regexp(r)` is
+//! `trig true* |=> r`: the run is cut into pieces that match r.
 
 use super::reader::Reader;
 use super::syntax::{Regexp, When};
@@ -67,12 +69,14 @@ impl Reader {
     }
 }
 
-/// The automaton of a trigger; `None` where nothing is asked. Its states are those of `from`, then those of `to`.
+/// The automaton of a trigger; `None` where nothing is asked. Its states are those of `from`, then
+/// those of `to`.
 pub(super) fn chained(from: &Automaton, to: &Automaton) -> Option<Automaton> {
     if to.accepting[0] || from.accepting.iter().all(|a| !a) {
         return None;
     }
-    // Without a step for r, one state stands for what is done: it goes on as the beginning of e does.
+    // Without a step for r, one state stands for what is done: it goes on as the beginning of e
+    // does.
     let at_once = from.accepting[0];
     let count = if at_once { 1 } else { from.steps.len() };
     let in_effect = |s: usize| if to.accepting[s] { 0 } else { count + s };

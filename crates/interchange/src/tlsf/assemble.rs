@@ -5,7 +5,8 @@ use super::meaning::Sides;
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, Timing, VarId, Variable};
 use linewright_core::source::Span;
 
-/// Puts everything together: the specification, and where some of its assumptions are not the file's own, what it is with only those.
+/// Puts everything together: the specification, and where some of its assumptions are not the
+/// file's own, what it is with only those.
 pub(super) fn specifications(
     name: &str,
     timing: Timing,

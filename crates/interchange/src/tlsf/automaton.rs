@@ -1,7 +1,8 @@
 //! What breaks after finitely many steps, watched by a deterministic automaton.
 //!
-//! The formula is one about conditions on a step, which are its letters; only choices of them that some values make are looked at, and
-//! the others do not matter to what the automaton is written as.
+//! The formula is one about conditions on a step, which are its letters; only choices of them that
+//! some values make are looked at, and the others do not matter to what the automaton is written
+//! as.
 
 use super::ltl::{F, Formulas, Op};
 use linewright_automata::dfa::Dfa;
@@ -39,8 +40,8 @@ struct Builder {
     known: BTreeMap<(F, bool), Node>,
 }
 
-/// The automaton of a safety formula; `None` where it would become too large. `state` gives the expression of a formula about one
-/// step.
+/// The automaton of a safety formula; `None` where it would become too large. `state` gives the
+/// expression of a formula about one step.
 pub(super) fn of(
     formulas: &Formulas,
     f: F,

@@ -61,8 +61,8 @@ impl Meaning<'_, '_, '_> {
         }
     }
 
-    /// What INITIALLY and PRESET ask of more than the first step, as far as other sections can ask it:
-    /// `I -> P & (A -> B)` is `(I -> P) & (I & A -> B)`, and without A `P & B`.
+    /// What INITIALLY and PRESET ask of more than the first step, as far as other sections can ask
+    /// it: `I -> P & (A -> B)` is `(I -> P) & (I & A -> B)`, and without A `P & B`.
     pub(super) fn first_steps(&mut self, mut wishes: Vec<Conjunct>) -> Vec<Conjunct> {
         let formulas = &mut *self.classifier.formulas;
         let variables = self.variables;

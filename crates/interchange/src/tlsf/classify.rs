@@ -32,7 +32,8 @@ pub(super) enum Piece {
     Recurrent(Expr),
     /// Holds from some step on.
     Persistent(Expr),
-    /// If the first ones hold again and again, then so does the last. The formulas are those that the first ones deny.
+    /// If the first ones hold again and again, then so does the last. The formulas are those that
+    /// the first ones deny.
     Pair(Vec<(F, Expr)>, Expr),
 }
 
@@ -161,7 +162,8 @@ impl<'f> Classifier<'f> {
         }
     }
 
-    /// A formula about finitely many steps, once all of them are over; its value in the first ones does not matter.
+    /// A formula about finitely many steps, once all of them are over; its value in the first ones
+    /// does not matter.
     fn looked_back(&mut self, f: F) -> Option<Expr> {
         // Of a step and the next one, justice speaks as it is.
         let ahead = self.formulas.ahead(f)?.max(1) - 1;
@@ -220,7 +222,8 @@ impl<'f> Classifier<'f> {
         Ok(Piece::Recurrent(balanced(BinaryOp::And, parts)))
     }
 
-    /// A formula that a run keeps by a finite beginning: its denial is safety, which breaks some day.
+    /// A formula that a run keeps by a finite beginning: its denial is safety, which breaks some
+    /// day.
     fn reached(&mut self, f: F) -> Option<Piece> {
         let denial = self.formulas.positive(f, true);
         if !self.formulas.is_safety(denial) {
@@ -236,7 +239,8 @@ impl<'f> Classifier<'f> {
         Some(Piece::Recurrent(negated(&kept)))
     }
 
-    /// A formula whose denial is made of parts about the long run: `F (a & X G !b)` denies `G (a -> X F b)`.
+    /// A formula whose denial is made of parts about the long run: `F (a & X G !b)` denies
+    /// `G (a -> X F b)`.
     fn denied(&mut self, f: F) -> Option<Piece> {
         if self.denying {
             return None;

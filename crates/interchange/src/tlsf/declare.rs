@@ -169,7 +169,8 @@ pub(super) fn signals<'f>(
     Some(variables)
 }
 
-/// A bus of an enumeration shows one of its values: that is required of inputs and asserted of outputs.
+/// A bus of an enumeration shows one of its values: that is required of inputs and asserted of
+/// outputs.
 pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Vec<Conjunct> {
     let mut found = Vec::new();
     for signal in &file.signals {

@@ -20,7 +20,8 @@ impl Parser<'_, '_> {
                 if power <= least {
                     break;
                 }
-                // `&&[` behind an operand begins the next one, which only a missing operator explains.
+                // `&&[` behind an operand begins the next one, which only a missing operator
+                // explains.
                 parser.at += 1;
                 let other = parser.binding(if right { power - 1 } else { power })?;
                 left = match (op, left.kind) {

@@ -46,7 +46,8 @@ pub(super) fn formula(found: &Found, expr: &Expr) -> Formula {
     }
 }
 
-/// Constants among what is assumed or promised: what says nothing is left out, and what nothing can keep is as well asked again and again.
+/// Constants among what is assumed or promised: what says nothing is left out, and what nothing can
+/// keep is as well asked again and again.
 pub(super) fn only_in_vain(list: &mut Vec<Found>) {
     let constant = |f: &Found| match f.piece {
         Piece::Initial(Expr::Const(value)) | Piece::Invariant(Expr::Const(value)) => Some(value),

@@ -1,8 +1,10 @@
-//! Temporal operators made with the equivalences that move what only the long run decides out of them.
+//! Temporal operators made with the equivalences that move what only the long run decides out of
+//! them.
 //!
-//! `L` is a formula about the long run: `G F a`, `F G a`, or these joined. It holds in a step exactly if it holds in any later one, so no
-//! temporal operator matters to it (Esparza, Křetínský and Sickert, A unified translation of linear temporal logic to ω-automata, 2020,
-//! rest on the same):
+//! `L` is a formula about the long run: `G F a`, `F G a`, or these joined. It holds in a step
+//! exactly if it holds in any later one, so no temporal operator matters to it (Esparza, Křetínský
+//! and Sickert, A unified translation of linear temporal logic to ω-automata, 2020, rest on the
+//! same):
 //!
 //! ```text
 //! X L = G L = F L = L          G (a | L) = G a | L                 F (a & L) = F a & L
@@ -43,7 +45,8 @@ impl Formulas {
         (!long.is_empty()).then_some((long, rest))
     }
 
-    /// The operands of a conjunction or a disjunction with some about the long run: these, and what is left of the others.
+    /// The operands of a conjunction or a disjunction with some about the long run: these, and what
+    /// is left of the others.
     fn divided(&mut self, f: F) -> Option<(bool, Vec<F>, F)> {
         let place = self.place(f);
         match self.op(f).clone() {

@@ -1,6 +1,8 @@
-//! Formulas of linear temporal logic, expanded: nodes that know where they were written, how large they are, and how far they look.
+//! Formulas of linear temporal logic, expanded: nodes that know where they were written, how large
+//! they are, and how far they look.
 //!
-//! Not [`linewright_automata::ltl`], whose nodes are shared wherever they are equal: two equal formulas here are two places to point at.
+//! Not [`linewright_automata::ltl`], whose nodes are shared wherever they are equal: two equal
+//! formulas here are two places to point at.
 
 use linewright_core::gr1::VarId;
 use std::collections::BTreeMap;

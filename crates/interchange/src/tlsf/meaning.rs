@@ -1,7 +1,8 @@
 //! How the sections make one formula, and that formula as a strict GR(1) specification.
 //!
-//! With the conjunctions *I*, *P*, *R*, *A*, *S*, *G* of INITIALLY, PRESET, REQUIRE, ASSUME, ASSERT and GUARANTEE, a file means (Jacobs,
-//! Klein and Schirmer, A High-Level LTL Synthesis Format: TLSF v1.1, SYNT 2016)
+//! With the conjunctions *I*, *P*, *R*, *A*, *S*, *G* of INITIALLY, PRESET, REQUIRE, ASSUME, ASSERT
+//! and GUARANTEE, a file means (Jacobs, Klein and Schirmer, A High-Level LTL Synthesis Format: TLSF
+//! v1.1, SYNT 2016)
 //!
 //! ```text
 //! plain    I -> P & (G R & A -> G S & G)
@@ -10,9 +11,9 @@
 //!
 //! # Plain implications in a strict game
 //!
-//! A [`Specification`] is strict: the machine has to keep its safety for as long as the environment has kept its own. By a plain
-//! implication it may break its safety as soon as the environment will have to break an assumption, however late. So what is promised
-//! under assumptions is asked as
+//! A [`Specification`] is strict: the machine has to keep its safety for as long as the environment
+//! has kept its own. By a plain implication it may break its safety as soon as the environment will
+//! have to break an assumption, however late. So what is promised under assumptions is asked as
 //!
 //! ```text
 //! safety   promise | broken'          an internal variable may admit that it was broken,
@@ -20,13 +21,15 @@
 //! justice  !broken                    which loses unless an assumption is broken.
 //! ```
 //!
-//! Nothing is added where nothing is assumed beyond step 0, nor for PRESET and strict ASSERT. Those have to be kept in a step in which the
-//! environment breaks an assumption, so where there are some, assumptions count from the next step on: `R` becomes a condition on the
-//! environment's next move. Then "from every step to the next the environment keeps all R of this step, or else the machine all S of this
-//! step" is `S W !R` to the letter, as long as neither looks further than the next step.
+//! Nothing is added where nothing is assumed beyond step 0, nor for PRESET and strict ASSERT. Those
+//! have to be kept in a step in which the environment breaks an assumption, so where there are
+//! some, assumptions count from the next step on: `R` becomes a condition on the environment's next
+//! move. Then "from every step to the next the environment keeps all R of this step, or else the
+//! machine all S of this step" is `S W !R` to the letter, as long as neither looks further than the
+//! next step.
 //!
-//! From what PRESET asks of all steps no assumption excuses. Where there is such a thing, no assumption is one of safety: that it has been
-//! kept so far is assumed again and again.
+//! From what PRESET asks of all steps no assumption excuses. Where there is such a thing, no
+//! assumption is one of safety: that it has been kept so far is assumed again and again.
 
 use super::ast::Section;
 use super::classify::{Classifier, Piece, Refusal};
@@ -49,7 +52,8 @@ pub(super) struct Meaning<'c, 'f, 'r> {
     pub kept_anyway: bool,
 }
 
-/// What is to be kept in the very step in which an assumption is broken, which therefore counts later.
+/// What is to be kept in the very step in which an assumption is broken, which therefore counts
+/// later.
 #[derive(Debug, Clone, Copy)]
 struct When {
     /// Something about a step.
@@ -64,8 +68,9 @@ struct When {
 pub(super) struct Sides {
     pub assumptions: Side,
     pub guarantees: Side,
-    /// The assumptions that stand in the file as they are here. The others were moved by a step, made of what was kept so far, or of
-    /// promises: what a solver finds odd about those is odd about this encoding.
+    /// The assumptions that stand in the file as they are here. The others were moved by a step,
+    /// made of what was kept so far, or of promises: what a solver finds odd about those is odd
+    /// about this encoding.
     pub own: Side,
 }
 
@@ -162,7 +167,8 @@ impl Meaning<'_, '_, '_> {
             };
             self.assumption(found, when, &mut sides, &mut excused);
         }
-        // Where outputs of the next step are required, the machine breaks REQUIRE and ASSERT with the same move.
+        // Where outputs of the next step are required, the machine breaks REQUIRE and ASSERT with
+        // the same move.
         let mut released = Vec::new();
         for found in require.iter().filter(|_| self.strict) {
             let late = |e: &Expr| self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v));
@@ -198,7 +204,8 @@ impl Meaning<'_, '_, '_> {
         }
     }
 
-    /// In a strict file with assumptions, neither side of `S W !R` may look further than the next step.
+    /// In a strict file with assumptions, neither side of `S W !R` may look further than the next
+    /// step.
     fn check_strict(&mut self, require: &[Found], assert: &[Found]) {
         let mut wrong = Vec::new();
         for found in require.iter().chain(assert) {

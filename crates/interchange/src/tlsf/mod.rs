@@ -1,17 +1,20 @@
 //! Reads `.tlsf` files: the Temporal Logic Synthesis Format, basic and full.
 //!
-//! Sources: Jacobs, Klein and Schirmer, "A High-Level LTL Synthesis Format: TLSF v1.1", SYNT 2016; for runs that end, which are refused,
-//! Jacobs, Pérez and Schlehuber-Caissier, "The Temporal Logic Synthesis Format TLSF v1.2", 2023.
+//! Sources: Jacobs, Klein and Schirmer, "A High-Level LTL Synthesis Format: TLSF v1.1", SYNT 2016;
+//! for runs that end, which are refused, Jacobs, Pérez and Schlehuber-Caissier, "The Temporal Logic
+//! Synthesis Format TLSF v1.2", 2023.
 //!
 //! ```text
 //! text ─lexer→ words ─parser→ ast::File ─expand→ ltl::Formulas ─normal→ parts ─classify→ pieces of GR(1) ─meaning→ Specification
 //! ```
 //!
-//! The format is that of LTL synthesis, so not every file is one of GR(1): what is left over after the equivalences of [`normal`],
-//! [`long_run`] and [`classify`] is refused, at the smallest part that has none. A bus becomes a Boolean variable an element, `HBURST[0]`.
+//! The format is that of LTL synthesis, so not every file is one of GR(1): what is left over after
+//! the equivalences of [`normal`], [`long_run`] and [`classify`] is refused, at the smallest part
+//! that has none. A bus becomes a Boolean variable an element, `HBURST[0]`.
 //!
-//! The parser bounds the nesting of expressions, the expansion its depth, its steps and the size of what it makes. Definitions may call
-//! themselves thousands of times, so all of it runs on a stack of its own.
+//! The parser bounds the nesting of expressions, the expansion its depth, its steps and the size of
+//! what it makes. Definitions may call themselves thousands of times, so all of it runs on a stack
+//! of its own.
 
 mod assemble;
 mod ast;
@@ -53,7 +56,8 @@ pub(super) use operators::is_reserved;
 use report::Report;
 use std::collections::BTreeMap;
 
-/// What was read: the specification, and where some of its assumptions are not the file's own, what it is with only those.
+/// What was read: the specification, and where some of its assumptions are not the file's own, what
+/// it is with only those.
 type Read = (Specification, Option<Specification>);
 
 fn empty(name: &str) -> Specification {

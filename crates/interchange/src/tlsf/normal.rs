@@ -16,8 +16,8 @@ use super::ltl::{F, Formulas, Op};
 const MAX_PARTS: usize = 1024;
 
 impl Formulas {
-    /// The formula, or its negation, with negations only before formulas about finitely many steps. The recursion is as deep as the
-    /// formula.
+    /// The formula, or its negation, with negations only before formulas about finitely many steps.
+    /// The recursion is as deep as the formula.
     pub fn positive(&mut self, f: F, negated: bool) -> F {
         if self.ahead(f).is_some() {
             return if negated { self.not(f) } else { f };
@@ -118,7 +118,8 @@ impl Formulas {
         }
     }
 
-    /// The parts that hold together exactly if the formula holds. It has been made [`positive`](Self::positive).
+    /// The parts that hold together exactly if the formula holds. It has been made
+    /// [`positive`](Self::positive).
     pub fn parts(&mut self, f: F) -> Vec<F> {
         let place = self.place(f);
         match self.op(f).clone() {

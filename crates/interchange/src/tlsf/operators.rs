@@ -1,7 +1,8 @@
 //! The operators, and how tightly they bind.
 //!
-//! The order is that of the format's definition, tightest first: `SIZEOF MIN MAX SIZE SUM PROD`, `*`, `/ %`, `+ -`, set operators,
-//! comparisons, `IN`, `! X G F &&[..] ||[..]`, `&&`, `||`, `-> <->`, `W`, `U`, `R`, `~`, `:`. So `a -> b W c` is `(a -> b) W c`.
+//! The order is that of the format's definition, tightest first: `SIZEOF MIN MAX SIZE SUM PROD`,
+//! `*`, `/ %`, `+ -`, set operators, comparisons, `IN`, `! X G F &&[..] ||[..]`, `&&`, `||`,
+//! `-> <->`, `W`, `U`, `R`, `~`, `:`. So `a -> b W c` is `(a -> b) W c`.
 
 use super::ast::{Big, Binary, Unary};
 

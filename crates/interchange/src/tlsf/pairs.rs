@@ -7,7 +7,8 @@ use super::meaning::Meaning;
 use linewright_core::gr1::{Expr, Formula};
 
 impl Meaning<'_, '_, '_> {
-    /// What promises of the form "if again and again, then again and again" assume; all have to assume the same.
+    /// What promises of the form "if again and again, then again and again" assume; all have to
+    /// assume the same.
     pub(super) fn pairs(
         &mut self,
         assert: &[Found],

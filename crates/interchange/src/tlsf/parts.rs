@@ -11,8 +11,8 @@ use linewright_core::source::Span;
 use std::collections::BTreeMap;
 
 impl Meaning<'_, '_, '_> {
-    /// Conjunctions at the top, and implications, taken apart: `H & (A -> B)` is PRESET, ASSUME and GUARANTEE, where H is safety and nothing
-    /// else is assumed; without H anything may be.
+    /// Conjunctions at the top, and implications, taken apart: `H & (A -> B)` is PRESET, ASSUME and
+    /// GUARANTEE, where H is safety and nothing else is assumed; without H anything may be.
     pub(super) fn flattened(&mut self, wishes: Vec<Conjunct>) -> Vec<Conjunct> {
         let mut wishes = self.split(wishes);
         loop {
@@ -111,7 +111,8 @@ impl Meaning<'_, '_, '_> {
         found
     }
 
-    /// The parts of a formula of a section that hold together exactly if it holds in the way of the section.
+    /// The parts of a formula of a section that hold together exactly if it holds in the way of the
+    /// section.
     pub(super) fn parts(&mut self, wish: &Conjunct, section: Section) -> Vec<F> {
         let formulas = &mut *self.classifier.formulas;
         let place = formulas.place(wish.formula);

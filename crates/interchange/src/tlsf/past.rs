@@ -1,4 +1,5 @@
-//! Formulas about finitely many steps, and safety, as conditions on this step and what monitors remember.
+//! Formulas about finitely many steps, and safety, as conditions on this step and what monitors
+//! remember.
 
 use super::automaton;
 use super::classify::{Classifier, Piece};
@@ -39,8 +40,8 @@ impl Classifier<'_> {
         }
     }
 
-    /// A formula about finitely many steps, from the step that is `back` steps ago on; it may look one step ahead of now. `None` for any
-    /// other.
+    /// A formula about finitely many steps, from the step that is `back` steps ago on; it may look
+    /// one step ahead of now. `None` for any other.
     pub fn seen(&mut self, f: F, back: i64) -> Option<Expr> {
         if self.formulas.is_state(f) {
             let e = Self::state(self.formulas, f)?.simplify();
@@ -171,8 +172,8 @@ impl Classifier<'_> {
         Some(automaton.by_state(&state(id), &ok))
     }
 
-    /// `a W b` and `a R b` about finitely many steps, on which there is no bound here: `a` in every step up to which `b` has not been, and
-    /// `b` in every step before which `a` has not been.
+    /// `a W b` and `a R b` about finitely many steps, on which there is no bound here: `a` in every
+    /// step up to which `b` has not been, and `b` in every step before which `a` has not been.
     pub fn unless(&mut self, f: F) -> Option<Expr> {
         let (kept, end, release) = match *self.formulas.op(f) {
             Op::Weak(a, b) => (a, b, false),

@@ -1,8 +1,9 @@
 //! A file for one machine, asked of the other one.
 //!
-//! Where TARGET is not the machine that SEMANTICS was written for, the formula is moved by a step: for a Moore machine a Mealy formula
-//! reads outputs one step later, for a Mealy machine a Moore formula reads inputs one step later; or the other side one step earlier,
-//! where the formula reads it behind `X` only. Either way the file has the verdict of its own semantics.
+//! Where TARGET is not the machine that SEMANTICS was written for, the formula is moved by a step:
+//! for a Moore machine a Mealy formula reads outputs one step later, for a Mealy machine a Moore
+//! formula reads inputs one step later; or the other side one step earlier, where the formula reads
+//! it behind `X` only. Either way the file has the verdict of its own semantics.
 
 use super::ast::Semantics;
 use super::found::Conjunct;

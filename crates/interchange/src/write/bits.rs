@@ -22,8 +22,8 @@ impl Gates {
         self.at_most(domain, v, time, domain.size() - 1)
     }
 
-    /// That the bits hold at most this number: from the lowest bit up, "at most so far" is "this bit is below the bound's, or equal
-    /// and the lower ones are at most".
+    /// That the bits hold at most this number: from the lowest bit up, "at most so far" is "this
+    /// bit is below the bound's, or equal and the lower ones are at most".
     fn at_most(&mut self, domain: &Domain, v: VarId, time: Time, bound: u64) -> Gate {
         let mut gate = self.bool(true);
         for k in 0..width(domain) {

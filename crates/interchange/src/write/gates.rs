@@ -1,9 +1,11 @@
 //! Formulas as gates over tests of single variables, for formats that have no arithmetic.
 //!
-//! A comparison is decided variable by variable: for each value of the first one, what is left of the comparison is simplified, and
-//! values that leave the same are put together. `x' = min(x + 1, 5)` becomes one case for each value of `x'`, with a range of
-//! values of `x` each. What is left is remembered, so that sums of many variables grow with the number of sums, not of
-//! valuations. Sound for all operators; too large for two numbers with thousands of values, which is refused.
+//! A comparison is decided variable by variable: for each value of the first one, what is left of
+//! the comparison is simplified, and values that leave the same are put together.
+//! `x' = min(x + 1, 5)` becomes one case for each value of `x'`, with a range of values of `x`
+//! each. What is left is remembered, so that sums of many variables grow with the number of sums,
+//! not of valuations. Sound for all operators; too large for two numbers with thousands of values,
+//! which is refused.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Formula, Specification, Time, UnaryOp, VarId};

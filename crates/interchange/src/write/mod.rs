@@ -1,7 +1,8 @@
 //! Specifications written in the formats that other tools read.
 //!
-//! What a format has no words for is taken apart on the way: into [`gates`] over tests of single variables where it has no arithmetic, into
-//! [`bits`] where it has no numbers, and into helper variables by [`lower`](super::lower) where its game is another one.
+//! What a format has no words for is taken apart on the way: into [`gates`] over tests of single
+//! variables where it has no arithmetic, into [`bits`] where it has no numbers, and into helper
+//! variables by [`lower`](super::lower) where its game is another one.
 
 mod bits;
 mod gates;
@@ -32,8 +33,8 @@ pub enum Target {
     Tlsf,
 }
 
-/// Writes a specification in another tool's format, so that this tool gives the same verdict. What the format cannot say is
-/// lowered with helper variables, or refused in the findings.
+/// Writes a specification in another tool's format, so that this tool gives the same verdict. What
+/// the format cannot say is lowered with helper variables, or refused in the findings.
 pub fn write(specification: &Specification, target: Target) -> Result<String, Vec<Diagnostic>> {
     match target {
         Target::Spc => spc::write(specification),
@@ -63,7 +64,8 @@ impl<'s> Writing<'s> {
         }
     }
 
-    /// The gate of a formula that the format says in the words of `expr`; a finding if that takes too many cases.
+    /// The gate of a formula that the format says in the words of `expr`; a finding if that takes
+    /// too many cases.
     fn gate(&mut self, formula: &Formula, expr: &Expr) -> Option<Gate> {
         let gate = self.gates.formula(self.specification, expr);
         self.unless_too_many(formula, gate)
@@ -98,7 +100,8 @@ fn names_of(specification: &Specification, takes: impl Fn(&str) -> bool) -> Vec<
     renamed(wanted, "v_", takes)
 }
 
-/// Whether a name has only letters, digits and `others`, begins with none but a letter or `_`, and is none of the format's words.
+/// Whether a name has only letters, digits and `others`, begins with none but a letter or `_`, and
+/// is none of the format's words.
 fn is_plain(name: &str, others: &str, words: &[&str]) -> bool {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || others.contains(c);
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
@@ -106,7 +109,8 @@ fn is_plain(name: &str, others: &str, words: &[&str]) -> bool {
         && !words.contains(&name)
 }
 
-/// What became of a variable's name, its labels and its smallest value, for a comment. `from_zero` tells that numbers are counted from 0.
+/// What became of a variable's name, its labels and its smallest value, for a comment. `from_zero`
+/// tells that numbers are counted from 0.
 fn about(variable: &Variable, name: &str, from_zero: bool) -> Option<String> {
     let mut parts = Vec::new();
     if *name != variable.name {

@@ -1,9 +1,10 @@
 //! Writes `.slugsin`, for slugs.
 //!
-//! The format has truth values only. A number becomes its bits, named as slugs' translator names them: `x@0.low.high` for the lowest,
-//! `x@1`, ... for the others, which hold the distance from the smallest value; where some bits make no value, lines keep
-//! them out. Sub-formulas that are used more than once become cells of a memory buffer, so that a formula stays as small as its
-//! gates. What the format has not: answering first, and invariants; see [`lower`].
+//! The format has truth values only. A number becomes its bits, named as slugs' translator names
+//! them: `x@0.low.high` for the lowest, `x@1`, ... for the others, which hold the distance from the
+//! smallest value; where some bits make no value, lines keep them out. Sub-formulas that are used
+//! more than once become cells of a memory buffer, so that a formula stays as small as its gates.
+//! What the format has not: answering first, and invariants; see [`lower`].
 
 use super::super::lower;
 use super::super::structured::WORDS;

@@ -1,8 +1,9 @@
 //! Writes `.spc`, for gr1c.
 //!
-//! A number `low..high` becomes `[0,high-low]`, comparisons move with it; enumerations are numbered. gr1c compares a variable with a
-//! number and has no arithmetic, so formulas are written out by [`gates`](super::gates). What the format has not: answering first,
-//! invariants, primed goals, initial conditions of the machine that speak of inputs; see [`lower`].
+//! A number `low..high` becomes `[0,high-low]`, comparisons move with it; enumerations are
+//! numbered. gr1c compares a variable with a number and has no arithmetic, so formulas are written
+//! out by [`gates`](super::gates). What the format has not: answering first, invariants, primed
+//! goals, initial conditions of the machine that speak of inputs; see [`lower`].
 
 use super::super::lower;
 use super::gates::Shape;

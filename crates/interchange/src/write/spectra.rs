@@ -1,9 +1,10 @@
 //! Writes Spectra's language.
 //!
-//! Numbers, comparisons and sums are written as they are. What the language has not: `if`, `min`, `max`, `abs`, truth values as numbers;
-//! a comparison with one of them is taken apart, value by value, by [`gates`](super::gates), and so is one with `/` or `mod`, whose
-//! meaning for negative numbers differs between tools. Enumerations keep their labels where these can be names. A Moore machine is
-//! written as one that answers after; see [`lower`].
+//! Numbers, comparisons and sums are written as they are. What the language has not: `if`, `min`,
+//! `max`, `abs`, truth values as numbers; a comparison with one of them is taken apart, value by
+//! value, by [`gates`](super::gates), and so is one with `/` or `mod`, whose meaning for negative
+//! numbers differs between tools. Enumerations keep their labels where these can be names. A Moore
+//! machine is written as one that answers after; see [`lower`].
 
 use super::super::lower;
 use super::super::rename::renamed;
@@ -119,7 +120,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The labels of a variable's values, if they can be written: no label may look like a variable.
+    /// The labels of a variable's values, if they can be written: no label may look like a
+    /// variable.
     fn labels<'v>(&self, variable: &'v Variable) -> Option<&'v [String]> {
         match &variable.domain {
             Domain::Enum { labels, .. }

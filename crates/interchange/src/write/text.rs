@@ -75,7 +75,8 @@ impl Words {
         (Rank::Iff, format!("{a} {} {b}", self.iff))
     }
 
-    /// A gate whose tests of single variables are written by `atom`. The recursion is as deep as the gate.
+    /// A gate whose tests of single variables are written by `atom`. The recursion is as deep as
+    /// the gate.
     pub fn gate(&self, gates: &Gates, gate: Gate, atom: &dyn Fn(Shape) -> Piece) -> Piece {
         let of = |g: Gate| self.gate(gates, g, atom);
         match gates.shape(gate) {

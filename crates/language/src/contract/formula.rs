@@ -1,9 +1,11 @@
 //! Which part of a GR(1) specification a formula is.
 //!
-//! Conjunctions are pulled apart, also under `always` (`G (p & G F q)` is `G p & G F q`), `forall` over temporal formulas is
-//! written out, repeated operators are dropped. Patterns and responses (`always (p -> eventually q)`) become monitors and formulas
-//! about them. What is then not an initial condition, `always P` or `always eventually P` is refused ([`refusal`]), pointing at the
-//! smallest formula that cannot be taken, and saying the same in GR(1) where that can be done ([`ltl`], [`forms`]).
+//! Conjunctions are pulled apart, also under `always` (`G (p & G F q)` is `G p & G F q`), `forall`
+//! over temporal formulas is written out, repeated operators are dropped. Patterns and responses
+//! (`always (p -> eventually q)`) become monitors and formulas about them. What is then not an
+//! initial condition, `always P` or `always eventually P` is refused ([`refusal`]), pointing at the
+//! smallest formula that cannot be taken, and saying the same in GR(1) where that can be done
+//! ([`ltl`], [`forms`]).
 
 mod control;
 mod forms;
@@ -99,8 +101,8 @@ impl Label<'_> {
     }
 }
 
-/// The words of a formula in one line, without comments: one that ends with its line would take what follows for its own. Formulas
-/// hold no texts in quotes.
+/// The words of a formula in one line, without comments: one that ends with its line would take
+/// what follows for its own. Formulas hold no texts in quotes.
 pub(super) fn one_line(text: &str) -> String {
     let mut words = String::new();
     let mut rest = text;
@@ -119,7 +121,8 @@ pub(super) fn one_line(text: &str) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Adds what a formula says; whether its shape has a place in GR(1). One that has none is refused for all values of its quantifiers alike.
+/// Adds what a formula says; whether its shape has a place in GR(1). One that has none is refused
+/// for all values of its quantifiers alike.
 fn visit<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
@@ -247,7 +250,8 @@ fn leaf<'a>(
     let Some(expr) = e.formula(&term, formula.span) else {
         return true;
     };
-    // `always (next true -> P)` holds in every step that another one follows: a transition, and no invariant.
+    // `always (next true -> P)` holds in every step that another one follows: a transition, and no
+    // invariant.
     let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
     if place == Place::Top && primed {
         let finding = refusal::without_always(&e.names, formula, &at.around, label);
@@ -286,7 +290,8 @@ fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
     }
 }
 
-/// Adds formulas to a side, if it controls what they constrain. An assumption about monitors is first taken apart.
+/// Adds formulas to a side, if it controls what they constrain. An assumption about monitors is
+/// first taken apart.
 fn promise(
     e: &mut Elaborator<'_>,
     obligations: Option<Vec<Obligation>>,

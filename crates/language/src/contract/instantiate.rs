@@ -71,9 +71,9 @@ pub(super) fn arguments<'a>(
     result
 }
 
-/// Brings parameters into sight: from the arguments, or from their defaults. Gives their values. What is wrong with a value is
-/// reported, and the smallest value of the range stands in, so that the rest can be looked at too. `None` when a parameter
-/// has no value at all.
+/// Brings parameters into sight: from the arguments, or from their defaults. Gives their values.
+/// What is wrong with a value is reported, and the smallest value of the range stands in, so that
+/// the rest can be looked at too. `None` when a parameter has no value at all.
 pub(super) fn bind<'a>(
     e: &mut Elaborator<'a>,
     parameters: &'a [ast::Parameter],
@@ -214,7 +214,8 @@ pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
         .collect()
 }
 
-/// A contract with these arguments. `None` when something is wrong that leaves no usable specification; findings say what.
+/// A contract with these arguments. `None` when something is wrong that leaves no usable
+/// specification; findings say what.
 pub(super) fn instantiate(
     scope: &Scope<'_>,
     sources: &SourceMap,

@@ -1,4 +1,5 @@
-//! Lines: stations, conveyors, buffers, sources, sinks and stores, and the ways of the parts between them.
+//! Lines: stations, conveyors, buffers, sources, sinks and stores, and the ways of the parts
+//! between them.
 
 use super::machine::{Failures, Machine, RealExpr};
 use linewright_core::gr1::described;
@@ -18,8 +19,8 @@ pub struct Line {
     pub product: usize,
     /// Everything that a part can be in.
     pub nodes: Vec<Node>,
-    /// The ways between them. For one part type and one `from` they are tried in order; the first whose condition holds is
-    /// taken, and the part waits until its `to` has room.
+    /// The ways between them. For one part type and one `from` they are tried in order; the first
+    /// whose condition holds is taken, and the part waits until its `to` has room.
     pub routes: Vec<Route>,
     /// What a run is checked against.
     pub requirements: Vec<Requirement>,
@@ -68,14 +69,16 @@ pub struct PartType {
     pub name: String,
     /// The numbers it carries; arrays are flattened to `heights[0]`.
     pub properties: Vec<PartProperty>,
-    /// What it is joined from: part types and how many of each. Empty for one that comes from a source or store.
+    /// What it is joined from: part types and how many of each. Empty for one that comes from a
+    /// source or store.
     pub bill: Vec<(usize, u32)>,
     /// Where it is declared.
     pub span: Span,
 }
 
 impl PartType {
-    /// The first property whose value is not one of its domain; what has none may be any finite number.
+    /// The first property whose value is not one of its domain; what has none may be any finite
+    /// number.
     pub fn misfit(&self, values: &[f64]) -> Option<usize> {
         let mut properties = self.properties.iter().zip(values);
         properties.position(|(property, value)| match &property.domain {
@@ -137,12 +140,12 @@ pub enum NodeKind {
         part: usize,
         /// When it makes them.
         supply: Supply,
-        /// It makes none while so many of the type are in the line, by themselves or joined to others; the one that it keeps
-        /// counts, too.
+        /// It makes none while so many of the type are in the line, by themselves or joined to
+        /// others; the one that it keeps counts, too.
         most: Option<u32>,
     },
-    /// Takes parts out of the line. `reject` counts them as rejected, and each one gives the source `reorder` (a node) a new
-    /// order.
+    /// Takes parts out of the line. `reject` counts them as rejected, and each one gives the source
+    /// `reorder` (a node) a new order.
     Sink {
         /// Whether what arrives is scrap.
         reject: bool,
@@ -175,7 +178,8 @@ pub enum NodeKind {
         pitch: f64,
         /// Metres a second.
         speed: f64,
-        /// The contract that moves it, if any; otherwise it moves up by itself wherever there is room (accumulating).
+        /// The contract that moves it, if any; otherwise it moves up by itself wherever there is
+        /// room (accumulating).
         belt: Option<Belt>,
         /// Power drawn while it moves, in watts.
         watts: f64,
@@ -187,7 +191,8 @@ pub enum NodeKind {
     },
 }
 
-/// A conveyor's machine and the wires by which the runner drives it. It is stepped every pitch/speed seconds.
+/// A conveyor's machine and the wires by which the runner drives it. It is stepped every
+/// pitch/speed seconds.
 #[derive(Debug, Clone)]
 pub struct Belt {
     /// The machine; it has no operations.
@@ -214,9 +219,9 @@ pub enum Supply {
         /// How many in all.
         limit: Option<u64>,
     },
-    /// One an order: as many orders as end products are wanted (without end where only a time is given), and one more
-    /// for each part that a sink sends back for a new one; each is for as many parts as are in one product (or in the
-    /// part that was rejected), and at least one.
+    /// One an order: as many orders as end products are wanted (without end where only a time is
+    /// given), and one more for each part that a sink sends back for a new one; each is for as many
+    /// parts as are in one product (or in the part that was rejected), and at least one.
     OnOrder,
 }
 
@@ -233,16 +238,18 @@ impl Supply {
 /// What a station does with a part that comes.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// The part type that leaves. Where its bill is empty it is also the one that comes; otherwise the station waits
-    /// for all that the bill names, and joins them. A station to which routes bring parts of this type works on them as they
-    /// are even so (a camera that checks the joined product); it joins them as well only if routes also bring all of the
-    /// components, and none of these has a task of its own there.
+    /// The part type that leaves. Where its bill is empty it is also the one that comes; otherwise
+    /// the station waits for all that the bill names, and joins them. A station to which routes
+    /// bring parts of this type works on them as they are even so (a camera that checks the joined
+    /// product); it joins them as well only if routes also bring all of the components, and none of
+    /// these has a task of its own there.
     pub part: usize,
-    /// The operations, one after the other, as indices into the machine's operations, each with the values of the machine's
-    /// parameters (index into its properties, value).
+    /// The operations, one after the other, as indices into the machine's operations, each with the
+    /// values of the machine's parameters (index into its properties, value).
     pub operations: Vec<(usize, Vec<(usize, f64)>)>,
-    /// For each of the machine's properties, the part's property that it reads and writes; `None` for parameters and for
-    /// properties that the part does not carry (they have the machine's default, and writing is lost).
+    /// For each of the machine's properties, the part's property that it reads and writes; `None`
+    /// for parameters and for properties that the part does not carry (they have the machine's
+    /// default, and writing is lost).
     pub properties: Vec<Option<usize>>,
     /// Where it is declared.
     pub span: Span,
@@ -257,8 +264,9 @@ pub struct Defect {
     pub probability: f64,
     /// One of these properties, each as likely as the others, ...
     pub properties: Vec<usize>,
-    /// ... gets this value, over the part's properties before: `Property(i)` is property `i` of the part type, and
-    /// `Property(n)`, where the part type has `n` properties, is the value of the one that was chosen.
+    /// ... gets this value, over the part's properties before: `Property(i)` is property `i` of the
+    /// part type, and `Property(n)`, where the part type has `n` properties, is the value of the
+    /// one that was chosen.
     pub value: RealExpr,
     /// Where it is declared.
     pub span: Span,

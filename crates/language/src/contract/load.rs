@@ -30,8 +30,8 @@ struct Reader<'l> {
     findings: Vec<Diagnostic>,
 }
 
-/// Parses and resolves files (name and text) and all that they import. Never fails: what could not be understood is in the
-/// findings, and the library holds the rest.
+/// Parses and resolves files (name and text) and all that they import. Never fails: what could not
+/// be understood is in the findings, and the library holds the rest.
 pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Diagnostic>) {
     let mut reader = Reader {
         sources: SourceMap::new(),
@@ -83,7 +83,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
     library.sources = sources;
     let unsound = files.iter().filter(|f| !f.syntax.is_empty());
     library.unsound = unsound.map(|f| f.id).collect();
-    // A file that several others import, or a contract that several machines use, says everything once.
+    // A file that several others import, or a contract that several machines use, says everything
+    // once.
     let mut seen = BTreeSet::new();
     let mut unique: Vec<Diagnostic> = findings
         .into_iter()
@@ -94,7 +95,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
 }
 
 impl Reader<'_> {
-    /// Reads a file and its imports, unless it is there already. `path` holds the files on the way here.
+    /// Reads a file and its imports, unless it is there already. `path` holds the files on the way
+    /// here.
     fn read(&mut self, name: &str, text: &str, path: &mut Vec<usize>) -> usize {
         if let Some(index) = self.by_name.get(name) {
             return *index;

@@ -2,26 +2,29 @@
 //!
 //! # Wires
 //!
-//! In one step a machine computes a vector of `i64` *wires*: first what the plant gives ([`Machine::plant`]), then every
-//! output and internal variable of every component, in the order of [`Machine::components`] and of each one's specification
-//! ([`Machine::first_wire`]). Bindings are expressions over wires; `VarId(i)` with `Time::Now` is wire `i`. Only current
-//! values occur in them.
+//! In one step a machine computes a vector of `i64` *wires*: first what the plant gives
+//! ([`Machine::plant`]), then every output and internal variable of every component, in the order
+//! of [`Machine::components`] and of each one's specification ([`Machine::first_wire`]). Bindings
+//! are expressions over wires; `VarId(i)` with `Time::Now` is wire `i`. Only current values occur
+//! in them.
 //!
 //! # One step
 //!
 //! 1. The plant's wires are given. A value outside its domain is an error.
-//! 2. The coordinator, a Moore machine and always component 0 where there is one, puts its outputs on its wires.
-//! 3. The actions follow in order: each one's inputs are computed from its bindings, its assumptions are checked, and its
-//!    outputs are put on its wires. A Moore component's outputs are on its wires from the beginning of the step.
+//! 2. The coordinator, a Moore machine and always component 0 where there is one, puts its outputs
+//!    on its wires.
+//! 3. The actions follow in order: each one's inputs are computed from its bindings, its
+//!    assumptions are checked, and its outputs are put on its wires. A Moore component's outputs
+//!    are on its wires from the beginning of the step.
 //! 4. The coordinator's inputs are computed and its assumptions checked; then all advance together.
 //!
 //! A broken assumption ends the step with an error and changes nothing.
 //!
 //! # Layers
 //!
-//! A machine may have machines as components. What is here is flat all the same: the components of an inner machine `left` stand among
-//! the others as `left.pick`, its coordinator is one more, and whatever is emitted or run knows of no layers.
-//! [`Layers`] keeps what proofs need of them.
+//! A machine may have machines as components. What is here is flat all the same: the components of
+//! an inner machine `left` stand among the others as `left.pick`, its coordinator is one more, and
+//! whatever is emitted or run knows of no layers. [`Layers`] keeps what proofs need of them.
 
 use super::TaxonomyCode;
 use crate::order::{Level, Skills};
@@ -46,12 +49,15 @@ pub struct Machine {
     pub plant: Vec<PlantInput>,
     /// The part's properties and the operations' parameters, as `simulate` takes them.
     pub properties: Vec<Property>,
-    /// The jobs; at least one for a machine with a coordinator. `value` of the plant input `Operation` selects one.
+    /// The jobs; at least one for a machine with a coordinator. `value` of the plant input
+    /// `Operation` selects one.
     pub operations: Vec<Operation>,
-    /// What an operation leaves in the part: after the last step, property `.0` gets the value `.1` (over final wires and
-    /// the properties at the start). Evaluated together, then written together.
+    /// What an operation leaves in the part: after the last step, property `.0` gets the value `.1`
+    /// (over final wires and the properties at the start). Evaluated together, then written
+    /// together.
     pub writes: Vec<(usize, RealExpr)>,
-    /// Over wires: the operation has ended. `None` for a machine without operations, which is only stepped.
+    /// Over wires: the operation has ended. `None` for a machine without operations, which is only
+    /// stepped.
     pub done: Option<Expr>,
     /// Duration of a step in which no action is active, in seconds.
     pub step_seconds: f64,
@@ -67,7 +73,8 @@ pub struct Machine {
     pub refines: Vec<Promised>,
     /// What it guarantees as a whole, over wires.
     pub guarantees: Rules,
-    /// The skills that it calls, and the orders that it keeps doing so: its own, then those of inner machines.
+    /// The skills that it calls, and the orders that it keeps doing so: its own, then those of
+    /// inner machines.
     pub orders: Vec<Orders>,
     /// The machines that it was made of.
     pub layers: Layers,
@@ -80,8 +87,9 @@ pub struct Machine {
 pub struct Layers {
     /// The machines one layer below, in the order of their declaration.
     pub inner: Vec<Inner>,
-    /// The same machine as proofs look at it: an inner machine that refines a contract is one component with that contract, and nothing
-    /// is known of it beside. `None` where there are no inner machines.
+    /// The same machine as proofs look at it: an inner machine that refines a contract is one
+    /// component with that contract, and nothing is known of it beside. `None` where there are no
+    /// inner machines.
     pub abstracted: Option<Arc<Machine>>,
 }
 
@@ -103,7 +111,8 @@ pub struct Promised {
     pub contract: String,
     /// Its formulas with these arguments.
     pub specification: Arc<Specification>,
-    /// For every variable, in order, what it is in the machine, over wires; `None` for the variables of monitors.
+    /// For every variable, in order, what it is in the machine, over wires; `None` for the
+    /// variables of monitors.
     pub bindings: Vec<Option<Expr>>,
     /// Where its name stands.
     pub span: Span,
@@ -165,7 +174,8 @@ pub enum Role {
     Coordinator,
     /// The lower layer.
     Action,
-    /// Beside both: it is told which skills are called, and assumes that the orders of its set are kept. It does nothing.
+    /// Beside both: it is told which skills are called, and assumes that the orders of its set are
+    /// kept. It does nothing.
     Watch,
 }
 
@@ -174,7 +184,8 @@ pub enum Role {
 pub enum ActionTime {
     /// Every step in which it is active takes so long.
     PerStep(RealExpr),
-    /// One execution (a run of consecutive active steps) takes so long, however many steps it has: charged to the first.
+    /// One execution (a run of consecutive active steps) takes so long, however many steps it has:
+    /// charged to the first.
     PerExecution(RealExpr),
 }
 
@@ -205,17 +216,19 @@ impl PlantInput {
 pub enum PlantSource {
     /// The operation's value.
     Operation,
-    /// A signal of the plant: its value in step `i` (from 0, anew for each call) is `script[i % script.len()]`.
-    /// Never empty; one entry is a constant.
+    /// A signal of the plant: its value in step `i` (from 0, anew for each call) is
+    /// `script[i % script.len()]`. Never empty; one entry is a constant.
     Signal {
         /// The values.
         script: Vec<i64>,
     },
-    /// The property abstraction: this expression over the properties at the start, which must be an integer of the domain.
+    /// The property abstraction: this expression over the properties at the start, which must be an
+    /// integer of the domain.
     Property(RealExpr),
 }
 
-/// One number of the part, or one parameter of the operation, as `simulate` takes it. Arrays are flattened.
+/// One number of the part, or one parameter of the operation, as `simulate` takes it. Arrays are
+/// flattened.
 #[derive(Debug, Clone)]
 pub struct Property {
     /// Its name; an array's element is called `heights[2]`.
@@ -525,7 +538,8 @@ impl Machine {
         domain.expect("a wire of this machine; please report this")
     }
 
-    /// The machine as proofs look at it: with what inner machines promise in the place of what they are made of.
+    /// The machine as proofs look at it: with what inner machines promise in the place of what they
+    /// are made of.
     pub fn abstracted(&self) -> &Self {
         self.layers.abstracted.as_deref().unwrap_or(self)
     }

@@ -40,7 +40,8 @@ pub struct Library {
     pub lines: Vec<line::Line>,
     /// Sets of skills, likewise.
     pub skills: Vec<Arc<Skills>>,
-    /// Contracts that were declared, but cannot be used: the name, and where it stands. The findings say why.
+    /// Contracts that were declared, but cannot be used: the name, and where it stands. The
+    /// findings say why.
     pub refused: Vec<(String, Span)>,
     /// Machines that cannot be used.
     pub refused_machines: Vec<(String, Span)>,
@@ -78,7 +79,7 @@ pub struct Contract {
     pub span: Span,
 }
 
-/// What reads further files: given what an `import` names (a path relative to the importing file, or `std.handling.turn` of the
-/// bundled library) and the importing file's name, it gives the name to show and the text, or why it cannot. Equal names are
-/// the same file.
+/// What reads further files: given what an `import` names (a path relative to the importing file,
+/// or `std.handling.turn` of the bundled library) and the importing file's name, it gives the name
+/// to show and the text, or why it cannot. Equal names are the same file.
 pub type Loader<'a> = dyn Fn(&str, &str) -> Result<(String, String), String> + 'a;

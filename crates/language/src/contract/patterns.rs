@@ -1,14 +1,16 @@
 //! Specification patterns in a contract: which monitors and formulas they come down to.
 //!
-//! What a pattern means is settled in [`gr1::monitors`](linewright_core::gr1::monitors); here its operands are resolved, and formulas of
-//! temporal logic that are patterns in other words (`always (p -> eventually s)`) are known for what they are.
+//! What a pattern means is settled in [`gr1::monitors`](linewright_core::gr1::monitors); here its
+//! operands are resolved, and formulas of temporal logic that are patterns in other words
+//! (`always (p -> eventually s)`) are known for what they are.
 
 use super::elaborate::Elaborator;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::{Obligation, Origin, Pattern, Scope};
 use linewright_syntax::ast::{self, PatternKind};
 
-/// The formulas that a pattern comes down to, and monitors for them. `None`: what is wrong was reported.
+/// The formulas that a pattern comes down to, and monitors for them. `None`: what is wrong was
+/// reported.
 pub(super) fn lower<'a>(
     e: &mut Elaborator<'a>,
     pattern: &'a ast::Pattern,

@@ -1,7 +1,8 @@
 //! Whether every part has a way to the end of its line.
 //!
-//! A part type's *beginnings* are its sources, the stores that have it in stock, and the stations that join it. From there its routes
-//! are followed; where it stops without being taken out or joined, it would stand for ever.
+//! A part type's *beginnings* are its sources, the stores that have it in stock, and the stations
+//! that join it. From there its routes are followed; where it stops without being taken out or
+//! joined, it would stand for ever.
 
 use super::line::{Line, NodeKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -118,8 +119,9 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Routes behind one that has no condition: a part takes the first of its type's routes from a place whose condition holds. One
-/// to the same place is no mistake: `a -> m -> k` and `b -> m -> k` share their end.
+/// Routes behind one that has no condition: a part takes the first of its type's routes from a
+/// place whose condition holds. One to the same place is no mistake: `a -> m -> k` and
+/// `b -> m -> k` share their end.
 fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
     for (i, route) in line.routes.iter().enumerate() {
         let mut earlier = line.routes[..i].iter();

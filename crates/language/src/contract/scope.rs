@@ -33,7 +33,8 @@ pub(super) struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
-    /// Adds the declarations of one file, with what became of its sets of skills. Names that are there already are findings.
+    /// Adds the declarations of one file, with what became of its sets of skills. Names that are
+    /// there already are findings.
     pub fn add(
         &mut self,
         file: &'a ast::File,
@@ -177,8 +178,8 @@ fn names_of<'a>(e: &'a ast::Expr, names: &mut Vec<&'a str>) {
     }
 }
 
-/// Evaluates declarations, each after those that it needs, whatever their order. One that needs itself is a finding; one that could
-/// not be evaluated is `broken` from then on.
+/// Evaluates declarations, each after those that it needs, whatever their order. One that needs
+/// itself is a finding; one that could not be evaluated is `broken` from then on.
 pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
     let by_name: BTreeMap<&str, usize> = decls
         .iter()

@@ -1,7 +1,7 @@
 //! What a declared type is made of: scalars, arrays of something, records of something.
 //!
-//! Later stages know scalar variables only. So a variable of such a type is one scalar variable for each of its leaves, named by
-//! the way to it: `target.x`, `places[2].angle`.
+//! Later stages know scalar variables only. So a variable of such a type is one scalar variable for
+//! each of its leaves, named by the way to it: `target.x`, `places[2].angle`.
 
 use super::units::Unit;
 use super::value::Type;
@@ -43,7 +43,8 @@ impl Shape {
         }
     }
 
-    /// The variables of one of this shape: `add` is called for each leaf with its name, its values and its unit.
+    /// The variables of one of this shape: `add` is called for each leaf with its name, its values
+    /// and its unit.
     pub fn declare(
         &self,
         name: String,

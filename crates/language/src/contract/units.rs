@@ -1,14 +1,15 @@
 //! Units of length, time, angle and the like.
 //!
-//! The plant computes with real numbers in base units. A contract counts in whole numbers, each in the unit of its declaration.
+//! The plant computes with real numbers in base units. A contract counts in whole numbers, each in
+//! the unit of its declaration.
 
 /// What a physical quantity measures. Values are held in the base unit named here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dimension {
     /// A bare number.
     None,
-    /// Hundredths (`%`) as a share of 1. It may stand where a bare number is asked for, but does not mix with one: `1 - 5 %` would
-    /// leave open whether 1 is a hundredth.
+    /// Hundredths (`%`) as a share of 1. It may stand where a bare number is asked for, but does
+    /// not mix with one: `1 - 5 %` would leave open whether 1 is a hundredth.
     Share,
     /// Seconds.
     Time,
@@ -97,8 +98,8 @@ pub(super) fn unit(name: &str) -> (Dimension, f64) {
     }
 }
 
-/// The shortest duration other than 0, in seconds. The clock of a run is a double: after [`LONGEST_SECONDS`] it still tells two
-/// instants apart that lie this far from each other.
+/// The shortest duration other than 0, in seconds. The clock of a run is a double: after
+/// [`LONGEST_SECONDS`] it still tells two instants apart that lie this far from each other.
 pub const SHORTEST_SECONDS: f64 = 1e-6;
 
 /// The longest duration, in seconds: some thirty years.

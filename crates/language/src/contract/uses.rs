@@ -1,8 +1,9 @@
 //! What is declared and never used (LW111), and two names for one thing (LW113).
 //!
-//! Both are told from the words of a file alone, so that they are found beside whatever else is wrong with it. Whether anything else is
-//! wrong matters all the same: a mistake in the syntax may have swallowed the use that is missed, and a name that is
-//! not declared may be the one that was meant. [`Doubt`] knows both.
+//! Both are told from the words of a file alone, so that they are found beside whatever else is
+//! wrong with it. Whether anything else is wrong matters all the same: a mistake in the syntax may
+//! have swallowed the use that is missed, and a name that is not declared may be the one that was
+//! meant. [`Doubt`] knows both.
 
 mod alike;
 mod mentions;
@@ -25,8 +26,9 @@ pub(super) struct Doubt<'d> {
 }
 
 impl Doubt<'_> {
-    /// Whether a declaration is left alone, because it is not sure that nothing uses it, or because it has to be repaired anyway. `end`
-    /// is where its last part stands, `extent` where it can be used.
+    /// Whether a declaration is left alone, because it is not sure that nothing uses it, or because
+    /// it has to be repaired anyway. `end` is where its last part stands, `extent` where it can be
+    /// used.
     fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
         let within = |span: &Span| extent.holds(*span);
         let own = name.span.to(end);
@@ -181,7 +183,8 @@ fn formals(define: &ast::Define) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// Takes what an inner machine asks for and what is not bound for used; whether there was a machine.
+/// Takes what an inner machine asks for and what is not bound for used; whether there was a
+/// machine.
 fn take_plant<'a>(
     used: &mut Mentions<'a>,
     machines: &[&'a ast::Machine],
@@ -205,8 +208,8 @@ fn take_plant<'a>(
     any
 }
 
-/// What a machine declares and does not use. `contracts` and `machines` are those in sight: an input that is not bound takes the signal of
-/// its name.
+/// What a machine declares and does not use. `contracts` and `machines` are those in sight: an
+/// input that is not bound takes the signal of its name.
 pub(super) fn machine<'a>(
     machine: &'a ast::Machine,
     contracts: &[&'a ast::Contract],
@@ -260,8 +263,8 @@ pub(super) fn machine<'a>(
     findings
 }
 
-/// What a file declares outside of contracts and machines, and neither it nor a file that imports it uses. A file of nothing else
-/// is there for others, and not asked.
+/// What a file declares outside of contracts and machines, and neither it nor a file that imports
+/// it uses. A file of nothing else is there for others, and not asked.
 pub(super) fn file(
     tree: &ast::File,
     importers: &[&ast::File],

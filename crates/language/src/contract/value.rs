@@ -1,7 +1,9 @@
-//! Typed terms: what an expression of the language stands for, before it becomes a formula or a plant expression.
+//! Typed terms: what an expression of the language stands for, before it becomes a formula or a
+//! plant expression.
 //!
-//! One elaborator serves contracts (finite values, current and next) and plants (real numbers, properties and wires). Both
-//! meet in [`Term`]; [`Term::to_expr`] and [`Term::to_real`] turn it into what the later stages use.
+//! One elaborator serves contracts (finite values, current and next) and plants (real numbers,
+//! properties and wires). Both meet in [`Term`]; [`Term::to_expr`] and [`Term::to_real`] turn it
+//! into what the later stages use.
 
 use super::machine::{RealBinary, RealExpr, RealUnary};
 pub(super) use super::units::{Dimension, Unit, unit};
@@ -98,7 +100,8 @@ impl Term {
         }
     }
 
-    /// Two operands, folded where they are constant. Constant arithmetic is done only where it cannot overflow or divide by zero.
+    /// Two operands, folded where they are constant. Constant arithmetic is done only where it
+    /// cannot overflow or divide by zero.
     pub fn binary(op: BinaryOp, a: Self, b: Self) -> Self {
         use BinaryOp as B;
         match (op, &a, &b) {
@@ -255,7 +258,8 @@ impl Term {
     }
 }
 
-/// Constant arithmetic on whole numbers, where the result stays within the limits that [`interval`](linewright_core::gr1::interval) sets.
+/// Constant arithmetic on whole numbers, where the result stays within the limits that
+/// [`interval`](linewright_core::gr1::interval) sets.
 fn exact(op: BinaryOp, x: i64, y: i64) -> Option<i64> {
     const LIMIT: u64 = 1 << 62;
     if x.unsigned_abs() > LIMIT || y.unsigned_abs() > LIMIT {

@@ -4,7 +4,8 @@ use super::Skills;
 use linewright_automata::regex::Regex;
 
 impl Skills {
-    /// A regular expression over these skills, as it stands in a file; what is repeated in parentheses where needed.
+    /// A regular expression over these skills, as it stands in a file; what is repeated in
+    /// parentheses where needed.
     pub fn expression(&self, regex: &Regex) -> String {
         let name = |skill: &usize| self.skills[*skill].name.as_str();
         match regex {

@@ -1,7 +1,9 @@
-//! What is wrong with rules: those that together allow nothing, wait for one another for ever, or exclude nothing.
+//! What is wrong with rules: those that together allow nothing, wait for one another for ever, or
+//! exclude nothing.
 //!
-//! The rules that are to blame are found by leaving out one after the other for as long as the fault stays (deletion, as for the cores of
-//! contracts): none of those that are named can be left out.
+//! The rules that are to blame are found by leaving out one after the other for as long as the
+//! fault stays (deletion, as for the cores of contracts): none of those that are named can be left
+//! out.
 
 use super::fsm::{Fsm, telling};
 use super::program::{self, Apart};
@@ -12,13 +14,16 @@ use linewright_automata::dfa::REFUSED;
 use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
-/// Rules whose automaton has more entries are not examined: fewer are found in a moment, also many times over.
+/// Rules whose automaton has more entries are not examined: fewer are found in a moment, also many
+/// times over.
 const MOST_EXAMINED: usize = 1 << 18;
 
-/// So many entries of two automata are compared to find out which rules exclude nothing, all rules taken together.
+/// So many entries of two automata are compared to find out which rules exclude nothing, all rules
+/// taken together.
 const MOST_COMPARED: usize = 1 << 22;
 
-/// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept there only, at the level reasonable.
+/// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept
+/// there only, at the level reasonable.
 pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let mut levels: Vec<Level> = skills.rules.iter().map(|r| r.level).collect();
@@ -248,7 +253,8 @@ impl Examined<'_> {
         Ok(())
     }
 
-    /// Skills at once that a rule tells apart and itself never allows, since it refuses one of them by itself, or all of them after one.
+    /// Skills at once that a rule tells apart and itself never allows, since it refuses one of them
+    /// by itself, or all of them after one.
     fn never_at_once(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
         for rule in all {
             let of = &self.skills.rules[*rule];
@@ -303,7 +309,8 @@ impl Examined<'_> {
 
     /// A sequence that can no longer be finished, since other rules are in its way.
     fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
-        // Every beginning, and the beginnings of what can be completed: the first word that is not among those.
+        // Every beginning, and the beginnings of what can be completed: the first word that is not
+        // among those.
         let begun = fsm.dfa.clone().prefix_closed();
         let completed = fsm.dfa.clone().trimmed().prefix_closed();
         let Some(word) = begun.difference(&completed) else {

@@ -1,4 +1,5 @@
-//! The automaton of a set of rules: all situations, what is known of the rules in them, and what may be called.
+//! The automaton of a set of rules: all situations, what is known of the rules in them, and what
+//! may be called.
 
 use super::Skills;
 use super::supervisor::{Call, Options, State, Supervisor};
@@ -13,9 +14,10 @@ pub const MOST_CALLS: usize = 4096;
 /// So many entries its table has at most.
 pub const MOST_ENTRIES: usize = 1 << 24;
 
-/// The calls that are looked at: the single skills in order, then two at once, and so on; within a size by their masks, ascending. Two
-/// skills of one component are never called at once. `most` is how many skills at once are asked for; there are fewer where there would be
-/// more than [`MOST_CALLS`] calls.
+/// The calls that are looked at: the single skills in order, then two at once, and so on; within a
+/// size by their masks, ascending. Two skills of one component are never called at once. `most` is
+/// how many skills at once are asked for; there are fewer where there would be more than
+/// [`MOST_CALLS`] calls.
 pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     let own: Vec<u64> = skills
         .components
@@ -55,8 +57,8 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     all
 }
 
-/// The single skills, the events of several skills that rules speak of, and any two of all these at once, in the order of [`calls`]: the calls
-/// that rules tell apart.
+/// The single skills, the events of several skills that rules speak of, and any two of all these at
+/// once, in the order of [`calls`]: the calls that rules tell apart.
 pub fn telling(skills: &Skills) -> Vec<Call> {
     let count = skills.skills.len();
     let mut parts: Vec<u64> = (0..count).map(|s| 1 << s).collect();
@@ -82,7 +84,8 @@ pub fn telling(skills: &Skills) -> Vec<Call> {
     all.into_iter().map(Call).collect()
 }
 
-/// Whether there are calls of no more than `most` skills at once that are not among these, which [`calls`] gave.
+/// Whether there are calls of no more than `most` skills at once that are not among these, which
+/// [`calls`] gave.
 pub fn is_cut(calls: &[Call], skills: &Skills, most: usize) -> bool {
     let used = |c: usize| skills.skills.iter().any(|s| s.component == c);
     let components = (0..skills.components.len()).filter(|c| used(*c)).count();
@@ -101,7 +104,8 @@ pub struct Fsm {
     pub dfa: Dfa,
 }
 
-/// Between two states: all calls that lead from the one to the other, those that contain another one left out.
+/// Between two states: all calls that lead from the one to the other, those that contain another
+/// one left out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Transition {
     /// From where.
@@ -172,7 +176,8 @@ impl Fsm {
         Self::explore(&mut supervisor, calls(skills, most))
     }
 
-    /// The same, but of components whose situation decides nothing it is not known where they stand: there are fewer states, and the same words.
+    /// The same, but of components whose situation decides nothing it is not known where they
+    /// stand: there are fewer states, and the same words.
     ///
     /// # Errors
     /// When it is too large.
@@ -205,8 +210,8 @@ impl Fsm {
         way.expect("every state was reached; please report this")
     }
 
-    /// The transitions: one between two states, however many calls lead from the one to the other, as the paper counts them. By `from`,
-    /// then by `to`.
+    /// The transitions: one between two states, however many calls lead from the one to the other,
+    /// as the paper counts them. By `from`, then by `to`.
     pub fn transitions(&self) -> Vec<Transition> {
         let mut between: BTreeMap<(usize, usize), Vec<Call>> = BTreeMap::new();
         for from in 0..self.states.len() {

@@ -1,8 +1,8 @@
 //! A table as monitors walk it: one load a call.
 //!
-//! States are numbered by where their row begins, and a row has a power of two of places, so that a state plus a skill is an index. An
-//! entry that is no such state says why the call is refused. The same numbers go into the monitor of this process, the one in C
-//! and the one in Structured Text.
+//! States are numbered by where their row begins, and a row has a power of two of places, so that a
+//! state plus a skill is an index. An entry that is no such state says why the call is refused. The
+//! same numbers go into the monitor of this process, the one in C and the one in Structured Text.
 
 use super::monitor::Why;
 use super::table::{RECALL, REFUSED, TOGETHER, Table};
@@ -10,9 +10,11 @@ use super::table::{RECALL, REFUSED, TOGETHER, Table};
 /// Rows of single skills, and rows of sets of skills.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
-    /// How many places a row of [`Layout::single`] has: a power of two, at least the number of skills.
+    /// How many places a row of [`Layout::single`] has: a power of two, at least the number of
+    /// skills.
     pub stride: usize,
-    /// Row by row: the state after a single skill, or from [`Layout::refused`] on, why it is refused.
+    /// Row by row: the state after a single skill, or from [`Layout::refused`] on, why it is
+    /// refused.
     pub single: Vec<u32>,
     /// The sets of two and more skills that may be called at once, as masks in ascending order.
     pub sets: Vec<u64>,

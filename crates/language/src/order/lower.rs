@@ -1,10 +1,12 @@
 //! Rules as GR(1) safety over conditions that say when a skill is being called.
 //!
-//! A skill is *called* in the step in which its condition becomes true: in step 0 where it holds, later where it holds and did not hold in
-//! the step before. A condition can also say when it begins anew: then what holds is a call even if it held before, as for operations, of
-//! which one may follow on itself. Each rule becomes a variable that holds what is known of the rule's automaton (nothing for a rule without memory), the
-//! formulas that define it step by step, and one formula that the rule is. A set of skills called in one step is one call: it is looked
-//! up in the automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
+//! A skill is *called* in the step in which its condition becomes true: in step 0 where it holds,
+//! later where it holds and did not hold in the step before. A condition can also say when it
+//! begins anew: then what holds is a call even if it held before, as for operations, of which one
+//! may follow on itself. Each rule becomes a variable that holds what is known of the rule's
+//! automaton (nothing for a rule without memory), the formulas that define it step by step, and one
+//! formula that the rule is. A set of skills called in one step is one call: it is looked up in the
+//! automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
 
 use super::rule::{self, Alphabet};
 use super::serial::{Known, Serial};
@@ -20,7 +22,8 @@ const MOST_CASES: usize = 1 << 14;
 /// Behind the name of a formula about step 0.
 pub const AT_FIRST: &str = " at first";
 
-/// The rule that a formula of this name says, by the rule's name. No name in a file has a blank in it.
+/// The rule that a formula of this name says, by the rule's name. No name in a file has a blank in
+/// it.
 pub fn rule_of(formula: &str) -> Option<&str> {
     let name = formula.strip_suffix(AT_FIRST).unwrap_or(formula);
     name.strip_prefix("order ")
@@ -31,7 +34,8 @@ pub fn rule_of(formula: &str) -> Option<&str> {
 pub struct Lowered {
     /// The skills that it speaks of, by their places.
     pub speaks_of: Vec<usize>,
-    /// The state of its automaton; `None` where there is only one. Its id is the one that was asked for.
+    /// The state of its automaton; `None` where there is only one. Its id is the one that was asked
+    /// for.
     pub variable: Option<Variable>,
     /// What defines the variable.
     pub definitions: Side,
@@ -39,7 +43,8 @@ pub struct Lowered {
     pub rule: Side,
 }
 
-/// When a skill is called, over the variables that the formulas are to be about; none has next values.
+/// When a skill is called, over the variables that the formulas are to be about; none has next
+/// values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Condition {
     /// It is being called.
@@ -68,7 +73,8 @@ impl Condition {
 /// Conditions for calls, by skill.
 pub type Conditions<'a> = &'a [Condition];
 
-/// The rules of a level, those of the level itself among them: at the level reasonable one a skill that forbids its recall.
+/// The rules of a level, those of the level itself among them: at the level reasonable one a skill
+/// that forbids its recall.
 pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     let own = skills.rules.iter().filter(|r| r.level <= level);
     let mut rules: Vec<Rule> = own.cloned().collect();
@@ -90,7 +96,8 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     rules
 }
 
-/// A rule over these conditions. `variable` is the id of the variable that it needs, if it needs one, and `taken` says which names are.
+/// A rule over these conditions. `variable` is the id of the variable that it needs, if it needs
+/// one, and `taken` says which names are.
 ///
 /// # Errors
 /// When the rule's automaton is too large.
@@ -191,11 +198,13 @@ fn speaks_of(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize
     (0..spoken.len()).filter(|s| spoken[*s]).collect()
 }
 
-/// For every state, what the sets of skills lead to that may be called in one step: one skill or none of each component.
+/// For every state, what the sets of skills lead to that may be called in one step: one skill or
+/// none of each component.
 struct Cases {
     /// Of each component that the rule speaks of, its skills that it speaks of.
     components: Vec<Vec<usize>>,
-    /// By state: a mask of skills, and the state after it, `None` where it is refused. Smaller sets first.
+    /// By state: a mask of skills, and the state after it, `None` where it is refused. Smaller sets
+    /// first.
     after: Vec<Vec<(u64, Option<Known>)>>,
 }
 
@@ -281,8 +290,9 @@ impl Cases {
         result
     }
 
-    /// What must not be called in a state: no set that is refused and contains no smaller one. Whatever contains a refused set is refused,
-    /// since the skills of the smaller one may come first.
+    /// What must not be called in a state: no set that is refused and contains no smaller one.
+    /// Whatever contains a refused set is refused, since the skills of the smaller one may come
+    /// first.
     fn allowed(&self, state: Known, called: &impl Fn(usize) -> Expr) -> Expr {
         let mut least: Vec<u64> = Vec::new();
         for (set, to) in &self.after[state as usize] {

@@ -1,24 +1,31 @@
 //! Skill orders: which calls of a machine's skills may follow which.
 //!
-//! A machine offers *skills* (`Left`, `Down`, `Grip`). Each belongs to a *component* (an axis, a gripper) and leads it into a *situation*
-//! (`left`, `down`, `closed`). *Rules* say what may follow what; a sequence of calls that keeps all of them is a *skill order*. The terms,
-//! and the levels arbitrary, valid and reasonable, are those of Brandenbourger, Vathoopan and Zoitl, "Modeling and verifying behavioral
-//! constraints for automation systems".
+//! A machine offers *skills* (`Left`, `Down`, `Grip`). Each belongs to a *component* (an axis, a
+//! gripper) and leads it into a *situation* (`left`, `down`, `closed`). *Rules* say what may follow
+//! what; a sequence of calls that keeps all of them is a *skill order*. The terms, and the levels
+//! arbitrary, valid and reasonable, are those of Brandenbourger, Vathoopan and Zoitl, "Modeling and
+//! verifying behavioral constraints for automation systems".
 //!
 //! # Meaning
 //!
-//! - A [`supervisor::Call`] is one skill, or several at once. Two skills of one component are never called at once.
-//! - Every rule is an automaton over single skills that refuses at the first bad one: a safety automaton over prefixes, so that a monitor
-//!   can use it. Several rules together are the product of theirs.
-//! - Several skills called at once are allowed when every order of calling them one after the other is ([`Serialisation::Every`]); what is
-//!   known afterwards is the set of states that some order leads to. With [`Serialisation::Some`] one order has to be allowed.
-//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a row it is there where they follow each other
-//!   in one call.
-//! - What stands at the start ([`Component::initial`]) counts as called where a rule asks whether something has been called (`after`, `until`,
-//!   `before`, `only after`, `between`): a unit that stands up has been called `Up`. It does not count as a call of its own: not among
-//!   those of `at most`, and nothing follows it directly. Which of two skills that stand was called last is not known: that is as if they
-//!   had been called at once. No event of several skills counts as called.
-//! - A *recall*, a skill whose component is already where it leads, is a call like any other. The level reasonable forbids it.
+//! - A [`supervisor::Call`] is one skill, or several at once. Two skills of one component are never
+//!   called at once.
+//! - Every rule is an automaton over single skills that refuses at the first bad one: a safety
+//!   automaton over prefixes, so that a monitor can use it. Several rules together are the product
+//!   of theirs.
+//! - Several skills called at once are allowed when every order of calling them one after the other
+//!   is ([`Serialisation::Every`]); what is known afterwards is the set of states that some order
+//!   leads to. With [`Serialisation::Some`] one order has to be allowed.
+//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a row
+//!   it is there where they follow each other in one call.
+//! - What stands at the start ([`Component::initial`]) counts as called where a rule asks whether
+//!   something has been called (`after`, `until`, `before`, `only after`, `between`): a unit that
+//!   stands up has been called `Up`. It does not count as a call of its own: not among those of
+//!   `at most`, and nothing follows it directly. Which of two skills that stand was called last is
+//!   not known: that is as if they had been called at once. No event of several skills counts as
+//!   called.
+//! - A *recall*, a skill whose component is already where it leads, is a call like any other. The
+//!   level reasonable forbids it.
 //!
 //! Nothing here knows of syntax, contracts or machines.
 
@@ -53,7 +60,8 @@ pub struct Skills {
     pub doc: String,
     /// The components in order of declaration.
     pub components: Vec<Component>,
-    /// The skills in order of declaration: those of the first component first. At most [`MOST_SKILLS`].
+    /// The skills in order of declaration: those of the first component first. At most
+    /// [`MOST_SKILLS`].
     pub skills: Vec<Skill>,
     /// The rules in order of declaration.
     pub rules: Vec<Rule>,
@@ -88,7 +96,8 @@ pub struct Component {
     pub doc: String,
     /// Its situations; empty for a component that is always the same, a camera.
     pub situations: Vec<String>,
-    /// Where it is at the start, as an index into [`Component::situations`]; 0 where there are none.
+    /// Where it is at the start, as an index into [`Component::situations`]; 0 where there are
+    /// none.
     pub initial: usize,
     /// Where its name stands.
     pub span: Span,
@@ -103,7 +112,8 @@ pub struct Skill {
     pub doc: String,
     /// Its component, as an index into [`Skills::components`].
     pub component: usize,
-    /// The situation that it leads to, as an index into the component's; `None` for one that changes nothing.
+    /// The situation that it leads to, as an index into the component's; `None` for one that
+    /// changes nothing.
     pub effect: Option<usize>,
     /// Where its name stands.
     pub span: Span,
@@ -157,7 +167,8 @@ pub struct Rule {
     pub level: Level,
     /// What it says.
     pub kind: Kind,
-    /// The transitions that a published model deletes for it; they stand in for the rule where that model is asked for.
+    /// The transitions that a published model deletes for it; they stand in for the rule where that
+    /// model is asked for.
     pub deletions: Vec<Deletion>,
     /// Where it stands.
     pub span: Span,
@@ -190,15 +201,16 @@ pub enum Kind {
         /// What waits for it.
         then: Vec<Event>,
     },
-    /// `X only after Y`: every `X` needs a `Y` of its own, since the last `X`. An `X` that stands at the start has used up none.
+    /// `X only after Y`: every `X` needs a `Y` of its own, since the last `X`. An `X` that stands
+    /// at the start has used up none.
     OnlyAfter {
         /// What needs it.
         what: Vec<Event>,
         /// What is needed.
         after: Vec<Event>,
     },
-    /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most so many. The call that ends this is still counted, the
-    /// one that begins it is not.
+    /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most so many. The
+    /// call that ends this is still counted, the one that begins it is not.
     AtMost {
         /// How many.
         count: u32,
@@ -209,14 +221,16 @@ pub enum Kind {
         /// What ends it; empty for never.
         until: Vec<Event>,
     },
-    /// `never X then Y then Z`: these do not follow one another directly. `never X twice in a row` is `X then X`.
-    /// Any of the words is refused, each a list of places with the events that may stand there.
+    /// `never X then Y then Z`: these do not follow one another directly. `never X twice in a row`
+    /// is `X then X`. Any of the words is refused, each a list of places with the events that may
+    /// stand there.
     InARow(Vec<Vec<Vec<Event>>>),
     /// `sequence (...)`: what is called is the beginning of a word of this regular expression.
     Sequence(Regex),
 }
 
-/// Transitions from some situations to others, by the components that are spoken of: (component, situation).
+/// Transitions from some situations to others, by the components that are spoken of: (component,
+/// situation).
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Deletion {
     /// From where.

@@ -1,6 +1,7 @@
 //! A monitor: it is told what is called, call by call, and says whether that is allowed.
 //!
-//! It is an interlock: a call that is refused changes nothing, as if it had not been made. No call allocates.
+//! It is an interlock: a call that is refused changes nothing, as if it had not been made. No call
+//! allocates.
 
 use super::layout::Layout;
 use super::supervisor::{Call, Refusal as Refused, State, Supervisor};
@@ -10,7 +11,8 @@ use linewright_automata::bound::TooLarge;
 /// Why a call is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Why {
-    /// This rule forbids it, by its place in [`Table::rules`]; the first of them where there are several.
+    /// This rule forbids it, by its place in [`Table::rules`]; the first of them where there are
+    /// several.
     Rule(usize),
     /// The skill leads its component to where it is already, and recalls are forbidden.
     Recall,
@@ -192,8 +194,9 @@ impl<'a> Monitor<'a> {
     }
 }
 
-/// A monitor of rules whose table would be too large: it works out what a call leads to when it is made, and remembers that. So a call that has
-/// not been seen in a state takes longer, and allocates.
+/// A monitor of rules whose table would be too large: it works out what a call leads to when it is
+/// made, and remembers that. So a call that has not been seen in a state takes longer, and
+/// allocates.
 #[derive(Debug, Clone)]
 pub struct Unfolding<'a> {
     supervisor: Supervisor<'a>,

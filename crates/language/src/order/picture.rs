@@ -1,8 +1,9 @@
-//! The automaton of a set of rules as graphs: flat, a state a situation and what is known there, or by component, as the paper's
-//! hierarchical machine has it.
+//! The automaton of a set of rules as graphs: flat, a state a situation and what is known there, or
+//! by component, as the paper's hierarchical machine has it.
 //!
-//! By component every component and every rule is a region of its own, side by side (Harel, "Statecharts", 1987). That is the sum of their
-//! states and not the product: a call is allowed where every region allows it.
+//! By component every component and every rule is a region of its own, side by side (Harel,
+//! "Statecharts", 1987). That is the sum of their states and not the product: a call is allowed
+//! where every region allows it.
 
 use super::fsm::Fsm;
 use super::rule::{self, Alphabet};
@@ -126,7 +127,8 @@ fn of_component(skills: &Skills, number: usize, level: Level) -> Graph {
     Graph { states, edges }
 }
 
-/// What a rule refuses in its states, and what leads from one to another; calls that change nothing in it are left out.
+/// What a rule refuses in its states, and what leads from one to another; calls that change nothing
+/// in it are left out.
 fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) -> Graph {
     let dfa = &automaton.dfa;
     let letter = |letter: usize| alphabet.text(letter, skills);

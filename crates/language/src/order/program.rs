@@ -1,4 +1,5 @@
-//! A program of calls, checked before it is loaded: the first call that is refused, why, and how it could go on.
+//! A program of calls, checked before it is loaded: the first call that is refused, why, and how it
+//! could go on.
 
 use super::fsm::{MOST_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
@@ -12,7 +13,8 @@ pub const MOST_SOUGHT: usize = 1 << 20;
 /// What came of a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Checked {
-    /// How many of its calls are allowed, one after the other; all of them where there is no violation.
+    /// How many of its calls are allowed, one after the other; all of them where there is no
+    /// violation.
     pub allowed: usize,
     /// The first call that is not.
     pub violation: Option<Violation>,
@@ -20,8 +22,8 @@ pub struct Checked {
     pub state: State,
     /// Rules that are in the middle of a sequence there, by their places.
     pub unfinished: Vec<usize>,
-    /// The shortest calls with which it would be complete; `None` where it is, or never can be. An error where that would be too much to be
-    /// found out.
+    /// The shortest calls with which it would be complete; `None` where it is, or never can be. An
+    /// error where that would be too much to be found out.
     pub completion: Sought,
 }
 
@@ -37,7 +39,8 @@ pub struct Violation {
     pub call: Call,
     /// Why.
     pub refusal: Refusal,
-    /// The shortest calls after which it is allowed; `None` where there are none. An error where that would be too much to be found out.
+    /// The shortest calls after which it is allowed; `None` where there are none. An error where
+    /// that would be too much to be found out.
     pub detour: Sought,
     /// What may be called in its place, single skills and as many at once as the call has.
     pub instead: Vec<Call>,
@@ -102,7 +105,8 @@ pub fn allowed(
     Ok(allowed)
 }
 
-/// The shortest calls, of single skills, after which a call is allowed. `None` where there are none.
+/// The shortest calls, of single skills, after which a call is allowed. `None` where there are
+/// none.
 ///
 /// # Errors
 /// When more than so many calls would be looked at, or the time is over.
@@ -112,7 +116,8 @@ pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call, entries
     })
 }
 
-/// The shortest calls, of single skills, after which a program may end. `None` where there are none.
+/// The shortest calls, of single skills, after which a program may end. `None` where there are
+/// none.
 ///
 /// # Errors
 /// When too many states would be looked at, or the time is over.
@@ -247,7 +252,8 @@ pub fn difference(
                     limit,
                 });
             }
-            // Asked as soon as it is found: behind a state found later, but as early, there may be a longer difference only.
+            // Asked as soon as it is found: behind a state found later, but as early, there may be
+            // a longer difference only.
             let end = ends(first, second, &pair);
             seen.insert(pair.clone());
             found.push((pair, Some((at, *call))));

@@ -1,8 +1,9 @@
 //! From a rule to its automaton over single skills.
 //!
-//! The letters are the skills, and behind them every event of several skills that a rule speaks of: where `Left & Down` are called at once,
-//! the letters `Left`, `Down` and `Left & Down` come in any order. Only what is in a row goes by the skills alone: `Left & Down` is there
-//! where the two follow each other in one call, so that nothing comes between it and what it follows.
+//! The letters are the skills, and behind them every event of several skills that a rule speaks of:
+//! where `Left & Down` are called at once, the letters `Left`, `Down` and `Left & Down` come in any
+//! order. Only what is in a row goes by the skills alone: `Left & Down` is there where the two
+//! follow each other in one call, so that nothing comes between it and what it follows.
 
 use super::standing::{Window, standing};
 use super::{Event, Kind, Rule, Skills};
@@ -128,8 +129,8 @@ impl Kind {
 pub struct Automaton {
     /// Over the letters of an [`Alphabet`]. Its state 0 is not always the start.
     pub dfa: Dfa,
-    /// Where it may be at the start, ascending: with its window closed and with it open where the initial situation does not say what was
-    /// called last, else one state.
+    /// Where it may be at the start, ascending: with its window closed and with it open where the
+    /// initial situation does not say what was called last, else one state.
     pub starts: Vec<u32>,
     /// Its window at the start.
     pub window: Window,
@@ -283,12 +284,12 @@ fn one<S: Clone + Eq + Hash>(
     Ok(Automaton::of_letters(explored.dfa, explored.starts))
 }
 
-/// How far one is in a word: the word, the place in it, and what is still missing of an event of several skills whose other skills have
-/// just been called.
+/// How far one is in a word: the word, the place in it, and what is still missing of an event of
+/// several skills whose other skills have just been called.
 type Reached = (usize, usize, u64);
 
-/// Where in each word one is: the ends of what was called that begin a word (Aho and Corasick, "Efficient string matching", 1975, by
-/// sets).
+/// Where in each word one is: the ends of what was called that begin a word (Aho and Corasick,
+/// "Efficient string matching", 1975, by sets).
 fn in_a_row(
     words: &[Vec<Vec<Event>>],
     alphabet: &Alphabet,
@@ -334,7 +335,8 @@ fn in_a_row(
     explored.map(|(automaton, _)| automaton)
 }
 
-/// The beginnings of the words of a regular expression. An event of several skills changes nothing here.
+/// The beginnings of the words of a regular expression. An event of several skills changes nothing
+/// here.
 fn sequence(
     regex: &Regex,
     skills: &Skills,

@@ -1,8 +1,9 @@
 //! Several skills at once, as all the orders in which they may be called one after the other.
 //!
-//! The paper tries all n! orders of n skills. The same is found out set by set: which states can a rule be in when just these of the skills
-//! have been called? That is 2^n sets, each from those with one skill less (Held and Karp, "A dynamic programming approach to sequencing
-//! problems", 1962). Since orders may end in different states, what is known of a rule is a set of states.
+//! The paper tries all n! orders of n skills. The same is found out set by set: which states can a
+//! rule be in when just these of the skills have been called? That is 2^n sets, each from those
+//! with one skill less (Held and Karp, "A dynamic programming approach to sequencing problems",
+//! 1962). Since orders may end in different states, what is known of a rule is a set of states.
 
 use super::Serialisation;
 use super::rule::Automaton;
@@ -16,7 +17,8 @@ pub const MOST_AT_ONCE: usize = 16;
 /// A set of states of one rule's automaton, by its number.
 pub type Known = u32;
 
-/// A rule's automaton, read call by call. What is known after each call is remembered, so that a call is worked out once.
+/// A rule's automaton, read call by call. What is known after each call is remembered, so that a
+/// call is worked out once.
 #[derive(Debug, Clone)]
 pub struct Serial {
     dfa: Dfa,
@@ -121,8 +123,9 @@ impl Serial {
         (!reached.is_empty()).then_some(reached)
     }
 
-    /// For every set of these letters, by mask, the states after calling just those. Where an order is refused and every one has to be
-    /// allowed, the set before, the state and the letter instead.
+    /// For every set of these letters, by mask, the states after calling just those. Where an order
+    /// is refused and every one has to be allowed, the set before, the state and the letter
+    /// instead.
     fn reached(
         &self,
         known: Known,
@@ -168,8 +171,9 @@ impl Serial {
         Ok(Ok(sets))
     }
 
-    /// An order of these letters that is refused, up to the letter that is; `None` where they are allowed. With
-    /// [`Serialisation::Some`], where all are refused, the given one up to where it is.
+    /// An order of these letters that is refused, up to the letter that is; `None` where they are
+    /// allowed. With [`Serialisation::Some`], where all are refused, the given one up to where it
+    /// is.
     ///
     /// # Errors
     /// When there are more than [`MOST_AT_ONCE`] that matter.
@@ -185,7 +189,8 @@ impl Serial {
         if refused.state == REFUSED {
             return Ok(Some(self.refused_in_order(known, &letters)));
         }
-        // Backwards from the state: some letter of the set led to it from a state that the set without it leads to.
+        // Backwards from the state: some letter of the set led to it from a state that the set
+        // without it leads to.
         let mut order = vec![letters[refused.letter]];
         let (mut called, mut state) = (refused.called, refused.state);
         while called != 0 {
@@ -228,7 +233,8 @@ impl Serial {
     }
 }
 
-/// Where an order is refused: the letters called before, by mask, the state after them, and the letter by its place.
+/// Where an order is refused: the letters called before, by mask, the state after them, and the
+/// letter by its place.
 struct Refused {
     called: usize,
     state: u32,

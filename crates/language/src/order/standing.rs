@@ -1,15 +1,16 @@
 //! What stands at the start counts as called before it, in some order.
 //!
-//! A unit that stands left and up has been called `Left` and `Up`, and which of them last is not known. So a window that the one opens and
-//! the other closes may stand open or not. Several windows are not independent of one another there: what one order leads to for each of
-//! them is found from its end, skill by skill.
+//! A unit that stands left and up has been called `Left` and `Up`, and which of them last is not
+//! known. So a window that the one opens and the other closes may stand open or not. Several
+//! windows are not independent of one another there: what one order leads to for each of them is
+//! found from its end, skill by skill.
 
 use super::{Event, Skills};
 use linewright_automata::bound::{MOST_STATES, TooLarge};
 use std::collections::BTreeSet;
 
-/// The skills among these that stand at the start, as a mask. Events of several skills are left out: where components stand does not say
-/// what was called at once.
+/// The skills among these that stand at the start, as a mask. Events of several skills are left
+/// out: where components stand does not say what was called at once.
 pub fn standing(events: &[Event], skills: &Skills) -> u64 {
     let stands = |skill: &usize| {
         let skill = &skills.skills[*skill];
@@ -51,7 +52,8 @@ impl Window {
         }
     }
 
-    /// Whether it stands open when this skill was the last of its skills; `None` where it is not one of them.
+    /// Whether it stands open when this skill was the last of its skills; `None` where it is not
+    /// one of them.
     fn after(self, skill: u32) -> Option<bool> {
         let has = |mask: u64| mask >> skill & 1 == 1;
         (has(self.opening) || has(self.closing)).then(|| has(self.opening))

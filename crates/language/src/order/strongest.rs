@@ -1,19 +1,25 @@
-//! The strongest level by method: which recalls and detours can be left out without losing what can be reached.
+//! The strongest level by method: which recalls and detours can be left out without losing what can
+//! be reached.
 //!
-//! The paper leaves the reasonable level to "an engineer understanding the system and not systematically following a method", and the
-//! strongest one to future work. The method here:
+//! The paper leaves the reasonable level to "an engineer understanding the system and not
+//! systematically following a method", and the strongest one to future work. The method here:
 //!
-//! 1. *Candidates.* A recall of a skill: to call it where its component is already where it leads. A detour: a word of a few skills after
-//!    which everything is as some shorter word would have left it, wherever it is allowed (`Left Right`, after which nothing has changed,
-//!    or `Grip Left Release`, which is `Left`). Everything means the situation and what is known of every rule.
-//! 2. *Test.* A candidate is taken as one more rule. It is kept if from every state that is still reached, every useful situation is reached
-//!    (again) that was reached from there without any candidate, and a program can still be completed where it could. Else it is needed, and
-//!    the situation that would be lost is named.
-//! 3. *Order.* Recalls come first, then detours, short ones first, in the order of the skills' declaration; each is tested together with all
-//!    that have been kept. So no candidate that is needed can be added to the result: it is a strongest set of them, though others may
-//!    be as strong.
+//! 1. *Candidates.* A recall of a skill: to call it where its component is already where it leads.
+//!    A detour: a word of a few skills after which everything is as some shorter word would have
+//!    left it, wherever it is allowed (`Left Right`, after which nothing has changed, or
+//!    `Grip Left Release`, which is `Left`). Everything means the situation and what is known of
+//!    every rule.
+//! 2. *Test.* A candidate is taken as one more rule. It is kept if from every state that is still
+//!    reached, every useful situation is reached (again) that was reached from there without any
+//!    candidate, and a program can still be completed where it could. Else it is needed, and the
+//!    situation that would be lost is named.
+//! 3. *Order.* Recalls come first, then detours, short ones first, in the order of the skills'
+//!    declaration; each is tested together with all that have been kept. So no candidate that is
+//!    needed can be added to the result: it is a strongest set of them, though others may be as
+//!    strong.
 //!
-//! The engineer may say that a candidate is to be dropped, and which situations are useful; the rest is found anew.
+//! The engineer may say that a candidate is to be dropped, and which situations are useful; the
+//! rest is found anew.
 
 use super::fsm::Fsm;
 use super::supervisor::{Call, Options};
@@ -42,7 +48,8 @@ pub struct Request {
 /// A candidate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
-    /// The rule that forbids it; its text is how it stands in a file, for the level that was asked about.
+    /// The rule that forbids it; its text is how it stands in a file, for the level that was asked
+    /// about.
     pub rule: Rule,
     /// The skills that it is about.
     pub word: Vec<usize>,
@@ -107,7 +114,8 @@ pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLar
     Ok(search.found)
 }
 
-/// The rule against a recall, as it is written for a level: its component is where the skill leads, and no other skill has led it away.
+/// The rule against a recall, as it is written for a level: its component is where the skill leads,
+/// and no other skill has led it away.
 pub(super) fn recall(skills: &Skills, skill: usize, level: Level) -> Option<Rule> {
     let of = &skills.skills[skill];
     let effect = of.effect?;
@@ -168,7 +176,8 @@ fn derived(level: Level, name: String, body: &str, kind: Kind) -> Rule {
     }
 }
 
-/// The words of so many skills that are allowed somewhere, and wherever they are, lead where a shorter word leads.
+/// The words of so many skills that are allowed somewhere, and wherever they are, lead where a
+/// shorter word leads.
 fn detours(base: &Fsm, length: usize) -> Vec<Vec<usize>> {
     let skills = base.dfa.letters();
     let near: Vec<BTreeSet<u32>> = (0..base.states.len() as u32)
@@ -237,7 +246,8 @@ fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
 struct Wanted {
     /// The useful situations, in order.
     situations: Vec<Vec<usize>>,
-    /// For each state, which of them can be reached by one call or more; last, whether a program can be completed.
+    /// For each state, which of them can be reached by one call or more; last, whether a program
+    /// can be completed.
     reached: Vec<Bits>,
 }
 
@@ -262,7 +272,8 @@ impl Wanted {
     }
 }
 
-/// For each state, which of these situations can be reached by one call or more, and whether a program can be completed.
+/// For each state, which of these situations can be reached by one call or more, and whether a
+/// program can be completed.
 fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
     let states = fsm.states.len();
     let place: Vec<Option<usize>> = fsm

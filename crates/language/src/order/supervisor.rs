@@ -1,8 +1,9 @@
 //! What may be called when: the rules of a level, read call by call.
 //!
-//! A [`Supervisor`] answers each call with the state after it or with why it is refused, in the sense of Ramadge and Wonham, "Supervisory
-//! control of a class of discrete event processes" (1987): it allows and forbids, and calls nothing itself. It works out states as they
-//! are asked for; [`super::fsm`] works out all of them.
+//! A [`Supervisor`] answers each call with the state after it or with why it is refused, in the
+//! sense of Ramadge and Wonham, "Supervisory control of a class of discrete event processes"
+//! (1987): it allows and forbids, and calls nothing itself. It works out states as they are asked
+//! for; [`super::fsm`] works out all of them.
 
 use super::rule::{self, Alphabet, Automaton};
 use super::serial::{Known, Serial};
@@ -40,7 +41,8 @@ pub struct Options {
     pub level: Level,
     /// When several skills at once are allowed.
     pub serialisation: Serialisation,
-    /// Rules that list the transitions that a published model deletes are replaced by these deletions.
+    /// Rules that list the transitions that a published model deletes are replaced by these
+    /// deletions.
     pub paper: bool,
     /// When to give up.
     pub until: Deadline,
@@ -99,8 +101,8 @@ pub enum Refusal {
     Rule {
         /// By its place in [`Skills::rules`].
         rule: usize,
-        /// The order of calling them one after the other that it refuses, up to the skill that it refuses; events of several skills are
-        /// left out.
+        /// The order of calling them one after the other that it refuses, up to the skill that it
+        /// refuses; events of several skills are left out.
         order: Vec<usize>,
     },
     /// A deleted transition.
@@ -115,7 +117,8 @@ pub enum Refusal {
 enum Automata {
     /// One a rule: (place of the rule, its automaton).
     Each(Vec<(usize, Serial)>),
-    /// All rules together, since one order has to suit all of them: the rules, their states in each state of the product, and the product.
+    /// All rules together, since one order has to suit all of them: the rules, their states in each
+    /// state of the product, and the product.
     Together {
         rules: Vec<usize>,
         parts: Vec<Dfa>,
@@ -185,7 +188,8 @@ impl<'a> Supervisor<'a> {
         })
     }
 
-    /// The same, but components whose situation decides nothing are taken to stay where they are. The same calls are allowed, in fewer states.
+    /// The same, but components whose situation decides nothing are taken to stay where they are.
+    /// The same calls are allowed, in fewer states.
     #[must_use]
     pub fn lean(mut self) -> Self {
         self.lean = true;
@@ -335,8 +339,9 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// The rules that a program must not leave here, by their places: sequences in the middle of a word. Where one order has to suit, those
-    /// that every order leaves there; if there are none, those that some order does.
+    /// The rules that a program must not leave here, by their places: sequences in the middle of a
+    /// word. Where one order has to suit, those that every order leaves there; if there are none,
+    /// those that some order does.
     pub fn unfinished(&self, state: &State) -> Vec<usize> {
         match &self.automata {
             Automata::Each(each) => {
@@ -381,7 +386,8 @@ fn without_events(mut order: Vec<usize>, skills: &Skills) -> Vec<usize> {
     order
 }
 
-/// The rule that refuses first when these letters come in the given order, and the letters up to there.
+/// The rule that refuses first when these letters come in the given order, and the letters up to
+/// there.
 fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<usize>) {
     let mut states = from.to_vec();
     for (at, letter) in letters.iter().enumerate() {

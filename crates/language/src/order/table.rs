@@ -1,4 +1,5 @@
-//! The joint automaton of some rules as a plain table: what monitors are made of, in this process, in C and in Structured Text.
+//! The joint automaton of some rules as a plain table: what monitors are made of, in this process,
+//! in C and in Structured Text.
 
 use super::Rule;
 use super::fsm::Fsm;
@@ -26,13 +27,13 @@ pub struct Table {
     pub skills: Vec<String>,
     /// The rules, as messages cite them.
     pub rules: Vec<Cited>,
-    /// What may be called at once, a column each: masks over the skills. First the single skills in their order, then sets of two,
-    /// of three and so on, each size in ascending order.
+    /// What may be called at once, a column each: masks over the skills. First the single skills in
+    /// their order, then sets of two, of three and so on, each size in ascending order.
     pub calls: Vec<u64>,
     /// Row by row, `next[state * calls.len() + column]`: the state after the call, or [`REFUSED`].
     pub next: Vec<u32>,
-    /// For every refused entry of [`Table::next`], at the same place, the first rule that refuses: an index into
-    /// [`Table::rules`], [`RECALL`] or [`TOGETHER`].
+    /// For every refused entry of [`Table::next`], at the same place, the first rule that refuses:
+    /// an index into [`Table::rules`], [`RECALL`] or [`TOGETHER`].
     pub why: Vec<u16>,
     /// How many states there are.
     pub states: usize,
@@ -63,10 +64,12 @@ impl Cited {
 }
 
 impl Table {
-    /// The table of all that these calls lead to. Components whose situation decides nothing are left out of it.
+    /// The table of all that these calls lead to. Components whose situation decides nothing are
+    /// left out of it.
     ///
     /// # Errors
-    /// When it would be too large, or one rule speaks of too many of the skills of one call, or the time is over.
+    /// When it would be too large, or one rule speaks of too many of the skills of one call, or the
+    /// time is over.
     pub fn explore(supervisor: &Supervisor<'_>, calls: Vec<Call>) -> Result<Self, TooLarge> {
         let supervisor = &mut supervisor.clone().lean();
         let fsm = Fsm::explore(supervisor, calls)?;

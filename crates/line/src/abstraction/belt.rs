@@ -1,8 +1,9 @@
 //! What the contract of a belt says about the room on it.
 //!
-//! A belt need not close gaps. One that moves as a whole stands still while its last part waits to be taken, and then a part on its first
-//! place keeps others off it, though there is room in the middle. What its abstraction has to know is one number: with
-//! fewer parts than that, it takes another one even so. It is asked of the contract, as is that parts come to the end at all.
+//! A belt need not close gaps. One that moves as a whole stands still while its last part waits to
+//! be taken, and then a part on its first place keeps others off it, though there is room in the
+//! middle. What its abstraction has to know is one number: with fewer parts than that, it takes
+//! another one even so. It is asked of the contract, as is that parts come to the end at all.
 
 use super::words::{all, count, is};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
@@ -13,7 +14,8 @@ use linewright_solver::game::{Budget, Limit, Limits, Rule, RuleKind, Runs, Wante
 /// What is known of a belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Room {
-    /// With fewer parts on it, another one comes on, even while the first one waits; always at least 1.
+    /// With fewer parts on it, another one comes on, even while the first one waits; always at
+    /// least 1.
     Sure(u32),
     /// Its contract does not say that it takes a part when it is empty.
     TakesNone,
@@ -57,7 +59,8 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     if may_stay(0, &[])? {
         return Ok(Room::BringsNone);
     }
-    // What follows an empty belt is ready to take: only here may the contract's justice be relied on.
+    // What follows an empty belt is ready to take: only here may the contract's justice be relied
+    // on.
     if may_stay(1, &again)? {
         return Ok(Room::TakesNone);
     }
@@ -76,7 +79,8 @@ fn justice(expr: Expr) -> Rule {
     }
 }
 
-/// The wires of a machine and the inputs of its components, what is always so between them, and the justice of all contracts.
+/// The wires of a machine and the inputs of its components, what is always so between them, and the
+/// justice of all contracts.
 fn contract(machine: &Machine) -> (Vec<Variable>, Vec<Rule>, Vec<Rule>) {
     let new = |name: String, domain: &Domain| Variable {
         name,

@@ -18,7 +18,8 @@ pub(super) struct Book<'a> {
 }
 
 impl Book<'_> {
-    /// A lemma, and what it is shown from, or what stands near where that is empty; gives where it stands.
+    /// A lemma, and what it is shown from, or what stands near where that is empty; gives where it
+    /// stands.
     pub(super) fn lemma(
         &mut self,
         place: usize,
@@ -69,7 +70,8 @@ impl Book<'_> {
         })
     }
 
-    /// What is given of a place: all that speaks of nothing but variables of the environment that its contract mentions, and its own.
+    /// What is given of a place: all that speaks of nothing but variables of the environment that
+    /// its contract mentions, and its own.
     pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
         let part = &self.system.parts[place];
         let mut known: BTreeSet<_> = part.drives.iter().copied().collect();

@@ -1,4 +1,5 @@
-//! Who waits for whom in a state of the abstraction, followed until it closes in a circle or ends at what does not come.
+//! Who waits for whom in a state of the abstraction, followed until it closes in a circle or ends
+//! at what does not come.
 
 use super::Abstraction;
 use super::shape::PlaceKind;

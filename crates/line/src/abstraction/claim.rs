@@ -1,9 +1,10 @@
 //! What is claimed of a line, and what is given.
 //!
-//! Given is what no place can guarantee: that parts come in at all, and that the properties of parts send them each way again and
-//! again, so that a replacement is good in the end. That is no promise that parts come somewhere: a decision waits until it is made use
-//! of, and where none is any more, it may say so. (That is a guess about the future, which every run has one right answer to: who says
-//! so and is asked again cannot go on.)
+//! Given is what no place can guarantee: that parts come in at all, and that the properties of
+//! parts send them each way again and again, so that a replacement is good in the end. That is no
+//! promise that parts come somewhere: a decision waits until it is made use of, and where none is
+//! any more, it may say so. (That is a guess about the future, which every run has one right answer
+//! to: who says so and is asked again cannot go on.)
 
 use super::lemmas;
 use super::parts::formula;
@@ -142,7 +143,8 @@ fn load(model: Model<'_>, place: usize) -> Option<Expr> {
     }
 }
 
-/// What was there and what comes is there afterwards, less what goes to one other place; only what waits is taken.
+/// What was there and what comes is there afterwards, less what goes to one other place; only what
+/// waits is taken.
 fn kept(model: Model<'_>, place: usize) -> Expr {
     let mut rules = Vec::new();
     for to in model.shape.after(place) {

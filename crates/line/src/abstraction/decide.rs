@@ -1,7 +1,8 @@
-//! Whether a claim holds of all places together, with one look at what can be reached: the quick answer that `check` gives.
+//! Whether a claim holds of all places together, with one look at what can be reached: the quick
+//! answer that `check` gives.
 //!
-//! The table of what rests on what is the business of [`linewright_algebra::proof::prove`]; it asks these questions again and again
-//! with formulas left away.
+//! The table of what rests on what is the business of [`linewright_algebra::proof::prove`]; it asks
+//! these questions again and again with formulas left away.
 
 use super::Abstraction;
 use crate::undecided::Undecided;
@@ -15,13 +16,15 @@ use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolati
 /// What came out.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Verdict {
-    /// Formulas of the goal that do not hold, with runs that show it. Where something is wrong with safety, nothing is asked of what comes in the end.
+    /// Formulas of the goal that do not hold, with runs that show it. Where something is wrong with
+    /// safety, nothing is asked of what comes in the end.
     pub open: Vec<Open>,
     /// What was not decided: only justice, for safety is decided or else there is no verdict.
     pub undecided: Vec<FormulaRef>,
     /// The limit at which that was given up; none where it was not asked, the line being too large.
     pub limit: Option<Limit>,
-    /// What is open was found where parts may move late, and whether it is so when they move at once was not decided.
+    /// What is open was found where parts may move late, and whether it is so when they move at
+    /// once was not decided.
     pub late: bool,
 }
 
@@ -32,10 +35,12 @@ impl Verdict {
     }
 }
 
-/// Where everything that takes time waits for everything that does not, no question is about a few places only.
+/// Where everything that takes time waits for everything that does not, no question is about a few
+/// places only.
 const MOST_AT_ONCE: usize = 24;
 
-/// The rules of a line: what all places guarantee, and what is given. Rules of the goal come after them.
+/// The rules of a line: what all places guarantee, and what is given. Rules of the goal come after
+/// them.
 fn rules(abstraction: &Abstraction) -> Vec<Rule> {
     let sides = abstraction
         .system
@@ -49,8 +54,9 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
         .collect()
 }
 
-/// Decides whether a line is sound, and gives the abstraction that shows it. What comes in the end, and what holds where parts move at once,
-/// is only asked of lines with at most so many variables; of larger ones it stays undecided.
+/// Decides whether a line is sound, and gives the abstraction that shows it. What comes in the end,
+/// and what holds where parts move at once, is only asked of lines with at most so many variables;
+/// of larger ones it stays undecided.
 ///
 /// # Errors
 /// The reason why it was not decided.
@@ -127,7 +133,8 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
     Ok(verdict)
 }
 
-/// What comes in the end, goal by goal: a proof goes from what is near to what is far, so that most goals are about a few places only.
+/// What comes in the end, goal by goal: a proof goes from what is near to what is far, so that most
+/// goals are about a few places only.
 fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     let claim = &abstraction.claim;
     // What safety shows is known, and places keep their guarantees whatever others do.

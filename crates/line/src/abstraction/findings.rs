@@ -1,4 +1,5 @@
-//! What does not hold of a line, in words: who waits for whom, how it comes to that, and the way out.
+//! What does not hold of a line, in words: who waits for whom, how it comes to that, and the way
+//! out.
 
 use super::Abstraction;
 use super::chain::{Chain, View};
@@ -20,7 +21,8 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
         match &open.why {
             Broken::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
             Broken::Lasso(lasso) => {
-                // Where one place does not go on, those before it do not either, and orders are not finished.
+                // Where one place does not go on, those before it do not either, and orders are not
+                // finished.
                 if !std::mem::replace(&mut told, true) {
                     let run: Vec<&Vec<i64>> = lasso.prefix.iter().chain(&lasso.cycle).collect();
                     found.push(unfinished(line, abstraction, open, &run, &lasso.cycle));
@@ -207,8 +209,8 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     }
 }
 
-/// How to let in fewer of the parts that wait in a circle, and of those that they are made of. A limit below what one product is made of would
-/// leave the line without products.
+/// How to let in fewer of the parts that wait in a circle, and of those that they are made of. A
+/// limit below what one product is made of would leave the line without products.
 fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     let mut found = Vec::new();
     for (place, part, most) in supplies(line, shape) {
@@ -231,7 +233,8 @@ fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     found
 }
 
-/// The sources: their places, the types of their parts, and how many of these they let into the line.
+/// The sources: their places, the types of their parts, and how many of these they let into the
+/// line.
 fn supplies<'s>(
     line: &'s Line,
     shape: &'s Shape,

@@ -1,8 +1,10 @@
-//! What helps to prove a line, place by place: formulas that hold of most lines and that the claim may rest on where they do.
+//! What helps to prove a line, place by place: formulas that hold of most lines and that the claim
+//! may rest on where they do.
 //!
-//! A circle of places goes on because it is never full, and a station that joins parts goes on because its components come. Both are
-//! said of few places; without them, whatever goes through a circle could only be proved of all places at once. Where a supply lets
-//! only so many parts into the line, they rest on a proof of many small steps ([`super::limited`]).
+//! A circle of places goes on because it is never full, and a station that joins parts goes on
+//! because its components come. Both are said of few places; without them, whatever goes through a
+//! circle could only be proved of all places at once. Where a supply lets only so many parts into
+//! the line, they rest on a proof of many small steps ([`super::limited`]).
 
 use super::book::Book;
 use super::limited::Limited;
@@ -31,7 +33,8 @@ pub(super) fn add(model: Model<'_>, line: &Line, system: &System, claim: &mut Cl
     }
 }
 
-/// Of every component that a station joins, but for limited ones: its places there are filled again and again. Gives the lemmas, by place.
+/// Of every component that a station joins, but for limited ones: its places there are filled again
+/// and again. Gives the lemmas, by place.
 fn components(book: &mut Book<'_>, limited: &[Limited<'_>]) -> Vec<(usize, FormulaRef)> {
     let model = book.model;
     let mut found = Vec::new();

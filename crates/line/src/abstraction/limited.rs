@@ -1,13 +1,18 @@
-//! Lines into which a supply lets only so many parts: a proof in small steps that it goes on to let in others.
+//! Lines into which a supply lets only so many parts: a proof in small steps that it goes on to let
+//! in others.
 //!
-//! Whether a station that joins parts gets the next one of a limited kind depends on everything: it comes when the supply may give it, the
-//! supply may give it when others have left the line, and they leave when they were joined. Asked of all places at once, that takes
-//! minutes and explains nothing. In words it is short:
+//! Whether a station that joins parts gets the next one of a limited kind depends on everything: it
+//! comes when the supply may give it, the supply may give it when others have left the line, and
+//! they leave when they were joined. Asked of all places at once, that takes minutes and explains
+//! nothing. In words it is short:
 //!
 //! 1. What the supply counts is what is in the places.
-//! 2. While the supply gives nothing, one place after the other, from the first on, is rid of what it gave, and stays so.
-//! 3. When all are rid of it, the count is 0, and the supply gives again. So it gives again and again.
-//! 4. So the first place gets another part again and again, and then the next one, up to the station that joins it.
+//! 2. While the supply gives nothing, one place after the other, from the first on, is rid of what
+//!    it gave, and stays so.
+//! 3. When all are rid of it, the count is 0, and the supply gives again. So it gives again and
+//!    again.
+//! 4. So the first place gets another part again and again, and then the next one, up to the
+//!    station that joins it.
 //!
 //! Each of these steps is one lemma, about one place and the one before it.
 
@@ -29,7 +34,8 @@ pub(super) struct Limited<'a> {
     part: usize,
     in_line: VarId,
     most: u32,
-    /// Where its parts may be. Each comes after those that parts come from, unless they may go round in a circle.
+    /// Where its parts may be. Each comes after those that parts come from, unless they may go
+    /// round in a circle.
     stages: Vec<Stage>,
     /// Whether they may.
     is_round: bool,
@@ -127,7 +133,7 @@ impl<'a> Limited<'a> {
         }
     }
 
-    // ---- 1. what is counted ----------------------------------------------------------------------------------------
+    // ---- 1. what is counted ---------------------------------------------------------------------
 
     /// So many parts of a type, as how many that came from the supply they are.
     fn weighed(&self, kind: usize, number: Expr) -> Expr {
@@ -201,7 +207,8 @@ impl<'a> Limited<'a> {
         )
     }
 
-    /// The sets of places from each of which parts may come to each other one, as far as its parts come there.
+    /// The sets of places from each of which parts may come to each other one, as far as its parts
+    /// come there.
     fn circles(&self) -> BTreeSet<BTreeSet<usize>> {
         let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
         let mut circles = all_circles(self.model);
@@ -241,9 +248,10 @@ impl<'a> Limited<'a> {
         )
     }
 
-    // ---- 2. and 3. the line is emptied, and so something new comes ----------------------------------------------------
+    // ---- 2. and 3. the line is emptied, and so something new comes ------------------------------
 
-    /// While the supply gives nothing, place after place is rid of what it gave, and stays so. Gives the last of these lemmas.
+    /// While the supply gives nothing, place after place is rid of what it gave, and stays so.
+    /// Gives the last of these lemmas.
     fn drains(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) -> Option<FormulaRef> {
         let model = self.model;
         let gives = model.leaves(self.supply);
@@ -327,7 +335,7 @@ impl<'a> Limited<'a> {
         )
     }
 
-    // ---- 4. on to the stations that join it --------------------------------------------------------------------------
+    // ---- 4. on to the stations that join it -----------------------------------------------------
 
     /// What the supply gives comes to place after place, as far as stations that join it.
     fn comes(&self, book: &mut Book<'_>, gives: FormulaRef) {
@@ -390,7 +398,8 @@ impl<'a> Limited<'a> {
         }
     }
 
-    /// What a lemma about a stage is looked for among: the contract of its place, and that no part is lost there and in the places before.
+    /// What a lemma about a stage is looked for among: the contract of its place, and that no part
+    /// is lost there and in the places before.
     fn near(&self, book: &Book<'_>, stage: &Stage) -> BTreeSet<FormulaRef> {
         let place = stage.at.place;
         let mut from: BTreeSet<FormulaRef> = book.guarantees(place).collect();

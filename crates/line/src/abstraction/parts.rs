@@ -1,8 +1,10 @@
-//! What every place of the line assumes of its neighbours, and guarantees: one Moore contract a place.
+//! What every place of the line assumes of its neighbours, and guarantees: one Moore contract a
+//! place.
 //!
-//! A guarantee of a station that its service ends, and of a belt that what is on it comes to its end, is what their machines'
-//! contracts are proved for; how long that takes is left out. That a place takes somebody who waits, when it has room, is how the
-//! runner moves parts (see [`crate`]): at once, which in steps of unknown length is "in the end".
+//! A guarantee of a station that its service ends, and of a belt that what is on it comes to its
+//! end, is what their machines' contracts are proved for; how long that takes is left out. That a
+//! place takes somebody who waits, when it has room, is how the runner moves parts (see [`crate`]):
+//! at once, which in steps of unknown length is "in the end".
 
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};

@@ -1,8 +1,9 @@
 //! A line as its abstraction sees it: places with room for parts, and the ways between them.
 //!
-//! A node of the line is one place, with two exceptions. A store is one for what comes in and one for each type that leaves it, which
-//! have nothing to do with each other. A belt with a contract that takes parts from other such belts has a place before it, as it
-//! has in the runner: one belt can hand over only in its own step, and take only in its own step.
+//! A node of the line is one place, with two exceptions. A store is one for what comes in and one
+//! for each type that leaves it, which have nothing to do with each other. A belt with a contract
+//! that takes parts from other such belts has a place before it, as it has in the runner: one belt
+//! can hand over only in its own step, and take only in its own step.
 
 use super::belt::{self, Room};
 use crate::undecided::Undecided;
@@ -19,7 +20,8 @@ pub struct Place {
     pub node: usize,
     /// What it is.
     pub kind: PlaceKind,
-    /// The types of parts that can be in it and leave it, each with the places that one may go to from here, in the order of the text.
+    /// The types of parts that can be in it and leave it, each with the places that one may go to
+    /// from here, in the order of the text.
     pub ways: Vec<Ways>,
     /// The places that parts come from.
     pub from: Vec<usize>,
@@ -41,14 +43,16 @@ pub enum PlaceKind {
     Supply {
         /// The type.
         part: usize,
-        /// Whether the next part is there as soon as the one before has left; otherwise some time may pass.
+        /// Whether the next part is there as soon as the one before has left; otherwise some time
+        /// may pass.
         always: bool,
         /// The line takes no more while so many of the type are in it.
         most: Option<u32>,
     },
     /// Parts leave the line here.
     End {
-        /// The types that are finished here; others are rejected, or wait in a store for their next way.
+        /// The types that are finished here; others are rejected, or wait in a store for their next
+        /// way.
         finishes: Vec<usize>,
         /// The types that leave the line here in one way or the other.
         leaves: Vec<usize>,
@@ -62,10 +66,11 @@ pub enum PlaceKind {
     Conveyor {
         /// How many fit.
         places: u32,
-        /// With fewer on it, another one is taken in the end even while the first one waits; otherwise perhaps only when that has
-        /// left. What accumulates takes as many as fit.
+        /// With fewer on it, another one is taken in the end even while the first one waits;
+        /// otherwise perhaps only when that has left. What accumulates takes as many as fit.
         sure: u32,
-        /// Whether a machine moves it, step by step, and so hands over and takes only in its own steps.
+        /// Whether a machine moves it, step by step, and so hands over and takes only in its own
+        /// steps.
         machine: bool,
     },
     /// Parts wait in their order.
@@ -221,8 +226,9 @@ impl Shape {
         self.check_limits(line)
     }
 
-    /// Somewhere on the way of every part time has to pass, or else all others wait for ever for parts that move at once. Work always takes
-    /// time here; where it takes none is found with the values of parts ([`crate::calls`]).
+    /// Somewhere on the way of every part time has to pass, or else all others wait for ever for
+    /// parts that move at once. Work always takes time here; where it takes none is found with the
+    /// values of parts ([`crate::calls`]).
     pub(super) fn check_time(&self, line: &Line) -> Result<(), Undecided> {
         let Some((from, to)) = self.timeless(line) else {
             return Ok(());
@@ -233,8 +239,8 @@ impl Shape {
         )))
     }
 
-    /// Two places between which parts can go on and on, and no time passes: on a circle, or from a source without an end to what is never
-    /// full, a sink or a store.
+    /// Two places between which parts can go on and on, and no time passes: on a circle, or from a
+    /// source without an end to what is never full, a sink or a store.
     fn timeless(&self, line: &Line) -> Option<(usize, usize)> {
         for (start, declared) in self.places.iter().enumerate() {
             let endless = endless(line, declared);
@@ -343,7 +349,8 @@ impl Shape {
         let mut contents = vec![vec![0_u64; types]; types];
         for (whole, row) in contents.iter_mut().enumerate() {
             let mut level = vec![(whole, 1_u64)];
-            // Bills have no circles (the resolver refuses them); the count of rounds makes that certain.
+            // Bills have no circles (the resolver refuses them); the count of rounds makes that
+            // certain.
             for _ in 0..types {
                 let mut below = Vec::new();
                 for (part, count) in level {
@@ -430,7 +437,8 @@ fn belt(node: &Node) -> bool {
     matches!(node.kind, NodeKind::Conveyor { belt: Some(_), .. })
 }
 
-/// What a store gives out. Stock is taken to last, unless parts of the type come in as well: then they are there when they are there.
+/// What a store gives out. Stock is taken to last, unless parts of the type come in as well: then
+/// they are there when they are there.
 fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     let comes = line.routes.iter().any(|r| r.to == node && r.part == part);
     PlaceKind::Supply {
@@ -440,7 +448,8 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     }
 }
 
-/// Whether a source has another part at once, however many it has given. The stock of a store has an end.
+/// Whether a source has another part at once, however many it has given. The stock of a store has
+/// an end.
 fn endless(line: &Line, place: &Place) -> bool {
     matches!(place.kind, PlaceKind::Supply { always: true, .. })
         && matches!(line.nodes[place.node].kind, NodeKind::Source { .. })

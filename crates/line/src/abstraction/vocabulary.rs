@@ -1,12 +1,14 @@
 //! The variables of the abstraction, and what can be said with them.
 //!
-//! A step takes as long as it takes. In it, every place may go on by itself (a service ends, a part comes to the end of its belt), and
-//! every place may begin to take a part that is offered to it; that part moves in the step after. So nobody has to know in a step
-//! what another one decides in it, and the parts of the system are Moore machines. Which of several routes a part takes is
-//! decided by its properties, which are not known here: a variable of the environment says which way the next one will go.
+//! A step takes as long as it takes. In it, every place may go on by itself (a service ends, a part
+//! comes to the end of its belt), and every place may begin to take a part that is offered to it;
+//! that part moves in the step after. So nobody has to know in a step what another one decides in
+//! it, and the parts of the system are Moore machines. Which of several routes a part takes is
+//! decided by its properties, which are not known here: a variable of the environment says which
+//! way the next one will go.
 //!
-//! What does not matter is left out, and nothing is lost by it: a queue in which only one type can be is a count, for its parts have
-//! the same future.
+//! What does not matter is left out, and nothing is lost by it: a queue in which only one type can
+//! be is a count, for its parts have the same future.
 
 use super::shape::{PlaceKind, Shape};
 use super::words::{all, any, is};
@@ -17,7 +19,8 @@ use std::collections::BTreeMap;
 
 /// More slots for parts of different types than this are too many to be told apart.
 const MOST_SLOTS: usize = 64;
-/// Maximum places whose parts wait for the same one: their turns take a formula for every three of them.
+/// Maximum places whose parts wait for the same one: their turns take a formula for every three of
+/// them.
 const MOST_WAITING: usize = 48;
 /// A queue of parts of one type may be this long.
 const MOST_COUNTED: u32 = 4_096;
@@ -25,7 +28,8 @@ const MOST_COUNTED: u32 = 4_096;
 /// The variables of a place.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Vars {
-    /// Which part it takes: 0 none, then those of [`super::shape::Place::from`], then its own bills that it joins.
+    /// Which part it takes: 0 none, then those of [`super::shape::Place::from`], then its own bills
+    /// that it joins.
     pub takes: Option<VarId>,
     /// Of a station: 0 free, then those of `phases`.
     pub phase: Option<VarId>,
@@ -37,13 +41,15 @@ pub struct Vars {
     pub queue: Option<Queue>,
     /// Of a queue or supply, which part is offered to whom: 0 none, then those of `offers`.
     pub end: Option<VarId>,
-    /// Of a conveyor that no machine moves: its first place is free again after the last one that came on.
+    /// Of a conveyor that no machine moves: its first place is free again after the last one that
+    /// came on.
     pub open: Option<VarId>,
     /// The type, and the place it is offered to.
     pub offers: Vec<(usize, usize)>,
     /// Of a supply with a limit: how many of its type are in the line.
     pub in_line: Option<(VarId, u32)>,
-    /// Of those that take turns: the first one (by its value in `takes`) has waited longer than the second one.
+    /// Of those that take turns: the first one (by its value in `takes`) has waited longer than the
+    /// second one.
     pub earlier: Vec<(usize, usize, VarId)>,
     /// The task whose bill is joined, by its value in `takes`.
     pub joins: Vec<(usize, usize)>,
@@ -74,8 +80,8 @@ pub struct Vocabulary {
     pub variables: Vec<Variable>,
     /// By place.
     pub places: Vec<Vars>,
-    /// By place and type: which of several ways the next part will go, as a place in the list of its ways; one more than there are
-    /// says that no other part will be sent from here.
+    /// By place and type: which of several ways the next part will go, as a place in the list of
+    /// its ways; one more than there are says that no other part will be sent from here.
     pub decisions: BTreeMap<(usize, usize), VarId>,
 }
 
@@ -374,7 +380,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// A place for a component of this type is free, at this line of this task's bill and at none before it.
+    /// A place for a component of this type is free, at this line of this task's bill and at none
+    /// before it.
     pub fn component_place(&self, place: usize, part: usize, task: usize, line: usize) -> Expr {
         let PlaceKind::Station { tasks } = &self.shape.places[place].kind else {
             return Expr::FALSE;
@@ -518,7 +525,8 @@ impl<'a> Model<'a> {
         is(end, 0).and(there).simplify()
     }
 
-    /// Whether what happens at a place next takes time, instead of following at once from what has happened elsewhere.
+    /// Whether what happens at a place next takes time, instead of following at once from what has
+    /// happened elsewhere.
     pub fn takes_time(&self, place: usize) -> bool {
         match self.shape.places[place].kind {
             PlaceKind::Supply { always, .. } => !always,
@@ -527,8 +535,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Nothing moves, and nothing would move without something else that takes time. Belts with a machine move parts in their own
-    /// steps, so they are not waited for.
+    /// Nothing moves, and nothing would move without something else that takes time. Belts with a
+    /// machine move parts in their own steps, so they are not waited for.
     pub fn settled(&self) -> Expr {
         let belt = |place: usize| {
             matches!(

@@ -1,7 +1,8 @@
 //! From where one comes to a goal.
 
-/// The vertices of a goal, and those of which as many ways onward as are `wanted` lead to one that is in it already; never those of which
-/// nothing is wanted. `before` has the ways backward. Linear in these.
+/// The vertices of a goal, and those of which as many ways onward as are `wanted` lead to one that
+/// is in it already; never those of which nothing is wanted. `before` has the ways backward. Linear
+/// in these.
 pub(super) fn attractor(
     before: &[Vec<usize>],
     goal: impl Iterator<Item = usize>,

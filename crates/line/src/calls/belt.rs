@@ -1,7 +1,8 @@
 //! What a conveyor's contract assumes of the line, and whether it keeps every part.
 //!
-//! A belt is stepped, again and again, with what its neighbours do: whether a part waits to come on, and whether the next place would take
-//! the first one. A part that waits goes on waiting until it is let on; nothing else is known. Its other inputs are what its file says.
+//! A belt is stepped, again and again, with what its neighbours do: whether a part waits to come
+//! on, and whether the next place would take the first one. A part that waits goes on waiting until
+//! it is let on; nothing else is known. Its other inputs are what its file says.
 
 use super::Calls;
 use crate::abstraction::words::{all, any, count, is, later};
@@ -170,8 +171,8 @@ fn given(belt: &Belt) -> Side {
     side
 }
 
-/// As many places are occupied as there are parts on the belt, and no part moves backwards: behind each place there never come to be more
-/// than there were, but for the one that comes on.
+/// As many places are occupied as there are parts on the belt, and no part moves backwards: behind
+/// each place there never come to be more than there were, but for the one that comes on.
 fn keeping(belt: &Belt) -> Side {
     let mut side = Side::default();
     let on = |wire: usize| is(VarId(wire as u32), 1);

@@ -1,12 +1,16 @@
 //! Whether chance sees to it that a route is taken again and again.
 //!
-//! Where several routes remain for parts of a type, which one a part takes is decided by its values, and these by chance and by what is left
-//! open here. A route is taken again and again, almost surely, where every part of that type, when it is made, has a chance to come to that
-//! route whatever else happens: the vertices from which that is so are the positive attractor of a game in which chance helps and all that is
-//! left open does not (Chatterjee and Henzinger, "A survey of stochastic omega-regular games", JCSS 78(2), 2012). The line holds finitely
-//! many values, so the chances are bounded from below; each part draws by itself; and only finitely many parts are on their way at a time, so
-//! that infinitely many of those that are made take the route. That many are made is not said where a part can go round for ever: so a part
-//! that goes another way and may come again has to have a chance still. A store holds any number of parts, so no way through one counts.
+//! Where several routes remain for parts of a type, which one a part takes is decided by its
+//! values, and these by chance and by what is left open here. A route is taken again and again,
+//! almost surely, where every part of that type, when it is made, has a chance to come to that
+//! route whatever else happens: the vertices from which that is so are the positive attractor of a
+//! game in which chance helps and all that is left open does not (Chatterjee and Henzinger, "A
+//! survey of stochastic omega-regular games", JCSS 78(2), 2012). The line holds finitely many
+//! values, so the chances are bounded from below; each part draws by itself; and only finitely many
+//! parts are on their way at a time, so that infinitely many of those that are made take the route.
+//! That many are made is not said where a part can go round for ever: so a part that goes another
+//! way and may come again has to have a chance still. A store holds any number of parts, so no way
+//! through one counts.
 
 use super::Calls;
 use super::attractor::attractor;
@@ -41,8 +45,8 @@ struct Branch<'a> {
     sure: Vec<bool>,
     /// By vertex: it may come to where the route begins.
     comes: Vec<bool>,
-    /// Whether a part may come to where the route begins, go another way, come there again, and have no chance of this route any more: it
-    /// could go round for ever.
+    /// Whether a part may come to where the route begins, go another way, come there again, and
+    /// have no chance of this route any more: it could go round for ever.
     has_trap: bool,
 }
 
@@ -82,7 +86,8 @@ impl<'a> Branch<'a> {
         !self.has_trap && self.made_surely(self.part, self.walk.line.parts.len())
     }
 
-    /// Whether of infinitely many parts of a type infinitely many come to the route. What is joined may owe it to a component.
+    /// Whether of infinitely many parts of a type infinitely many come to the route. What is joined
+    /// may owe it to a component.
     fn made_surely(&self, part: usize, depth: usize) -> bool {
         let vertices = &self.walk.vertices;
         let counts = |v: &usize| self.comes[*v] && vertices[*v].part == part;

@@ -1,7 +1,8 @@
 //! The calls of one station: every call that can come, in every state that calls can lead to.
 //!
-//! A call is a task with the values that the machine is given. After a call that is refused the station is as it was before the operation that
-//! failed, as in the runner; operations of the same task that went well before it have happened.
+//! A call is a task with the values that the machine is given. After a call that is refused the
+//! station is as it was before the operation that failed, as in the runner; operations of the same
+//! task that went well before it have happened.
 
 use super::{Real, ordered, plain};
 use linewright_language::contract::line::Task;
@@ -169,7 +170,8 @@ impl Desk {
         calls
     }
 
-    /// How many steps an operation takes that does not end within the machine's limit, if it ends within many times that.
+    /// How many steps an operation takes that does not end within the machine's limit, if it ends
+    /// within many times that.
     pub fn steps_needed(&self, state: usize, task: &Task, call: &Call, most: u64) -> Option<u64> {
         let mut machine = self.interpreter.machine().clone();
         machine.step_limit = machine.step_limit.saturating_mul(1000).min(most);

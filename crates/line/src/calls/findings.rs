@@ -31,7 +31,8 @@ pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
     }
 }
 
-/// The vertices that some part certainly comes to if the line goes on: nothing on the way there depends on what is left open.
+/// The vertices that some part certainly comes to if the line goes on: nothing on the way there
+/// depends on what is left open.
 fn certain(walk: &Walk<'_>) -> Vec<bool> {
     let mut certain = vec![false; walk.vertices.len()];
     let mut open: Vec<usize> = walk.births.clone();
@@ -77,7 +78,8 @@ impl Writer<'_> {
         &self.line().nodes[node].name
     }
 
-    /// One finding for each operation and thing that is wrong: the most certain, and then the one with the shortest way.
+    /// One finding for each operation and thing that is wrong: the most certain, and then the one
+    /// with the shortest way.
     fn refusals(&self, node: usize, findings: &mut Vec<Diagnostic>) {
         let (Some(machine), Some(desk)) = (machine_of(self.line(), node), &self.walk.desks[node])
         else {
@@ -297,8 +299,8 @@ impl Writer<'_> {
                 v.stage == Stage::Leaves && (v.node, v.part) == (route.from, route.part)
             };
             let is_stranded = |at: &usize| leaves(&self.walk.vertices[*at]);
-            // What is left over may be nothing, unless a station is there for it alone; and where no part comes at all, something before is
-            // told.
+            // What is left over may be nothing, unless a station is there for it alone; and where
+            // no part comes at all, something before is told.
             let is_net = route.condition.is_none() && !self.is_idle_station(route.to);
             if calls.taken[index]
                 || is_net
@@ -426,7 +428,8 @@ impl Writer<'_> {
     }
 }
 
-/// Smaller is better: whether it depends on something that is left open, how many calls come before, how long the part's way is.
+/// Smaller is better: whether it depends on something that is left open, how many calls come
+/// before, how long the part's way is.
 type Rank = (bool, usize, usize, usize);
 
 #[derive(Clone, Copy)]
@@ -465,7 +468,8 @@ fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'
     })
 }
 
-/// Operations in order, for a message: `` `left` twice, then `right` ``. Of a long sequence only the end.
+/// Operations in order, for a message: `` `left` twice, then `right` ``. Of a long sequence only
+/// the end.
 pub fn in_turn(operations: &[&str]) -> String {
     let mut told: Vec<(&str, usize)> = Vec::new();
     for name in operations {

@@ -1,7 +1,9 @@
-//! What a line asks of its stations: every value that a part can carry to them, every state in which they can be, and what they answer.
+//! What a line asks of its stations: every value that a part can carry to them, every state in
+//! which they can be, and what they answer.
 //!
-//! The proof of a line ([`super::abstraction`]) leaves properties and times out. What it takes for granted is shown here: that no part is
-//! refused, that no value leaves its range, that every part has a way onward, and that time passes. `docs/proof.md` has the theorem.
+//! The proof of a line ([`super::abstraction`]) leaves properties and times out. What it takes for
+//! granted is shown here: that no part is refused, that no value leaves its range, that every part
+//! has a way onward, and that time passes. `docs/proof.md` has the theorem.
 //!
 //! ```text
 //! Line, controllers ─walk→ Walk (a graph of parts with their values) ─examine→ Calls ─findings→ Diagnostics
@@ -9,18 +11,21 @@
 //!
 //! # How
 //!
-//! A station answers a call as its controllers say, and by nothing else: given its state and the values of the part, the answer is fixed. So
-//! the calls of a line are explored one by one, with the very interpreter that the station libraries are tested against
-//! ([`linewright_station::interpret`]). The order in which parts come to a station is left open: every part that can come is
-//! tried in every state that calls can lead to (`desk.rs`). Chance branches. Everything else about times and orders is forgotten, so more is
-//! explored than can happen, and never less.
+//! A station answers a call as its controllers say, and by nothing else: given its state and the
+//! values of the part, the answer is fixed. So the calls of a line are explored one by one, with
+//! the very interpreter that the station libraries are tested against
+//! ([`linewright_station::interpret`]). The order in which parts come to a station is left open:
+//! every part that can come is tried in every state that calls can lead to (`desk.rs`). Chance
+//! branches. Everything else about times and orders is forgotten, so more is explored than can
+//! happen, and never less.
 //!
-//! - What can be explored within its limits is exact but for the order of parts: a refusal that does not depend on the state of the station
-//!   is an error, one that does is a warning.
+//! - What can be explored within its limits is exact but for the order of parts: a refusal that
+//!   does not depend on the state of the station is an error, one that does is a warning.
 //! - What cannot be is undecided, and the line is not proved.
 //!
-//! Where several routes remain for parts of a type, a proof that all goes on needs each of them to be taken again and again. Chance sees to
-//! that, almost surely, where every part that is made has a chance to come to that route whatever the stations' states are (`chance.rs`).
+//! Where several routes remain for parts of a type, a proof that all goes on needs each of them to
+//! be taken again and again. Chance sees to that, almost surely, where every part that is made has
+//! a chance to come to that route whatever the stations' states are (`chance.rs`).
 
 mod attractor;
 mod belt;
@@ -56,11 +61,13 @@ pub struct Bounds {
 /// What is known of the calls of a line.
 #[derive(Debug, Default)]
 pub struct Calls {
-    /// Parts that are refused, values that leave their range, parts without a way: with any of these the line is not proved.
+    /// Parts that are refused, values that leave their range, parts without a way: with any of
+    /// these the line is not proved.
     pub findings: Vec<Diagnostic>,
     /// What is odd, and breaks nothing: routes that no part takes.
     pub remarks: Vec<Diagnostic>,
-    /// Stations and belts of which it was not decided whether they refuse a part, each with the reason.
+    /// Stations and belts of which it was not decided whether they refuse a part, each with the
+    /// reason.
     pub undecided: Vec<(usize, Undecided)>,
     /// By route: whether a part can take it. All are where something was not decided.
     pub taken: Vec<bool>,
@@ -94,8 +101,8 @@ impl Calls {
     }
 }
 
-/// Explores the calls of a line that the resolver has passed. `interpreter` gives the machine of a station with its controllers; without one
-/// nothing is known of that station.
+/// Explores the calls of a line that the resolver has passed. `interpreter` gives the machine of a
+/// station with its controllers; without one nothing is known of that station.
 pub fn examine(
     line: &Line,
     interpreter: impl Fn(&Machine) -> Option<Interpreter>,

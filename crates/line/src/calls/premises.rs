@@ -78,8 +78,8 @@ fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
     }
 }
 
-/// A source on order makes as many parts as the wanted products need. Where one of them leaves the line otherwise, and is not ordered again,
-/// some product lacks it.
+/// A source on order makes as many parts as the wanted products need. Where one of them leaves the
+/// line otherwise, and is not ordered again, some product lacks it.
 fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Premise> {
     let contents = Shape::contents(line);
     if contents[line.product][part] == 0 {

@@ -1,12 +1,14 @@
 //! Whether parts can move on and on at one instant.
 //!
-//! It takes no time to move, to lie in a buffer or a store, and to be worked on where that work is shorter than [`SHORTEST_SECONDS`]. Such ways
-//! are followed with the values of parts, so that a part which goes round three times and then leaves is no circle. Parts move for ever
-//! at one instant
+//! It takes no time to move, to lie in a buffer or a store, and to be worked on where that work is
+//! shorter than [`SHORTEST_SECONDS`]. Such ways are followed with the values of parts, so that a
+//! part which goes round three times and then leaves is no circle. Parts move for ever at one
+//! instant
 //!
 //! - on a circle of such ways, and
-//! - where a source that always has another part leads to a sink or a store by such ways alone, since neither is ever full. The stock of a
-//!   store comes to an end. What is joined comes as often as the slowest of its components.
+//! - where a source that always has another part leads to a sink or a store by such ways alone,
+//!   since neither is ever full. The stock of a store comes to an end. What is joined comes as
+//!   often as the slowest of its components.
 
 use super::attractor::attractor;
 use super::walk::{Stage, Vertex, Walk};
@@ -21,7 +23,8 @@ pub struct Timeless {
     pub from: usize,
     /// The node where it ends: the same one for a circle.
     pub to: usize,
-    /// Whether a part on it is never on any other way; otherwise values, chance or the order of parts may lead to where time passes.
+    /// Whether a part on it is never on any other way; otherwise values, chance or the order of
+    /// parts may lead to where time passes.
     pub always: bool,
     /// Stations that may work on a part without any time passing.
     pub stations: Vec<usize>,
@@ -42,7 +45,8 @@ struct Timed<'a> {
     edges: Vec<Vec<Edge>>,
 }
 
-/// A way on which no time passes, if there is one among the parts of the walk. Linear in its edges, but for joined parts.
+/// A way on which no time passes, if there is one among the parts of the walk. Linear in its edges,
+/// but for joined parts.
 pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
     let all = 0..walk.vertices.len();
     let timed = Timed {
@@ -100,7 +104,8 @@ impl Timed<'_> {
         &self.walk.vertices[at]
     }
 
-    /// A circle: what is left when vertices without a way onward, or without one that leads to them, are taken away again and again.
+    /// A circle: what is left when vertices without a way onward, or without one that leads to
+    /// them, are taken away again and again.
     fn circle(&self) -> Option<(usize, usize, bool)> {
         let count = self.edges.len();
         let mut before = vec![Vec::new(); count];
@@ -191,7 +196,8 @@ impl Timed<'_> {
             })
     }
 
-    /// Of these vertices those from which no part comes to where time passes, nor out of them, but at an end.
+    /// Of these vertices those from which no part comes to where time passes, nor out of them, but
+    /// at an end.
     fn never_out_of(&self, there: &[bool], is_end: impl Fn(usize) -> bool) -> Vec<bool> {
         let takes_time = |at: usize| {
             let edges = &self.edges[at];

@@ -1,8 +1,11 @@
-//! Properties on which nothing depends: no condition, no range, no time and no controller reads them, be it by way of others.
+//! Properties on which nothing depends: no condition, no range, no time and no controller reads
+//! them, be it by way of others.
 //!
-//! Such a property may take any number of values (a count of the rounds that a part was reworked), so their values are not followed one by
-//! one. All that has to be shown is that they stay finite. That is an induction: from values within ±[`BOUND`] every change leads to values
-//! within it, in the arithmetic of doubles. Where the induction fails, the property is followed as the others are.
+//! Such a property may take any number of values (a count of the rounds that a part was reworked),
+//! so their values are not followed one by one. All that has to be shown is that they stay finite.
+//! That is an induction: from values within ±[`BOUND`] every change leads to values within it, in
+//! the arithmetic of doubles. Where the induction fails, the property is followed as the others
+//! are.
 
 use linewright_language::contract::line::{InitialValue, Line, NodeKind, Task};
 use linewright_language::contract::machine::{
@@ -44,7 +47,8 @@ struct Flows<'a> {
     changes: Vec<(Slot, Value<'a>)>,
     /// Slots that are read.
     read: BTreeSet<Slot>,
-    /// By slot, its values where these are known beforehand: it only ever gets numbers, or has the range of a part's property.
+    /// By slot, its values where these are known beforehand: it only ever gets numbers, or has the
+    /// range of a part's property.
     ranges: Vec<Option<Interval>>,
 }
 
@@ -161,7 +165,8 @@ impl<'a> Flows<'a> {
         });
     }
 
-    /// Slots whose values have to be known: those that are read, those that may leave the bound, and those that these depend on.
+    /// Slots whose values have to be known: those that are read, those that may leave the bound,
+    /// and those that these depend on.
     fn needed(&self) -> BTreeSet<Slot> {
         let mut needed = self.read.clone();
         loop {
@@ -239,7 +244,8 @@ impl<'a> Flows<'a> {
     }
 }
 
-/// Finite numbers from `low` to `high`, as doubles are added and multiplied. That of whole numbers is [`linewright_core::gr1::interval`].
+/// Finite numbers from `low` to `high`, as doubles are added and multiplied. That of whole numbers
+/// is [`linewright_core::gr1::interval`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Interval {
     low: f64,
@@ -304,7 +310,8 @@ impl Interval {
         )
     }
 
-    /// All values of an expression; `None` where one may not be finite. Rounding is monotone, so the ends decide.
+    /// All values of an expression; `None` where one may not be finite. Rounding is monotone, so
+    /// the ends decide.
     fn eval(
         value: &RealExpr,
         property: &impl Fn(usize) -> Self,

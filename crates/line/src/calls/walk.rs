@@ -1,8 +1,9 @@
 //! The parts of a line and their values, from where they are made to where they leave.
 //!
-//! A vertex is a part type at a place with certain values. An edge is what happens to the part next; where there are several, either chance
-//! decides ([`Choice::Chance`]), or something that is left open here: the state of a station, which part comes first, what is
-//! joined with what ([`Choice::Open`]).
+//! A vertex is a part type at a place with certain values. An edge is what happens to the part
+//! next; where there are several, either chance decides ([`Choice::Chance`]), or something that is
+//! left open here: the state of a station, which part comes first, what is joined with what
+//! ([`Choice::Open`]).
 
 use super::desk::{Answer, Desk, Refusal};
 use super::unread::unread;
@@ -63,7 +64,8 @@ pub(super) struct Misfit {
     pub property: usize,
     /// The value.
     pub value: f64,
-    /// The defect that gives it; otherwise it was written by the station, or taken over from a component.
+    /// The defect that gives it; otherwise it was written by the station, or taken over from a
+    /// component.
     pub defect: Option<usize>,
 }
 
@@ -441,7 +443,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Tries calls of all stations, until one is answered in a new way. Whether there was one to try.
+    /// Tries calls of all stations, until one is answered in a new way. Whether there was one to
+    /// try.
     fn serve(&mut self) -> bool {
         let mut tried = false;
         for node in 0..self.desks.len() {

@@ -1,17 +1,21 @@
-//! Conveyors with a contract: their controller is stepped, and the runner moves the parts as its outputs say.
+//! Conveyors with a contract: their controller is stepped, and the runner moves the parts as its
+//! outputs say.
 //!
-//! A belt is a Moore machine: `s[i]` and `ready` of a step tell the state before that step's inputs take effect. Once every
-//! pitch/speed seconds the runner gives it `load` (a part waits to come on) and `unload_ready` (the next node would take the
-//! first part), and reads its outputs. The occupied places must be as many as the parts that the runner holds, and no
-//! part may have moved backwards, else a part was lost or doubled. Then a part comes off where `unload_ready` met an occupied last
-//! place, and one comes on where `load` met `ready`.
+//! A belt is a Moore machine: `s[i]` and `ready` of a step tell the state before that step's inputs
+//! take effect. Once every pitch/speed seconds the runner gives it `load` (a part waits to come on)
+//! and `unload_ready` (the next node would take the first part), and reads its outputs. The
+//! occupied places must be as many as the parts that the runner holds, and no part may have moved
+//! backwards, else a part was lost or doubled. Then a part comes off where `unload_ready` met an
+//! occupied last place, and one comes on where `load` met `ready`.
 //!
-//! A belt whose outputs have not changed for a while, under unchanged inputs, is no longer stepped, so that a line in which
-//! nothing can move has an empty calendar; a neighbour that has something new for it wakes it, at the next multiple of its period. It is given as
-//! many more steps as it has places before that, because a controller may go through hidden states.
+//! A belt whose outputs have not changed for a while, under unchanged inputs, is no longer stepped,
+//! so that a line in which nothing can move has an empty calendar; a neighbour that has something
+//! new for it wakes it, at the next multiple of its period. It is given as many more steps as it
+//! has places before that, because a controller may go through hidden states.
 //!
-//! One belt can hand over only in its own step and take only in its own step, so there is a place between two belts.
-//! Whose turn it is at the next node is decided as for all others; see `flow.rs`.
+//! One belt can hand over only in its own step and take only in its own step, so there is a place
+//! between two belts. Whose turn it is at the next node is decided as for all others; see
+//! `flow.rs`.
 
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
@@ -24,9 +28,11 @@ use std::collections::VecDeque;
 /// What is on a belt, and what its controller last said.
 #[derive(Debug)]
 pub(super) struct BeltState {
-    /// The parts, the first to leave in front, with their places; `None` for one that has just come on.
+    /// The parts, the first to leave in front, with their places; `None` for one that has just come
+    /// on.
     pub held: VecDeque<(PartIndex, Option<usize>)>,
-    /// A part handed over by another belt, not yet on this one, and when it came, as a running number.
+    /// A part handed over by another belt, not yet on this one, and when it came, as a running
+    /// number.
     pub inlet: Option<(PartIndex, u64)>,
     /// The plant's wires.
     plant: Vec<i64>,
@@ -157,7 +163,8 @@ impl<'a> Run<'a> {
             return;
         };
         if let Err(error) = controller.step(&belt.plant, &mut belt.outputs) {
-            // The step changed nothing and would break the same rule again: it is tried when a neighbour has changed.
+            // The step changed nothing and would break the same rule again: it is tried when a
+            // neighbour has changed.
             belt.ticking = false;
             self.violate(node, None, error);
             self.ask(node, outlet);
@@ -243,7 +250,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Whether the next node would take the first part; true where there is none, for then nothing stands in its way.
+    /// Whether the next node would take the first part; true where there is none, for then nothing
+    /// stands in its way.
     fn unload_ready(&mut self, node: usize, outlet: usize) -> bool {
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return true;
@@ -284,7 +292,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Gives the parts the places that the controller says are occupied: whether any has moved, or what is wrong.
+    /// Gives the parts the places that the controller says are occupied: whether any has moved, or
+    /// what is wrong.
     fn compare(&mut self, node: usize, occupied: &[usize]) -> Result<bool, String> {
         let held = self.belt(node).held.len();
         if occupied.len() != held {

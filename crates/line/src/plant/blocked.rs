@@ -1,8 +1,9 @@
-//! Why a line stands still: who waits for whom, followed until it closes in a circle or ends at what will never come.
+//! Why a line stands still: who waits for whom, followed until it closes in a circle or ends at
+//! what will never come.
 //!
-//! A part at an outlet waits for one node, so each waiting node has one successor: the node it waits for; for a station that
-//! lacks a component the node that holds one, or makes it. Following the successors from every outlet in order finds a circle
-//! where there is one.
+//! A part at an outlet waits for one node, so each waiting node has one successor: the node it
+//! waits for; for a station that lacks a component the node that holds one, or makes it. Following
+//! the successors from every outlet in order finds a circle where there is one.
 
 use super::{Place, Run};
 use crate::plant::part::PartIndex;
@@ -25,7 +26,8 @@ struct Chain {
 }
 
 impl Run<'_> {
-    /// Nothing will happen any more: a finding, unless the run was only to last for some time and everything is done.
+    /// Nothing will happen any more: a finding, unless the run was only to last for some time and
+    /// everything is done.
     pub(super) fn stand_still(&mut self) -> End {
         let chain = self.chain();
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
@@ -139,7 +141,8 @@ impl Run<'_> {
         }
     }
 
-    /// The first circle; otherwise the first chain that ends somewhere; none where no part waits at all.
+    /// The first circle; otherwise the first chain that ends somewhere; none where no part waits at
+    /// all.
     fn chain(&self) -> Option<Chain> {
         let waiting = self
             .outlets

@@ -1,9 +1,11 @@
 //! Conveyors without a contract: they accumulate.
 //!
-//! No part is moved from place to place. A belt of `n` places and a period of `d` seconds a place is described exactly by when
-//! parts come on and off: a part needs `n d` from end to end, comes off no sooner than `d` after the one before it (which it
-//! was at least a pitch behind), and can come on when the last one has moved up by a pitch, which takes `d` (it cannot be
-//! stopped before, since fewer than `n` are ahead of it). All parts that had closed up start moving together when the first leaves.
+//! No part is moved from place to place. A belt of `n` places and a period of `d` seconds a place
+//! is described exactly by when parts come on and off: a part needs `n d` from end to end, comes
+//! off no sooner than `d` after the one before it (which it was at least a pitch behind), and can
+//! come on when the last one has moved up by a pitch, which takes `d` (it cannot be stopped before,
+//! since fewer than `n` are ahead of it). All parts that had closed up start moving together when
+//! the first leaves.
 
 use super::{Event, Place, Run, WORK};
 use crate::plant::part::PartIndex;

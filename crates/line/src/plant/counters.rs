@@ -19,7 +19,8 @@ pub(super) struct Counters {
     pub finished: u64,
     /// Parts that were joined to others.
     pub consumed: u64,
-    /// By type: how many have been made or given out and have not left the line, by themselves or joined to others.
+    /// By type: how many have been made or given out and have not left the line, by themselves or
+    /// joined to others.
     pub in_line: Vec<u64>,
     /// By type: how many were rejected, and how many were ordered again for them.
     pub rejects: Vec<(u64, u64)>,

@@ -156,7 +156,8 @@ fn machines(
     machines
 }
 
-/// The first station with the greatest share of busy, setup and failed time; none where nothing was done.
+/// The first station with the greatest share of busy, setup and failed time; none where nothing was
+/// done.
 fn bottleneck(stations: &[StationStatistics]) -> Option<usize> {
     let mut best = None;
     let mut greatest = 0.0;

@@ -1,21 +1,25 @@
 //! How parts get from node to node: ways, outlets, who may come in, and who is next.
 //!
-//! Each node has an *outlet* for the part that would leave next; a store has one for each type that leaves it. A part at an
-//! outlet has chosen its way. It moves when the next node admits it, or waits in that node's queue. A node that has lost a part, or may
-//! have got one to hand on, is put on the list of nodes to look at again, until nothing moves any more at this instant.
+//! Each node has an *outlet* for the part that would leave next; a store has one for each type that
+//! leaves it. A part at an outlet has chosen its way. It moves when the next node admits it, or
+//! waits in that node's queue. A node that has lost a part, or may have got one to hand on, is put
+//! on the list of nodes to look at again, until nothing moves any more at this instant.
 //!
 //! # Turns
 //!
-//! A part that is ready to leave and finds no room is a *request* to the next node, and requests are numbered as they begin. A belt's
-//! part is one from the step in which it was seen at the last place, and the components of a complete bill are one from the moment
-//! at which the last of them came. **Room is given to the oldest request that the node would take**; a newcomer waits as long as
-//! there is such a one. So none is overtaken by a request that began later.
+//! A part that is ready to leave and finds no room is a *request* to the next node, and requests
+//! are numbered as they begin. A belt's part is one from the step in which it was seen at the last
+//! place, and the components of a complete bill are one from the moment at which the last of them
+//! came. **Room is given to the oldest request that the node would take**; a newcomer waits as long
+//! as there is such a one. So none is overtaken by a request that began later.
 //!
-//! A belt can hand over only when it is stepped. Once it is its turn it is woken, and the room is kept for it until then, even if
-//! another part could go at once. That must not last for ever, whatever a controller does: a belt that was stepped with its turn as often
-//! as it has places, and twice more, or that refused such a step, or that falls asleep, and has not handed over, goes to the end of the
-//! queue, and is passed over until something changes at the node. So as long as a node has room that some request waits for, either it will be
-//! looked at, or a belt with its turn will be stepped, or all who could come have had their turn and did not.
+//! A belt can hand over only when it is stepped. Once it is its turn it is woken, and the room is
+//! kept for it until then, even if another part could go at once. That must not last for ever,
+//! whatever a controller does: a belt that was stepped with its turn as often as it has places, and
+//! twice more, or that refused such a step, or that falls asleep, and has not handed over, goes to
+//! the end of the queue, and is passed over until something changes at the node. So as long as a
+//! node has room that some request waits for, either it will be looked at, or a belt with its turn
+//! will be stepped, or all who could come have had their turn and did not.
 
 use super::part::PartIndex;
 use super::queue::Request;
@@ -221,8 +225,8 @@ impl Run<'_> {
         None
     }
 
-    /// Whether a node has room for a part of this type that comes from `from`. Belts take parts only when they are stepped,
-    /// except from one another; see there.
+    /// Whether a node has room for a part of this type that comes from `from`. Belts take parts
+    /// only when they are stepped, except from one another; see there.
     pub(super) fn admits(&self, node: usize, kind: usize, from: usize) -> bool {
         match &self.places[node] {
             Place::Source(_) => false,
@@ -239,7 +243,8 @@ impl Run<'_> {
         }
     }
 
-    /// Whether someone who has waited longer for a node than outlet `own` (or than a newcomer) could go there now.
+    /// Whether someone who has waited longer for a node than outlet `own` (or than a newcomer)
+    /// could go there now.
     pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
         self.queues
             .of(node)
@@ -366,8 +371,9 @@ impl Run<'_> {
         }
     }
 
-    /// The source that replaces a part that was taken out because of a violation: that of the first rejecting sink whose
-    /// source makes the part or something in it, or else that of the first one with any.
+    /// The source that replaces a part that was taken out because of a violation: that of the first
+    /// rejecting sink whose source makes the part or something in it, or else that of the first one
+    /// with any.
     pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
         let types = self.line.parts.len();
         let sources = || {

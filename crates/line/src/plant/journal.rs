@@ -16,7 +16,8 @@ pub(super) struct Journal {
     pub violations: Vec<Violation>,
     /// How many there were in all.
     pub violation_count: u64,
-    /// By node, rule and code: the finding of the first violation, and how many there were; one finding each.
+    /// By node, rule and code: the finding of the first violation, and how many there were; one
+    /// finding each.
     violation_kinds: BTreeMap<(usize, Option<String>, i32), (usize, u64)>,
     /// The findings of the run.
     pub findings: Vec<Diagnostic>,

@@ -1,8 +1,10 @@
-//! The plant: a line with its controllers, ready to run, and the loop that takes one event after the other.
+//! The plant: a line with its controllers, ready to run, and the loop that takes one event after
+//! the other.
 //!
-//! One event changes one node; what follows from it at the same instant (a part moves up, so that another one moves up behind
-//! it) is done from a list of nodes to look at again, never by recursion, so that a line of any length and shape runs in
-//! a bounded stack. How each kind of node behaves stands in its own file here.
+//! One event changes one node; what follows from it at the same instant (a part moves up, so that
+//! another one moves up behind it) is done from a list of nodes to look at again, never by
+//! recursion, so that a line of any length and shape runs in a bounded stack. How each kind of node
+//! behaves stands in its own file here.
 
 mod belt;
 mod blocked;
@@ -59,14 +61,16 @@ struct Setup {
     /// The outlets, without their parts, and each node's first one.
     outlets: Vec<Outlet>,
     first_outlet: Vec<usize>,
-    /// How many of part type `b` are in one of part type `a`, at `a * types + b`; 1 on the diagonal.
+    /// How many of part type `b` are in one of part type `a`, at `a * types + b`; 1 on the
+    /// diagonal.
     contents: Vec<u64>,
 }
 
 /// What the calendar holds.
 #[derive(Debug, Clone, Copy)]
 enum Event {
-    /// Setup or service ends, or the station breaks down; outdated where the number is no longer the station's.
+    /// Setup or service ends, or the station breaks down; outdated where the number is no longer
+    /// the station's.
     Station(u32, u32),
     /// A station is repaired.
     Repair(u32),
@@ -82,8 +86,8 @@ enum Event {
     Shift,
 }
 
-/// What stations, sources and conveyors do comes first, then the shift (a service that ends with it has ended), then the belts,
-/// which see all of it.
+/// What stations, sources and conveyors do comes first, then the shift (a service that ends with it
+/// has ended), then the belts, which see all of it.
 const WORK: u8 = 0;
 const SHIFT: u8 = 1;
 const BELT: u8 = 2;
@@ -123,10 +127,11 @@ struct Run<'a> {
 }
 
 impl Plant {
-    /// A line with a controller for each of its stations and contracted belts, by node. `options` say when a run ends;
-    /// where they do not, the line itself does.
+    /// A line with a controller for each of its stations and contracted belts, by node. `options`
+    /// say when a run ends; where they do not, the line itself does.
     ///
-    /// The findings are `LW404` where a run would have no end, and `LW401` for a line that the resolver should have refused.
+    /// The findings are `LW404` where a run would have no end, and `LW401` for a line that the
+    /// resolver should have refused.
     pub fn new(
         line: Arc<Line>,
         controllers: BTreeMap<usize, Box<dyn Controller>>,
@@ -289,7 +294,8 @@ impl<'a> Run<'a> {
             if let Some(end) = self.end {
                 return end;
             }
-            // Off shift, the calendar may hold nothing but the shift, and the line still go on in the morning.
+            // Off shift, the calendar may hold nothing but the shift, and the line still go on in
+            // the morning.
             if self.pending == 0 && self.on_shift {
                 return self.stand_still();
             }

@@ -22,7 +22,8 @@ pub(super) struct Part {
     pub properties: Vec<f64>,
 }
 
-/// All parts that exist. Room of parts that are gone is used again, so that a run needs memory only for what is in the line.
+/// All parts that exist. Room of parts that are gone is used again, so that a run needs memory only
+/// for what is in the line.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     slots: Vec<Part>,
@@ -83,8 +84,9 @@ impl IndexMut<PartIndex> for Parts {
     }
 }
 
-/// How many of part type `b` are in one of part type `a`, directly or in its components, at `a * types + b`; a part contains
-/// itself once. Bills in a circle (which the resolver refuses) are followed only so deep as there are types.
+/// How many of part type `b` are in one of part type `a`, directly or in its components, at
+/// `a * types + b`; a part contains itself once. Bills in a circle (which the resolver refuses) are
+/// followed only so deep as there are types.
 pub(super) fn contents(line: &Line) -> Vec<u64> {
     let types = line.parts.len();
     let mut contents = vec![0; types * types];

@@ -1,14 +1,17 @@
-//! Whether a run still gets anywhere: guards against a livelock, and against work that leads to no product.
+//! Whether a run still gets anywhere: guards against a livelock, and against work that leads to no
+//! product.
 
 use super::Run;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
-/// More than so many movements and events at one instant, and time is taken to stand still for good.
+/// More than so many movements and events at one instant, and time is taken to stand still for
+/// good.
 const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
 /// More than so many violations at one instant, likewise; each may cost a whole operation.
 const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
-/// More than so many events since the last end product, and a run that waits for products is taken to make none any more.
+/// More than so many events since the last end product, and a run that waits for products is taken
+/// to make none any more.
 const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
 /// More than so many violations since the last end product, likewise.
 const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;

@@ -86,8 +86,8 @@ impl Station {
                 .iter()
                 .any(|route| route.to == node && route.part == kind)
         };
-        // Where the product itself comes too, it may be that its components only pass through: they are joined here only if all
-        // of them come, and none for a task of its own.
+        // Where the product itself comes too, it may be that its components only pass through: they
+        // are joined here only if all of them come, and none for a task of its own.
         let joins = |task: &Task| {
             !comes(task.part)
                 || line.parts[task.part]
@@ -169,7 +169,8 @@ impl Station {
             .any(|(made, bill)| *made == kind && !bill.lines.is_empty())
     }
 
-    /// The part types that incomplete joining tasks wait for; those that some part has come for already are named first.
+    /// The part types that incomplete joining tasks wait for; those that some part has come for
+    /// already are named first.
     pub(super) fn missing(&self) -> Vec<usize> {
         let lacking = |bill: &Bill| -> Vec<usize> {
             bill.lines
@@ -228,7 +229,8 @@ impl Station {
         self.clock.switch(until, Activity::Idle);
     }
 
-    /// At the end of a run: books the last stretch, and the part of a service's energy that was used.
+    /// At the end of a run: books the last stretch, and the part of a service's energy that was
+    /// used.
     pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
         self.pause(now);
         self.book(now, on_shift);
@@ -271,7 +273,8 @@ impl Run<'_> {
         }
     }
 
-    /// A free station joins the bill that has been complete longest, unless a part for another task has waited longer.
+    /// A free station joins the bill that has been complete longest, unless a part for another task
+    /// has waited longer.
     pub(super) fn station_ready(&mut self, node: usize) {
         let on_shift = self.on_shift;
         let Place::Station(station) = &self.places[node] else {
@@ -408,8 +411,8 @@ impl Run<'_> {
         }
     }
 
-    /// Runs the task's operations at one instant: seconds and joules. The part's new properties are kept for the end of the
-    /// service.
+    /// Runs the task's operations at one instant: seconds and joules. The part's new properties are
+    /// kept for the end of the service.
     fn simulate(&mut self, node: usize, part: PartIndex) -> Result<(f64, f64), CallError> {
         let NodeKind::Station { machine, tasks, .. } = &self.line.nodes[node].kind else {
             return Ok((0.0, 0.0));
@@ -488,7 +491,8 @@ impl Run<'_> {
             return;
         }
         let fails = station.phase == Phase::Service && station.until_failure < station.remaining;
-        // Exactly, not by the difference of two times: rounding must not leave a rest of the service.
+        // Exactly, not by the difference of two times: rounding must not leave a rest of the
+        // service.
         let worked = if fails {
             station.until_failure
         } else {

@@ -14,8 +14,8 @@ pub(super) struct Source {
     made: u64,
     /// How many it may still make; `None` is without end.
     left_to_make: Option<u64>,
-    /// Seconds between two parts, and the stream they are drawn from where they are random; `None` where it makes parts
-    /// whenever there is room.
+    /// Seconds between two parts, and the stream they are drawn from where they are random; `None`
+    /// where it makes parts whenever there is room.
     interval: Option<(f64, Option<Stream>)>,
     /// The next part is due, or will be then.
     due: bool,
@@ -156,8 +156,8 @@ impl Run<'_> {
         }
     }
 
-    /// More parts are wanted of a source: beyond its limit, and by its clock where it has one. One without a limit makes them
-    /// anyway.
+    /// More parts are wanted of a source: beyond its limit, and by its clock where it has one. One
+    /// without a limit makes them anyway.
     pub(super) fn order(&mut self, node: usize, count: u64) {
         let now = self.now;
         let Place::Source(source) = &mut self.places[node] else {
@@ -182,7 +182,8 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    /// The next part that a store would give out: its stock first, then what came in, in that order.
+    /// The next part that a store would give out: its stock first, then what came in, in that
+    /// order.
     pub(super) fn give_out(&mut self, node: usize, outlet: usize) -> Option<PartIndex> {
         let kind = self.outlets[outlet].kind?;
         let Place::Store(store) = &mut self.places[node] else {

@@ -1,7 +1,9 @@
-//! The board: a specification's formulas as functions of bits, and the relations the fixpoint works with.
+//! The board: a specification's formulas as functions of bits, and the relations the fixpoint works
+//! with.
 //!
-//! Formulas are encoded once ([`Formulas`]); an [`Arena`] conjoins a selection of the guarantees, so that looking for a core
-//! does not encode again. The order of the variables is settled before: see [`super::structure`], and the kernel's sifting.
+//! Formulas are encoded once ([`Formulas`]); an [`Arena`] conjoins a selection of the guarantees,
+//! so that looking for a core does not encode again. The order of the variables is settled before:
+//! see [`super::structure`], and the kernel's sifting.
 
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
@@ -67,7 +69,8 @@ impl Selection<'_> {
 /// The order to begin with: the structure's, or the declaration's.
 pub fn first_order(specification: &Specification, heuristics: Heuristics) -> Order {
     let encoding = Encoding::new(specification);
-    // One more pair than the variables need, at the bottom: the strategy's flag "the goal was reached".
+    // One more pair than the variables need, at the bottom: the strategy's flag "the goal was
+    // reached".
     let pairs = encoding.pairs() + 1;
     if heuristics.has(Heuristic::Structure) {
         structure::order(specification, &encoding, pairs)
@@ -108,8 +111,9 @@ impl<K: Kernel> Formulas<K> {
             let encoded = formulas.iter().map(|f| encoding.formula(&kernel, &f.expr));
             encoded.collect()
         };
-        // Of a machine that answers first, assumptions may speak of the answer (where the roles are swapped, guarantees do). A code
-        // without a value is no answer: it must not win by leaving the environment nothing to do.
+        // Of a machine that answers first, assumptions may speak of the answer (where the roles are
+        // swapped, guarantees do). A code without a value is no answer: it must not win by leaving
+        // the environment nothing to do.
         let answers = |owner: Owner, expr: &Expr, time: Time, mut function: K::Function| {
             if owner == Owner::Environment && specification.timing == Timing::Moore {
                 let mut answered = BTreeSet::new();
@@ -125,7 +129,8 @@ impl<K: Kernel> Formulas<K> {
             }
             Ok(function)
         };
-        // What a formula says of codes without a value means nothing, but has a size, above all where it is negated.
+        // What a formula says of codes without a value means nothing, but has a size, above all
+        // where it is negated.
         let confined = order.pairs().len() > structure::MANY_PAIRS;
         let part = |part: &Expr| -> Result<K::Function, Limit> {
             let mut function = encoding.formula(&kernel, part)?;
@@ -246,8 +251,8 @@ impl<K: Kernel> Formulas<K> {
         &self.encoding
     }
 
-    /// The guarantees that a single answer keeps or breaks: those of step 0 (over next bits, as if it were the step to come), or
-    /// those of a later step.
+    /// The guarantees that a single answer keeps or breaks: those of step 0 (over next bits, as if
+    /// it were the step to come), or those of a later step.
     pub fn rules(&self, at_start: bool) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
         use GuaranteeKind::{Initial, Invariant, Safety};
         let m = &self.kernel;
@@ -344,7 +349,8 @@ impl<K: Kernel> Formulas<K> {
         let outputs_next = bits(&self.outputs, Time::Next);
         let environment = Relation::new(m, &env_parts, &inputs_next, clustering, self.heuristics)?;
         if timing == Timing::Moore {
-            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed of x' once and for all.
+            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed
+            // of x' once and for all.
             for part in &mut sys_parts {
                 *part = m.not(&environment.product(m, &m.not(part)?)?)?;
             }
@@ -383,14 +389,16 @@ pub struct Arena<K: Kernel> {
     pub timing: Timing,
     /// The valuations that satisfy the invariants and domains of both sides.
     pub states: K::Function,
-    /// What the environment may begin with: its initial conditions, invariants and domains. Over current inputs.
+    /// What the environment may begin with: its initial conditions, invariants and domains. Over
+    /// current inputs.
     pub env_initial: K::Function,
     /// What the machine may begin with: its initial conditions, invariants and domains.
     pub sys_initial: K::Function,
-    /// What the environment may do next: its safety, and its invariants and domains of the next step.
+    /// What the environment may do next: its safety, and its invariants and domains of the next
+    /// step.
     pub environment: Relation<K>,
-    /// The machine's safety (for Moore: freed of the next inputs). Its invariants and domains are in [`Self::states`], in
-    /// which every target of the game lies.
+    /// The machine's safety (for Moore: freed of the next inputs). Its invariants and domains are
+    /// in [`Self::states`], in which every target of the game lies.
     pub system: Relation<K>,
     /// The environment's justice; never empty.
     pub assumptions: Vec<K::Function>,
@@ -430,8 +438,8 @@ impl<K: Kernel> Arena<K> {
         m.not(&self.environment.product(m, &m.not(f)?)?)
     }
 
-    /// The controllable predecessor of a set of transitions: the states in which the machine can always answer with a
-    /// transition of `target` that keeps its safety.
+    /// The controllable predecessor of a set of transitions: the states in which the machine can
+    /// always answer with a transition of `target` that keeps its safety.
     ///
     /// ```text
     /// Mealy:  ∀x'. ρe(x, y, x') → ∃y'. ρs(x, y, x', y') ∧ target(x, y, x', y')

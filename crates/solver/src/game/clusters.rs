@@ -1,5 +1,5 @@
-//! Conjuncts put together into clusters, up to a number of nodes: between one large relation (good for some specifications, bad
-//! for others) and one relation a formula (the reverse).
+//! Conjuncts put together into clusters, up to a number of nodes: between one large relation (good
+//! for some specifications, bad for others) and one relation a formula (the reverse).
 
 use crate::symbolic::{BitSet, Kernel, Limit};
 
@@ -8,9 +8,10 @@ use crate::symbolic::{BitSet, Kernel, Limit};
 pub enum Clustering {
     /// In the order of the file, each cluster of at most so many nodes.
     InOrder(usize),
-    /// The same, but first those neighbours that alone mention a bit. With the cluster that they become, the bit can be
-    /// quantified before any other cluster is looked at; cut in the middle, two clusters would mention nearly the same bits,
-    /// and what lies between them would be larger than what comes out.
+    /// The same, but first those neighbours that alone mention a bit. With the cluster that they
+    /// become, the bit can be quantified before any other cluster is looked at; cut in the middle,
+    /// two clusters would mention nearly the same bits, and what lies between them would be larger
+    /// than what comes out.
     ByBits(usize),
 }
 
@@ -60,7 +61,8 @@ fn in_order<K: Kernel>(
     Ok(result.into_iter().map(|(f, _)| f).collect())
 }
 
-/// Joins the fewest neighbours that alone mention one of the bits and have at most `bound` nodes together, if there are any.
+/// Joins the fewest neighbours that alone mention one of the bits and have at most `bound` nodes
+/// together, if there are any.
 fn join_neighbours<K: Kernel>(
     kernel: &K,
     pieces: &mut Vec<K::Function>,

@@ -1,8 +1,9 @@
-//! A set of inputs as disjoint cubes of intervals: the function is split variable by variable, not bit by bit.
+//! A set of inputs as disjoint cubes of intervals: the function is split variable by variable, not
+//! bit by bit.
 //!
-//! Values next to each other that lead to the same rest go into one interval, so that a cube says `2 <= desired <= 4` and not
-//! three bit patterns. Codes without a value are never looked at. The inputs are split in the order of the specification,
-//! whatever the order of the diagrams is.
+//! Values next to each other that lead to the same rest go into one interval, so that a cube says
+//! `2 <= desired <= 4` and not three bit patterns. Codes without a value are never looked at. The
+//! inputs are split in the order of the specification, whatever the order of the diagrams is.
 
 use crate::symbolic::{Bit, Encoding, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
@@ -94,7 +95,8 @@ impl<'a, K: Kernel> Cover<'a, K> {
         Ok(())
     }
 
-    /// The set by the values of one input, from the smallest up; neighbours with the same rest are one piece.
+    /// The set by the values of one input, from the smallest up; neighbours with the same rest are
+    /// one piece.
     fn split(
         &self,
         set: &K::Function,

@@ -1,11 +1,12 @@
 //! Diagrams that are taken apart and put together beside a kernel.
 //!
-//! Functions are cut out of a relation in thousands of small operations, most of which are asked for again by the next goal,
-//! and they are simplified by where they matter, which no kernel here can do. So this is a plain diagram package: one thread,
-//! one fixed order, no collection (whoever uses it begins a new one now and then), operands and results in a cache that forgets.
+//! Functions are cut out of a relation in thousands of small operations, most of which are asked
+//! for again by the next goal, and they are simplified by where they matter, which no kernel here
+//! can do. So this is a plain diagram package: one thread, one fixed order, no collection (whoever
+//! uses it begins a new one now and then), operands and results in a cache that forgets.
 //!
-//! [`DiagramBuilder::restrict`] is from Coudert and Madre, "A unified framework for the formal verification of sequential circuits",
-//! ICCAD 1990.
+//! [`DiagramBuilder::restrict`] is from Coudert and Madre, "A unified framework for the formal
+//! verification of sequential circuits", ICCAD 1990.
 
 use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
 use rustc_hash::FxHashMap;
@@ -22,8 +23,9 @@ const REMEMBERED: usize = 1 << 17;
 /// The same for [`Choices`].
 const CHOICES: usize = 1 << 15;
 
-/// A simplification is given up after so many conjunctions of decisions, and [`EFFORT_PER_NODE`] more for each node of the
-/// function: what it costs to bring `care` to the bits that the function depends on has no other bound.
+/// A simplification is given up after so many conjunctions of decisions, and [`EFFORT_PER_NODE`]
+/// more for each node of the function: what it costs to bring `care` to the bits that the function
+/// depends on has no other bound.
 const LEAST_EFFORT: usize = 1_000;
 
 /// See [`LEAST_EFFORT`].
@@ -75,8 +77,8 @@ pub struct Choices {
 #[derive(Debug)]
 pub struct DiagramBuilder {
     nodes: Vec<Node>,
-    /// Every node's number plus one, where its hash says or behind; 0 is free. Small, so that much of it stays near the
-    /// processor. A power of two, at least twice the number of nodes.
+    /// Every node's number plus one, where its hash says or behind; 0 is free. Small, so that much
+    /// of it stays near the processor. A power of two, at least twice the number of nodes.
     slots: Vec<u32>,
     remembered: Vec<Remembered>,
     choices: Vec<(Edge, u32, Choices)>,
@@ -182,7 +184,8 @@ impl DiagramBuilder {
         }
     }
 
-    /// Where an edge leads to when the bit at this place is 1, and when it is 0; the place is not below its topmost decision.
+    /// Where an edge leads to when the bit at this place is 1, and when it is 0; the place is not
+    /// below its topmost decision.
     fn branches(&self, edge: Edge, level: u32) -> (Edge, Edge) {
         match edge.node().map(|n| self.nodes[n]) {
             Some(node) if node.level == level => {
@@ -312,8 +315,8 @@ impl DiagramBuilder {
         Ok(choices)
     }
 
-    /// A function that agrees with `f` where `care` holds, and is likely to be smaller: decisions of which only one side
-    /// matters are left out.
+    /// A function that agrees with `f` where `care` holds, and is likely to be smaller: decisions
+    /// of which only one side matters are left out.
     fn restrict(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
         if care == Edge::TRUE || care == Edge::FALSE || f.node().is_none() {
             return Ok(f);
@@ -348,7 +351,8 @@ impl DiagramBuilder {
         Ok(result)
     }
 
-    /// The smaller one of `f` and a function that agrees with it where `care` holds, as far as that is found soon.
+    /// The smaller one of `f` and a function that agrees with it where `care` holds, as far as that
+    /// is found soon.
     pub fn simplify(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
         if care == Edge::TRUE || f.node().is_none() {
             return Ok(f);

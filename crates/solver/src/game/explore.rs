@@ -1,11 +1,13 @@
 //! A strategy as explicit states with guards, without ever enumerating input letters.
 //!
-//! The memory of the machine between two steps is what it will do next. So a state *is* the residual function
-//! `R(x′, y′, g)`: the strategy of the pursued goal with the current outputs fixed, and the current inputs fixed as far as
-//! it depends on them. Canonical diagrams make equal residuals equal. From a state the machine has to know those next
-//! inputs that some reachable valuation behind it allows; they are split by output and by the residual they lead to.
-//! Inputs that neither matters for are left out of the guards, so that these also hold on some inputs that break an
-//! assumption: a guard says what the machine looks at, not what the environment has promised.
+//! The memory of the machine between two steps is what it will do next. So a state *is* the
+//! residual function `R(x′, y′, g)`: the strategy of the pursued goal with the current outputs
+//! fixed, and the current inputs fixed as far as it depends on them. Canonical diagrams make equal
+//! residuals equal. From a state the machine has to know those next inputs that some reachable
+//! valuation behind it allows; they are split by output and by the residual they lead to. Inputs
+//! that neither matters for are left out of the guards, so that these also hold on some inputs that
+//! break an assumption: a guard says what the machine looks at, not what the environment has
+//! promised.
 
 use super::arena::Arena;
 use super::cover::{Condition, Cover};
@@ -20,7 +22,8 @@ const MOST_ROWS: usize = 200_000;
 /// One row of an explicit strategy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
-    /// Disjoint cubes; each condition is an input's place among the inputs, its smallest and its largest value.
+    /// Disjoint cubes; each condition is an input's place among the inputs, its smallest and its
+    /// largest value.
     pub cubes: Vec<Vec<Condition>>,
     /// The outputs of the step, in the order of the specification.
     pub output: Vec<i64>,
@@ -28,7 +31,8 @@ pub struct Row {
     pub to: usize,
 }
 
-/// An explicit strategy. The rows of a state are disjoint, and cover the inputs that keep the assumptions.
+/// An explicit strategy. The rows of a state are disjoint, and cover the inputs that keep the
+/// assumptions.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Explicit {
     /// Step 0.
@@ -45,7 +49,8 @@ struct State<K: Kernel> {
     legal: K::Function,
 }
 
-/// Which state the machine is in, by its current inputs: what it looks at of them, over *next* bits, and the state. Disjoint.
+/// Which state the machine is in, by its current inputs: what it looks at of them, over *next*
+/// bits, and the state. Disjoint.
 type Classes<K> = Vec<(<K as Kernel>::Function, usize)>;
 
 /// An output that is given: its values, the bits that say so, and the classes of what follows.
@@ -188,7 +193,8 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(())
     }
 
-    /// The rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued one, or `None` in step 0.
+    /// The rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued one, or
+    /// `None` in step 0.
     fn rows(
         &self,
         residual: &K::Function,

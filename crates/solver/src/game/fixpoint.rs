@@ -1,24 +1,27 @@
 //! The three-nested fixpoint of a GR(1) game, and the record of it that a strategy is made from.
 //!
-//! From Bloem et al. 2012, section 3, with justice on transitions, so that goals may speak of next values:
+//! From Bloem et al. 2012, section 3, with justice on transitions, so that goals may speak of next
+//! values:
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre( (Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′) )
 //! ```
 //!
-//! `Gⱼ` are the machine's goals, `Aᵢ` the environment's assumptions, `CPre` is [`Arena::controllable_predecessor`]. Where no
-//! justice formula speaks of next values, predecessors of states do:
+//! `Gⱼ` are the machine's goals, `Aᵢ` the environment's assumptions, `CPre` is
+//! [`Arena::controllable_predecessor`]. Where no justice formula speaks of next values,
+//! predecessors of states do:
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ ( (Gⱼ ∧ CPre(Z′)) ∨ CPre(Y′) ∨ (¬Aᵢ ∧ CPre(X′)) )
 //! ```
 //!
-//! The conjunction with Z does not change the result, since everything found for the last Z lies in it, and lets every X
-//! start from Z instead of from all states. The Z that one goal leaves is fed to the next one. In every later round for a
-//! goal, each X can start where the X at the same place of the round before ended (fixpoint recycling; Browne, Clarke, Jha,
-//! Long and Marrero, "An improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997), since Z and with it
-//! every X only shrink. Nothing else is stored while deciding: [`layers`] runs the two inner fixpoints once more, for the
-//! final Z.
+//! The conjunction with Z does not change the result, since everything found for the last Z lies in
+//! it, and lets every X start from Z instead of from all states. The Z that one goal leaves is fed
+//! to the next one. In every later round for a goal, each X can start where the X at the same place
+//! of the round before ended (fixpoint recycling; Browne, Clarke, Jha, Long and Marrero, "An
+//! improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997), since Z and with
+//! it every X only shrink. Nothing else is stored while deciding: [`layers`] runs the two inner
+//! fixpoints once more, for the final Z.
 
 use super::arena::Arena;
 use super::heuristics::Heuristic;
@@ -76,8 +79,9 @@ fn count(counter: &AtomicU64) {
     counter.fetch_add(1, Ordering::Relaxed);
 }
 
-/// The states from which the machine wins, or `None` as soon as some initial choice of the environment is lost. The search
-/// begins at `within`, which must hold all of them, or else at all states.
+/// The states from which the machine wins, or `None` as soon as some initial choice of the
+/// environment is lost. The search begins at `within`, which must hold all of them, or else at all
+/// states.
 pub fn winning_region<K: Kernel>(
     arena: &Arena<K>,
     within: Option<&K::Function>,
@@ -120,7 +124,8 @@ struct Fixpoint<'a, K: Kernel> {
     recent: Vec<(K::Function, K::Function)>,
 }
 
-/// How many predecessors are remembered: those of the last Xs, of which one becomes the next Y, of `false`, and of Z.
+/// How many predecessors are remembered: those of the last Xs, of which one becomes the next Y, of
+/// `false`, and of Z.
 const REMEMBERED: usize = 16;
 
 impl<'a, K: Kernel> Fixpoint<'a, K> {
@@ -205,7 +210,8 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         order
     }
 
-    /// The middle and inner fixpoints for a goal; calls `found(i, X)` for every X that adds something to Y.
+    /// The middle and inner fixpoints for a goal; calls `found(i, X)` for every X that adds
+    /// something to Y.
     fn reach_goal(
         &mut self,
         j: usize,
@@ -333,7 +339,8 @@ pub struct Layer<K: Kernel> {
     pub reached: K::Function,
 }
 
-/// The steps towards goal `j` within the winning region: a move into an earlier `reached` is progress.
+/// The steps towards goal `j` within the winning region: a move into an earlier `reached` is
+/// progress.
 pub fn layers<K: Kernel>(
     arena: &Arena<K>,
     j: usize,

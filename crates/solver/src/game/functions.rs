@@ -1,18 +1,21 @@
-//! A strategy as functions: every next output bit as a diagram over what the machine knows, for games whose machine is too
-//! large to be written down state by state.
+//! A strategy as functions: every next output bit as a diagram over what the machine knows, for
+//! games whose machine is too large to be written down state by state.
 //!
-//! The strategy pursues one goal after the other, as in Bloem et al. 2012, section 4: a move that reaches the goal and stays
-//! in the winning region, or else one into an earlier layer, or else one that waits where an assumption fails. The goal that
-//! is pursued is kept in memory bits; a move that reaches it passes on to the next one.
+//! The strategy pursues one goal after the other, as in Bloem et al. 2012, section 4: a move that
+//! reaches the goal and stays in the winning region, or else one into an earlier layer, or else one
+//! that waits where an assumption fails. The goal that is pursued is kept in memory bits; a move
+//! that reaches it passes on to the next one.
 //!
-//! No relation of all moves is ever made. For every goal, the next output bits are eliminated from the parts of the
-//! machine's safety and the strategy's target one after the other, from the bottom of the order up, each only from the parts
-//! that mention it (bucket elimination; Dechter, "Bucket elimination: a unifying framework for reasoning", Artificial
-//! Intelligence 113, 1999). What was conjoined for a bit gives its function over the bits above it: it keeps its value where
-//! it may. Whatever is possible for the bits above can be completed below, so that no function has to look back.
+//! No relation of all moves is ever made. For every goal, the next output bits are eliminated from
+//! the parts of the machine's safety and the strategy's target one after the other, from the bottom
+//! of the order up, each only from the parts that mention it (bucket elimination; Dechter, "Bucket
+//! elimination: a unifying framework for reasoning", Artificial Intelligence 113, 1999). What was
+//! conjoined for a bit gives its function over the bits above it: it keeps its value where it may.
+//! Whatever is possible for the bits above can be completed below, so that no function has to look
+//! back.
 //!
-//! With the functions goes what shows why they are right: the [`Certificate`] is checked by a path of its own
-//! (`mealy::certify`).
+//! With the functions goes what shows why they are right: the [`Certificate`] is checked by a path
+//! of its own (`mealy::certify`).
 
 use super::arena::Arena;
 use super::diagram_builder::{Choices, DiagramBuilder};
@@ -41,9 +44,11 @@ pub enum Assumed {
 /// One way of pursuing a goal.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mode {
-    /// When it is taken, unless an earlier one is: over current bits, and for Mealy next inputs. The last mode's is `true`.
+    /// When it is taken, unless an earlier one is: over current bits, and for Mealy next inputs.
+    /// The last mode's is `true`.
     pub when: Edge,
-    /// The next output bits in an order in which they can be computed: each may ask for those before it.
+    /// The next output bits in an order in which they can be computed: each may ask for those
+    /// before it.
     pub outputs: Vec<(Bit, Edge)>,
     /// What its steps achieve.
     pub aim: Aim,
@@ -54,10 +59,11 @@ pub struct Mode {
 pub enum Aim {
     /// They reach the goal.
     Goal,
-    /// They move into this layer, by its place in [`Certificate::goals`], or wait in it where its assumption fails.
-    Layer(usize),
-    /// Each comes nearer by itself: it reaches the goal, or leaves its layer for a lower one, or waits where the layer's
+    /// They move into this layer, by its place in [`Certificate::goals`], or wait in it where its
     /// assumption fails.
+    Layer(usize),
+    /// Each comes nearer by itself: it reaches the goal, or leaves its layer for a lower one, or
+    /// waits where the layer's assumption fails.
     Nearer,
 }
 
@@ -66,11 +72,13 @@ pub enum Aim {
 pub struct Pursuit {
     /// The ways of pursuing it, the best one first.
     pub modes: Vec<Mode>,
-    /// Whether a step has reached it, so that the next goal is pursued: over all current and next bits.
+    /// Whether a step has reached it, so that the next goal is pursued: over all current and next
+    /// bits.
     pub reached: Edge,
 }
 
-/// Why the functions are right: a set that is never left, and for every goal a rank that only falls.
+/// Why the functions are right: a set that is never left, and for every goal a rank that only
+/// falls.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Certificate {
     /// The functions of states, over current bits.
@@ -92,8 +100,9 @@ pub struct Stage {
 
 /// A strategy in plain data.
 ///
-/// Bits are laid out as by [`Encoding`](crate::symbolic::Encoding). What a step is given and gives are next bits, in step 0,
-/// too; step 0 pursues nothing yet, and the first goal is pursued after it.
+/// Bits are laid out as by [`Encoding`](crate::symbolic::Encoding). What a step is given and gives
+/// are next bits, in step 0, too; step 0 pursues nothing yet, and the first goal is pursued after
+/// it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Controls {
     /// The decisions that all functions share; it has no roots of its own.
@@ -144,7 +153,8 @@ pub fn functions<K: Kernel>(
             care = m.and(&care, part)?;
         }
     }
-    // The kernel's work for all goals comes first, so that both sides find their own nodes near the processor.
+    // The kernel's work for all goals comes first, so that both sides find their own nodes near the
+    // processor.
     let mut plans = bench();
     let mut ways = Vec::new();
     let mut stages = Vec::new();
@@ -286,13 +296,14 @@ struct Way {
 
 /// The ways of pursuing goal `j`: reach it, or else move into the lowest layer that is possible.
 ///
-/// In a state of layer k the machine can always reach the goal, or move below, or stay within while the layer's assumption
-/// fails. Where a move into some layer is possible, that layer alone says what to aim at, whatever layer the state is in:
-/// it is below, or it is the state's own, and then the assumption fails. Only an assumption about next values has to be
-/// aimed at, and takes a mode of its own.
+/// In a state of layer k the machine can always reach the goal, or move below, or stay within while
+/// the layer's assumption fails. Where a move into some layer is possible, that layer alone says
+/// what to aim at, whatever layer the state is in: it is below, or it is the state's own, and then
+/// the assumption fails. Only an assumption about next values has to be aimed at, and takes a mode
+/// of its own.
 ///
-/// Where safety leaves no step that does not come nearer, as with work that is done piece by piece in some order, nothing has
-/// to be aimed at, and none of this is needed: see [`Plain`].
+/// Where safety leaves no step that does not come nearer, as with work that is done piece by piece
+/// in some order, nothing has to be aimed at, and none of this is needed: see [`Plain`].
 fn ways<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -362,11 +373,13 @@ struct Plain<K: Kernel> {
     steps: K::Function,
 }
 
-/// Whether it may be that every step that safety and the region leave comes nearer to goal `j`: decided for the layers next to
-/// the goal. What it says of others is found out with [`comes_nearer`].
+/// Whether it may be that every step that safety and the region leave comes nearer to goal `j`:
+/// decided for the layers next to the goal. What it says of others is found out with
+/// [`comes_nearer`].
 ///
-/// Asked for goals about current values only: where a step may reach the goal or not, to reach it is better than to come
-/// nearer. And for Mealy only: a Moore machine's step is a step for all inputs.
+/// Asked for goals about current values only: where a step may reach the goal or not, to reach it
+/// is better than to come nearer. And for Mealy only: a Moore machine's step is a step for all
+/// inputs.
 fn may_come_nearer<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -507,8 +520,9 @@ impl Work {
         Ok(())
     }
 
-    /// Eliminates the outputs from the safety and an aim, always the one whose parts are smallest, and gives for each a function
-    /// over the others; those that were eliminated later come first. It matters what they are where `care` holds.
+    /// Eliminates the outputs from the safety and an aim, always the one whose parts are smallest,
+    /// and gives for each a function over the others; those that were eliminated later come first.
+    /// It matters what they are where `care` holds.
     fn eliminate(&mut self, aim: Edge, care: Edge) -> Result<Vec<(Bit, Edge)>, Limit> {
         let Self {
             bench,
@@ -521,7 +535,8 @@ impl Work {
             (f, support, size)
         };
         let mut pool = vec![part(bench, aim)];
-        // Simplified by `care`, parts and buckets would each be smaller, but share less with each other and with other goals.
+        // Simplified by `care`, parts and buckets would each be smaller, but share less with each
+        // other and with other goals.
         pool.extend(parts.iter().map(|f| part(bench, *f)));
         let mut left = outputs.clone();
         let mut functions = Vec::new();
@@ -547,8 +562,8 @@ impl Work {
                 possible,
                 forced,
             } = bench.choices(both, bit)?;
-            // Where either value will do, it is whatever makes the function small: one that keeps the bit's value there is two
-            // to three times as large.
+            // Where either value will do, it is whatever makes the function small: one that keeps
+            // the bit's value there is two to three times as large.
             let function = bench.simplify(may_set, forced)?;
             functions.push((bit, bench.simplify(function, care)?));
             if possible != Edge::TRUE {

@@ -1,7 +1,7 @@
 //! What makes the solver fast, each part with a switch.
 //!
-//! No heuristic changes a verdict; the tests turn each of them off in turn. What each is worth stands in the ablation table
-//! of `tests/bench/README.md`.
+//! No heuristic changes a verdict; the tests turn each of them off in turn. What each is worth
+//! stands in the ablation table of `tests/bench/README.md`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,7 +9,8 @@ use std::str::FromStr;
 /// One of the things that make the solver fast.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Heuristic {
-    /// Start from an order in which variables that occur together are near each other, instead of the declaration's.
+    /// Start from an order in which variables that occur together are near each other, instead of
+    /// the declaration's.
     Structure,
     /// Sift once before the fixpoint.
     Sifting,
@@ -21,14 +22,16 @@ pub enum Heuristic {
     EarlyQuantification,
     /// Conjoin and quantify in one operation.
     Fusion,
-    /// Compute the predecessors of states, not of transitions, where no justice formula speaks of next values.
+    /// Compute the predecessors of states, not of transitions, where no justice formula speaks of
+    /// next values.
     StatePredecessors,
     /// Begin with the states from which the machine can keep its safety for ever.
     SafetyFirst,
-    /// Feed the region that one goal leaves to the next goal, instead of intersecting a round of all goals.
+    /// Feed the region that one goal leaves to the next goal, instead of intersecting a round of
+    /// all goals.
     Carrying,
-    /// Take the goals of the fewest bits first: they shrink the region most often, and whatever shrinks it late sends all the
-    /// goals before through another round.
+    /// Take the goals of the fewest bits first: they shrink the region most often, and whatever
+    /// shrinks it late sends all the goals before through another round.
     GoalOrder,
     /// Begin every inner greatest fixpoint at the region, instead of at all states.
     InnerStart,

@@ -1,4 +1,5 @@
-//! Plays that last and keep all justice, whoever takes the steps: what is possible at all, where nobody plays against anybody.
+//! Plays that last and keep all justice, whoever takes the steps: what is possible at all, where
+//! nobody plays against anybody.
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z
@@ -7,8 +8,8 @@
 use super::arena::Arena;
 use crate::symbolic::{Kernel, Limit};
 
-/// The states of `within` from which some path of `steps` stays there for ever, and meets all justice of both sides again and
-/// again.
+/// The states of `within` from which some path of `steps` stays there for ever, and meets all
+/// justice of both sides again and again.
 pub fn lasting<K: Kernel>(
     arena: &Arena<K>,
     steps: &K::Function,

@@ -5,8 +5,9 @@
 //!                                            └→ Lost ─minimal_core→ the guarantees that clash
 //! ```
 //!
-//! The semantics is that of [`linewright_core::gr1`]: Bloem, Jobstmann, Piterman, Pnueli and Sa'ar, "Synthesis of Reactive(1) Designs",
-//! Journal of Computer and System Sciences 78(3), 2012; safety first, strictly. No BDD type is public here.
+//! The semantics is that of [`linewright_core::gr1`]: Bloem, Jobstmann, Piterman, Pnueli and Sa'ar,
+//! "Synthesis of Reactive(1) Designs", Journal of Computer and System Sciences 78(3), 2012; safety
+//! first, strictly. No BDD type is public here.
 
 mod arena;
 mod attack;
@@ -60,7 +61,8 @@ pub use crate::symbolic::{Budget, Diagram, DiagramNode, Edge, Effort, Limit, Lim
 
 use linewright_core::gr1::Specification;
 
-/// An order of the pairs of bits to begin with, from the structure of the formulas, for whoever encodes them without a game.
+/// An order of the pairs of bits to begin with, from the structure of the formulas, for whoever
+/// encodes them without a game.
 pub fn order_by_structure(specification: &Specification) -> Order {
     arena::first_order(specification, Heuristics::default())
 }

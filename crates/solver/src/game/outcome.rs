@@ -33,8 +33,8 @@ pub struct Won {
 /// What is known of a specification that is not.
 #[derive(Debug)]
 pub struct Lost {
-    /// Guarantees that cannot be kept together under the assumptions, although any smaller set of them could: a minimal core.
-    /// `None` when a limit was reached before it was known.
+    /// Guarantees that cannot be kept together under the assumptions, although any smaller set of
+    /// them could: a minimal core. `None` when a limit was reached before it was known.
     pub core: Option<Vec<GuaranteeRef>>,
     /// The largest number of nodes that were alive at once.
     pub peak_nodes: u64,
@@ -92,7 +92,8 @@ impl Won {
         self.game.explore(specification, preference, limits)
     }
 
-    /// A strategy as functions, in plain data: for machines that are too large for [`Won::explore`].
+    /// A strategy as functions, in plain data: for machines that are too large for
+    /// [`Won::explore`].
     pub fn functions(
         &self,
         specification: &Specification,

@@ -1,7 +1,7 @@
 //! How far a solve has come, for whoever waits for it on another thread.
 //!
-//! A single operation of a kernel cannot be interrupted and may take minutes. So who has to end in time does not wait for
-//! the solver, but reads here what it had reached, and leaves it.
+//! A single operation of a kernel cannot be interrupted and may take minutes. So who has to end in
+//! time does not wait for the solver, but reads here what it had reached, and leaves it.
 
 use super::fixpoint::Iterations;
 use super::statistics::Statistics;
@@ -57,7 +57,8 @@ impl Progress {
         statistics
     }
 
-    /// What was reached, as it follows "the time limit was reached": `after 12 rounds, with 3 of 40 goals settled`.
+    /// What was reached, as it follows "the time limit was reached":
+    /// `after 12 rounds, with 3 of 40 goals settled`.
     pub fn reached(&self) -> String {
         Reached(self).to_string()
     }

@@ -1,8 +1,9 @@
-//! A transition relation as clusters, and its product with a set: conjoin and quantify, cluster by cluster.
+//! A transition relation as clusters, and its product with a set: conjoin and quantify, cluster by
+//! cluster.
 //!
-//! A product goes through the clusters in an order in which bits can be quantified early (after Ranjan, Aziz, Brayton,
-//! Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and verification", IWLS 1995): a bit is quantified
-//! together with the last cluster that mentions it.
+//! A product goes through the clusters in an order in which bits can be quantified early (after
+//! Ranjan, Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and
+//! verification", IWLS 1995): a bit is quantified together with the last cluster that mentions it.
 
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
@@ -111,8 +112,9 @@ impl<K: Kernel> Relation<K> {
     }
 }
 
-/// The order in which a product goes through clusters of these supports: next comes the one that lets most bits go for the
-/// fewest that it brings; those that let none go come last, when the product is smallest.
+/// The order in which a product goes through clusters of these supports: next comes the one that
+/// lets most bits go for the fewest that it brings; those that let none go come last, when the
+/// product is smallest.
 fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     let mut left: Vec<usize> = (0..supports.len()).collect();
     let mut present = BitSet::default();

@@ -1,8 +1,10 @@
-//! The board before the fixpoint: formulas encoded, a good order of the variables, the relations in clusters.
+//! The board before the fixpoint: formulas encoded, a good order of the variables, the relations in
+//! clusters.
 //!
-//! The order is sifted for small clusters first, so that larger ones can be built in it. Whether the pieces of a relation
-//! belong together is then a matter of size: if the larger clusters take far more nodes than the smaller ones did, the game
-//! is set up once more, with clusters that are sifted but not put together further.
+//! The order is sifted for small clusters first, so that larger ones can be built in it. Whether
+//! the pieces of a relation belong together is then a matter of size: if the larger clusters take
+//! far more nodes than the smaller ones did, the game is set up once more, with clusters that are
+//! sifted but not put together further.
 
 use super::arena::{Arena, Formulas, Selection, first_order};
 use super::clusters::Clustering;
@@ -12,8 +14,8 @@ use crate::symbolic::{Kernel, Limit, Limits, Order};
 use linewright_core::gr1::Specification;
 use std::time::Instant;
 
-/// Bounds of the clusters, in nodes. Some relations want to be in one piece (generators of buffers, three to four times
-/// faster), others in a few (AMBA's arbiter, the reverse).
+/// Bounds of the clusters, in nodes. Some relations want to be in one piece (generators of buffers,
+/// three to four times faster), others in a few (AMBA's arbiter, the reverse).
 const FIRST: Clustering = Clustering::InOrder(1_000);
 
 /// For relations that may be in one piece.
@@ -28,13 +30,16 @@ pub const SPLIT: Clustering = Clustering::InOrder(3_000);
 /// So few clusters need not become fewer.
 const FEW_CLUSTERS: usize = 3;
 
-/// How often larger clusters are built anew in the order that the last ones led to, while that makes them fewer.
+/// How often larger clusters are built anew in the order that the last ones led to, while that
+/// makes them fewer.
 const MORE_ROUNDS: usize = 3;
 
-/// A relation stays in pieces when putting it together takes more than this many percent of the nodes that its pieces have.
+/// A relation stays in pieces when putting it together takes more than this many percent of the
+/// nodes that its pieces have.
 const WHOLE_PERCENT: usize = 180;
 
-/// The formulas and the whole game, in a good order. What each took is noted, also when a limit ends it.
+/// The formulas and the whole game, in a good order. What each took is noted, also when a limit
+/// ends it.
 pub fn set_up<K: Kernel>(
     specification: &Specification,
     order: &Order,

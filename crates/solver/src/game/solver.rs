@@ -1,7 +1,8 @@
 //! From a specification to a verdict: which kernel, which order, and what it took.
 //!
-//! Small games are played on biodivine's kernel, which starts at once; a game that outgrows [`SMALL_NODES`] there, or takes more
-//! than [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
+//! Small games are played on biodivine's kernel, which starts at once; a game that outgrows
+//! [`SMALL_NODES`] there, or takes more than [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs
+//! of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
 //! input always gives the same machine.
 
 use super::arena::{Arena, Formulas, first_order};
@@ -64,10 +65,11 @@ pub struct Options {
     pub heuristics: Heuristics,
     /// Whether no core is looked for when there is no machine.
     pub without_core: bool,
-    /// An order to begin with, instead of looking for one. With the automatic kernel, only a large game begins with it.
+    /// An order to begin with, instead of looking for one. With the automatic kernel, only a large
+    /// game begins with it.
     pub first_order: Option<Order>,
-    /// A set of states, as the first root, to which the winning region is known to belong. With the automatic kernel, only a
-    /// large game begins with it.
+    /// A set of states, as the first root, to which the winning region is known to belong. With the
+    /// automatic kernel, only a large game begins with it.
     pub first_region: Option<Diagram>,
     /// Where to publish how far it is. Options that are cloned publish to the same place.
     pub progress: Arc<Progress>,
@@ -136,7 +138,8 @@ impl<K: Kernel> Game for WonGame<K> {
     }
 }
 
-/// Decides whether a machine exists, in the usual way; where there is none, also looks for a minimal core of guarantees.
+/// Decides whether a machine exists, in the usual way; where there is none, also looks for a
+/// minimal core of guarantees.
 pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
     let options = Options {
         limits: *limits,
@@ -235,9 +238,12 @@ fn examine_on<K: Kernel>(
     findings::examine(&formulas, &arena, specification)
 }
 
-/// The counterstrategy of a specification and the play that shows it, or `None` if the machine wins.
+/// The counterstrategy of a specification and the play that shows it, or `None` if the machine
+/// wins.
 ///
-/// In the play the machine begins as `beginning` says, where it can. Meant for the [reduced](super::reduced) specification of a minimal core: who cannot keep that cannot keep more.
+/// In the play the machine begins as `beginning` says, where it can. Meant for the
+/// [reduced](super::reduced) specification of a minimal core: who cannot keep that cannot keep
+/// more.
 pub fn attack(
     specification: &Specification,
     beginning: &[Formula],
@@ -257,7 +263,8 @@ pub fn attack(
     attack::attack_on::<OxiDd>(specification, beginning, limits)
 }
 
-/// What could be done about an unrealizable specification, given a minimal core and a play that shows it.
+/// What could be done about an unrealizable specification, given a minimal core and a play that
+/// shows it.
 pub fn advise(
     specification: &Specification,
     core: &[GuaranteeRef],
@@ -372,7 +379,8 @@ fn decide<K: Kernel>(
     }))
 }
 
-/// An order of the pairs of bits from one of the variables, given by their indices. `None` unless each occurs once.
+/// An order of the pairs of bits from one of the variables, given by their indices. `None` unless
+/// each occurs once.
 pub fn order_of_variables(
     specification: &Specification,
     variables: impl IntoIterator<Item = usize>,

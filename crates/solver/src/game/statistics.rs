@@ -26,9 +26,11 @@ pub struct Statistics {
     pub inner: u64,
     /// Controllable predecessors that were computed.
     pub predecessors: u64,
-    /// Whether the game is too large to be examined further beside a verdict. By its bits and nodes, never by the clock.
+    /// Whether the game is too large to be examined further beside a verdict. By its bits and
+    /// nodes, never by the clock.
     pub large: bool,
-    /// The variables from the top of the diagrams to their bottom at the start, by the place of their first bit.
+    /// The variables from the top of the diagrams to their bottom at the start, by the place of
+    /// their first bit.
     pub order_before: Vec<VarId>,
     /// The same at the end.
     pub order_after: Vec<VarId>,

@@ -1,19 +1,24 @@
-//! From a won game to a function: for every goal, what to answer to which next inputs in which state.
+//! From a won game to a function: for every goal, what to answer to which next inputs in which
+//! state.
 //!
 //! In four steps, each of which keeps at least one winning move wherever there was one:
 //!
-//! 1. *Preference.* Of the winning moves, the best kind that is possible (Bloem et al. 2012, section 4): reach the goal, and as
-//!    near to the next goal as can be; else get as near to this goal as can be; else wait for an assumption.
-//!    Where many valuations could be met, or few states are asked for, only those moves are kept that lead into a small set
-//!    of states which can be kept to.
-//! 2. *Forgetting.* A move should depend on as few inputs as possible: current ones the machine would have to remember, next
-//!    ones make its guards longer. Input by input, moves that are right whatever that input is are preferred, where every
-//!    combination that cannot occur in play counts as right.
-//! 3. *Choice.* Outputs keep their value where they can and are as small as possible where they cannot, one after the other.
+//! 1. *Preference.* Of the winning moves, the best kind that is possible (Bloem et al. 2012,
+//!    section 4): reach the goal, and as near to the next goal as can be; else get as near to this
+//!    goal as can be; else wait for an assumption. Where many valuations could be met, or few
+//!    states are asked for, only those moves are kept that lead into a small set of states which
+//!    can be kept to.
+//! 2. *Forgetting.* A move should depend on as few inputs as possible: current ones the machine
+//!    would have to remember, next ones make its guards longer. Input by input, moves that are
+//!    right whatever that input is are preferred, where every combination that cannot occur in play
+//!    counts as right.
+//! 3. *Choice.* Outputs keep their value where they can and are as small as possible where they
+//!    cannot, one after the other.
 //! 4. *Reachability*, to leave out what is never met.
 //!
-//! The goal that is pursued is not encoded in bits; there is one relation a goal. A flag `g` beside the next outputs says how
-//! many goals the transition reaches, from the pursued one on, whereupon the next one behind these is pursued.
+//! The goal that is pursued is not encoded in bits; there is one relation a goal. A flag `g` beside
+//! the next outputs says how many goals the transition reaches, from the pursued one on, whereupon
+//! the next one behind these is pursued.
 
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
@@ -36,7 +41,8 @@ pub enum Preference {
 /// A deterministic strategy.
 #[derive(Debug)]
 pub struct Strategy<K: Kernel> {
-    /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in states that are not reachable.
+    /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in states that are not
+    /// reachable.
     pub moves: Vec<K::Function>,
     /// For each goal, the states (x, y) in which it is pursued.
     pub reachable: Vec<K::Function>,
@@ -123,7 +129,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         })
     }
 
-    /// The valuations of step 0. The pure strategy has no value to keep there, so it takes the smallest.
+    /// The valuations of step 0. The pure strategy has no value to keep there, so it takes the
+    /// smallest.
     fn initial(&self) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut good = m.and(&arena.sys_initial, self.region)?;
@@ -134,8 +141,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         m.and(&good, &arena.env_initial)
     }
 
-    /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what is a winning move in the
-    /// state where it begins.
+    /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what
+    /// is a winning move in the state where it begins.
     fn targets(
         &self,
         j: usize,
@@ -167,7 +174,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(targets)
     }
 
-    /// All targets as one. Whichever is chosen, the play comes nearer to the goal or waits where an assumption fails.
+    /// All targets as one. Whichever is chosen, the play comes nearer to the goal or waits where an
+    /// assumption fails.
     fn any(&self, targets: Vec<K::Function>) -> Result<K::Function, Limit> {
         let mut any = self.arena.kernel.constant(false);
         for target in targets {
@@ -176,7 +184,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(any)
     }
 
-    /// For every state of the region and every next input, the moves of the first kind that is possible.
+    /// For every state of the region and every next input, the moves of the first kind that is
+    /// possible.
     fn first_feasible_mealy(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = m.and(self.region, &self.environment)?;
@@ -193,8 +202,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// For every state of the region, the next outputs that are right whatever the next inputs are, aiming as high as
-    /// possible. Over (x, y, y′).
+    /// For every state of the region, the next outputs that are right whatever the next inputs are,
+    /// aiming as high as possible. Over (x, y, y′).
     fn first_feasible_moore(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = self.region.clone();
@@ -214,8 +223,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// Prefers moves that do not depend on inputs, one input after the other. Only `possible` states, and inputs
-    /// that keep the assumptions, matter.
+    /// Prefers moves that do not depend on inputs, one input after the other. Only `possible`
+    /// states, and inputs that keep the assumptions, matter.
     fn forget(&self, moves: &K::Function, possible: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut care = possible.clone();
@@ -223,11 +232,12 @@ impl<'a, K: Kernel> Maker<'a, K> {
             care = m.and(&care, &self.environment)?;
         }
         let mut allowed = m.implies(&care, moves)?;
-        // The next inputs, too: what an answer does not need makes no guard longer. They come last, since an answer had
-        // better look at an input than remember it.
+        // The next inputs, too: what an answer does not need makes no guard longer. They come last,
+        // since an answer had better look at an input than remember it.
         //
-        // Current inputs are first forgotten only where that is right whatever comes next: or else one would forget a command
-        // and remember all that tells what the command must have been. After that there is nothing left to tell it by.
+        // Current inputs are first forgotten only where that is right whatever comes next: or else
+        // one would forget a command and remember all that tells what the command must have been.
+        // After that there is nothing left to tell it by.
         let rounds = [(Time::Now, true), (Time::Now, false), (Time::Next, false)];
         let inputs = |round| self.specification.inputs().map(move |v| (v, round));
         for (input, (time, blindly)) in rounds.into_iter().flat_map(inputs) {
@@ -245,7 +255,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(allowed)
     }
 
-    /// Fixes the next outputs: each variable keeps its value where it can, and else takes the smallest possible one.
+    /// Fixes the next outputs: each variable keeps its value where it can, and else takes the
+    /// smallest possible one.
     fn choose(&self, moves: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut moves = moves.clone();
@@ -287,7 +298,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         m.or(&wished, &m.and_not(relation, &possible)?)
     }
 
-    /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing to keep in mind.
+    /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing
+    /// to keep in mind.
     fn with_flag(&self, moves: &K::Function, j: usize) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         let mut moves = moves.clone();
@@ -297,8 +309,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// How many goals a transition reaches, from `j` on and up to three, as two bits. With a single goal there is nothing to keep
-    /// in mind.
+    /// How many goals a transition reaches, from `j` on and up to three, as two bits. With a single
+    /// goal there is nothing to keep in mind.
     fn reached(&self, j: usize) -> Result<[K::Function; 2], Limit> {
         let (m, goals) = (&self.arena.kernel, &self.arena.goals);
         let mut all = m.constant(goals.len() > 1);
@@ -347,8 +359,9 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(into)
     }
 
-    /// For every goal a set of states, together few, that can be kept to: each answer to each input leads to one that was met
-    /// before, or else where most likely other answers can lead to as well.
+    /// For every goal a set of states, together few, that can be kept to: each answer to each input
+    /// leads to one that was met before, or else where most likely other answers can lead to as
+    /// well.
     fn gather(
         &self,
         moves: &[K::Function],
@@ -370,7 +383,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
                 if m.is_false(&todo) {
                     break;
                 }
-                // One more valuation for every next input that is left, for whichever states can answer with it.
+                // One more valuation for every next input that is left, for whichever states can
+                // answer with it.
                 for (k, steps) in self.by_goal(todo.clone(), j)? {
                     let offers = self.smallest(m.exists(&steps, &self.now)?, Time::Next)?;
                     let offers = m.unprime(&offers)?;

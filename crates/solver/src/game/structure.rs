@@ -1,12 +1,15 @@
-//! An order of the variables from the structure of a specification: those that occur together lie near each other.
+//! An order of the variables from the structure of a specification: those that occur together lie
+//! near each other.
 //!
-//! FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement variable-ordering heuristic", GLSVLSI 2003):
-//! formulas are hyperedges, conjunctions one for each part; every formula pulls its variables towards its centre of gravity, until the sum of all spans
-//! no longer shrinks. A small span is a start for sifting, not an order to rely on.
+//! FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement variable-ordering
+//! heuristic", GLSVLSI 2003): formulas are hyperedges, conjunctions one for each part; every
+//! formula pulls its variables towards its centre of gravity, until the sum of all spans no longer
+//! shrinks. A small span is a start for sifting, not an order to rely on.
 //!
-//! A formula about whole arrays says nothing of which elements belong together, its comparisons do: that of `built[i]` with
-//! `target[i]` is small where the two lie side by side, and has no small conjunction with the others where they do not. In
-//! games of many bits, where no order but a fair one lets formulas be encoded at all, comparisons of numbers pull as well.
+//! A formula about whole arrays says nothing of which elements belong together, its comparisons do:
+//! that of `built[i]` with `target[i]` is small where the two lie side by side, and has no small
+//! conjunction with the others where they do not. In games of many bits, where no order but a fair
+//! one lets formulas be encoded at all, comparisons of numbers pull as well.
 
 use crate::symbolic::{Bit, Encoding, Order};
 use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
@@ -14,10 +17,12 @@ use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
 /// Rounds of pulling; spans hardly shrink after the first few.
 const MOST_ROUNDS: usize = 30;
 
-/// Comparisons pull in games of more pairs of bits than this, and formulas are confined to codes that have a value.
+/// Comparisons pull in games of more pairs of bits than this, and formulas are confined to codes
+/// that have a value.
 pub const MANY_PAIRS: usize = 48;
 
-/// The pairs of bits by variable, the variables ordered by structure; pairs that belong to no variable come last.
+/// The pairs of bits by variable, the variables ordered by structure; pairs that belong to no
+/// variable come last.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);

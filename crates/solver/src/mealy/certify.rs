@@ -1,20 +1,25 @@
-//! Whether a controller that exists only as [`Functions`] keeps its contract: an inductive check of the certificate that comes
-//! with it, on a path of its own.
+//! Whether a controller that exists only as [`Functions`] keeps its contract: an inductive check of
+//! the certificate that comes with it, on a path of its own.
 //!
-//! The functions and the sets of the [`Certificate`](crate::game::Certificate) are built from plain data in a fresh kernel, the
-//! specification is encoded anew, and every obligation is one implication between functions. Nothing here knows how the game
-//! was solved or the functions were chosen; a wrong certificate can only make the check fail.
+//! The functions and the sets of the [`Certificate`](crate::game::Certificate) are built from plain
+//! data in a fresh kernel, the specification is encoded anew, and every obligation is one
+//! implication between functions. Nothing here knows how the game was solved or the functions were
+//! chosen; a wrong certificate can only make the check fail.
 //!
-//! - Step 0: for inputs that keep the assumptions, the outputs keep the initial conditions and lie in the region.
+//! - Step 0: for inputs that keep the assumptions, the outputs keep the initial conditions and lie
+//!   in the region.
 //! - The region lies within the machine's invariants and domains.
-//! - Every step from the region, on inputs that keep the assumptions, keeps the machine's safety and lies in the region.
-//! - While a goal is pursued, every step reaches it, or leads to a lower layer, or stays in its layer while the layer's
-//!   assumption fails. So a play that never reaches it stays in some layer for ever, and breaks that layer's assumption.
-//!   A step that reaches the goal, and no other, passes on to the next goal.
-//! - A step is refused exactly when it breaks an assumption; for Moore, no output looks at the step's inputs.
+//! - Every step from the region, on inputs that keep the assumptions, keeps the machine's safety
+//!   and lies in the region.
+//! - While a goal is pursued, every step reaches it, or leads to a lower layer, or stays in its
+//!   layer while the layer's assumption fails. So a play that never reaches it stays in some layer
+//!   for ever, and breaks that layer's assumption. A step that reaches the goal, and no other,
+//!   passes on to the next goal.
+//! - A step is refused exactly when it breaks an assumption; for Moore, no output looks at the
+//!   step's inputs.
 //!
-//! The steps of a mode become one relation: where it is taken, conjoined with what each output is. It is small, since it
-//! begins with the states and inputs that matter.
+//! The steps of a mode become one relation: where it is taken, conjoined with what each output is.
+//! It is small, since it begins with the states and inputs that matter.
 
 use super::Port;
 use super::functions::Functions;
@@ -34,8 +39,8 @@ pub struct Fault {
     pub clause: Clause,
 }
 
-/// A clause of what is certified, by the way in which it can be broken. Where a contract's formula is broken, its name stands with it; the
-/// clauses about layers have the name of the goal.
+/// A clause of what is certified, by the way in which it can be broken. Where a contract's formula
+/// is broken, its name stands with it; the clauses about layers have the name of the goal.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
     /// Ports, their bits, timing and the number of goals are those of the contract.
@@ -363,7 +368,8 @@ struct Check<'a, K: Kernel> {
     may_begin: Vec<K::Function>,
     /// What it may do in a later step.
     may_do: Vec<K::Function>,
-    /// The machine's safety: formulas by their place, and conjunctions of several with their places.
+    /// The machine's safety: formulas by their place, and conjunctions of several with their
+    /// places.
     safety: Vec<K::Function>,
     clusters: Vec<(K::Function, Range<usize>)>,
     assumptions: Vec<K::Function>,
@@ -480,8 +486,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(!self.kernel.is_false(&left))
     }
 
-    /// The steps that begin here, as a relation. Several small outputs are put together before they meet the many states, so
-    /// that the large relation is made anew only a few times.
+    /// The steps that begin here, as a relation. Several small outputs are put together before they
+    /// meet the many states, so that the large relation is made anew only a few times.
     fn steps(&self, from: K::Function, outputs: &[(Bit, Edge)]) -> Result<K::Function, Limit> {
         let m = &self.kernel;
         let mut steps = from;
@@ -512,7 +518,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(None)
     }
 
-    /// The region lies within the machine's invariants and domains, and layers lie within each other and the region.
+    /// The region lies within the machine's invariants and domains, and layers lie within each
+    /// other and the region.
     fn region(&mut self) -> Checked {
         let m = &self.kernel;
         let within = |set: &K::Function, bound: &K::Function| -> Result<bool, Limit> {
@@ -629,7 +636,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(Ok(()))
     }
 
-    /// What is wrong with one of the steps: it does not come nearer from the layer that it begins in, nor wait in it where it may.
+    /// What is wrong with one of the steps: it does not come nearer from the layer that it begins
+    /// in, nor wait in it where it may.
     fn late_anywhere(&self, goal: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
         let m = &self.kernel;
         let stages = &self.functions.controls.certificate.goals[goal];
@@ -651,8 +659,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok((!m.is_false(&rest)).then_some(Late::Nowhere))
     }
 
-    /// What is wrong with one of the steps: it neither comes nearer to the goal nor waits where it may. One that leaves the region
-    /// strays.
+    /// What is wrong with one of the steps: it neither comes nearer to the goal nor waits where it
+    /// may. One that leaves the region strays.
     fn late(&self, goal: usize, layer: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
         let m = &self.kernel;
         let layers = &self.layers[goal];
@@ -662,9 +670,10 @@ impl<'a, K: Kernel> Check<'a, K> {
             None => m.constant(false),
         };
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
-        // From above, all moves into the layer are right; from within, all moves below it and those that wait. What is right is
-        // never written down: sets of states are put together first, and of the steps only what is wrong is left. Once none of
-        // them begins below the layer, those that begin in it are all that it has reached.
+        // From above, all moves into the layer are right; from within, all moves below it and those
+        // that wait. What is right is never written down: sets of states are put together first,
+        // and of the steps only what is wrong is left. Once none of them begins below the layer,
+        // those that begin in it are all that it has reached.
         if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
             return Ok(Some(Late::Strays));
         }

@@ -1,5 +1,5 @@
-//! A verified controller in either form: what is written down state by state where that is small, and as functions where it
-//! is not.
+//! A verified controller in either form: what is written down state by state where that is small,
+//! and as functions where it is not.
 
 use super::functions::Functions;
 use super::{Machine, Port};

@@ -1,8 +1,10 @@
-//! Decision diagrams over whole inputs, with intervals on the edges: what a state does, in canonical form.
+//! Decision diagrams over whole inputs, with intervals on the edges: what a state does, in
+//! canonical form.
 //!
-//! A state's transitions as one diagram: each inner node asks for one input, each leaf says which output is given and where
-//! the machine goes, or that the inputs are of no concern. Equal behaviour is the same node, so minimisation compares
-//! numbers, and reading a diagram back gives disjoint cubes in a fixed order.
+//! A state's transitions as one diagram: each inner node asks for one input, each leaf says which
+//! output is given and where the machine goes, or that the inputs are of no concern. Equal
+//! behaviour is the same node, so minimisation compares numbers, and reading a diagram back gives
+//! disjoint cubes in a fixed order.
 
 use super::{Cube, Port, Test};
 use std::collections::{BTreeMap, HashMap};
@@ -106,8 +108,9 @@ impl Diagrams {
         }
     }
 
-    /// Both at once: where one is of no concern, the other. Where both are leaves, `join` decides; `None` of it is a
-    /// conflict, and the result is `None`. `steps` is lowered at every node, and none left is `None` too.
+    /// Both at once: where one is of no concern, the other. Where both are leaves, `join` decides;
+    /// `None` of it is a conflict, and the result is `None`. `steps` is lowered at every node, and
+    /// none left is `None` too.
     pub fn overlay(
         &mut self,
         a: Ref,

@@ -15,8 +15,8 @@ pub fn extract(
 
 /// The same, for a machine that is good at something.
 ///
-/// Where few states are asked for, freedom in what to aim at mostly leads to fewer, but not always; so both machines are made,
-/// and the one with fewer states is taken.
+/// Where few states are asked for, freedom in what to aim at mostly leads to fewer, but not always;
+/// so both machines are made, and the one with fewer states is taken.
 pub fn extract_preferring(
     preference: Preference,
     specification: &Specification,

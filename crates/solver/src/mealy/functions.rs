@@ -1,12 +1,14 @@
-//! Controllers as functions: for contracts whose machine is too large to be written down state by state.
+//! Controllers as functions: for contracts whose machine is too large to be written down state by
+//! state.
 //!
-//! Every port's value is a number of bits, and a step computes the next output bits one after the other, each as a decision
-//! diagram over the signals: bits of the current step's inputs and outputs, of the next step's inputs, and of those next
-//! outputs that were computed before. Beside the current values, only the goal that is pursued is kept in mind. A goal has
-//! several modes, of which the first whose condition holds says what the outputs are.
+//! Every port's value is a number of bits, and a step computes the next output bits one after the
+//! other, each as a decision diagram over the signals: bits of the current step's inputs and
+//! outputs, of the next step's inputs, and of those next outputs that were computed before. Beside
+//! the current values, only the goal that is pursued is kept in mind. A goal has several modes, of
+//! which the first whose condition holds says what the outputs are.
 //!
-//! Signal `2k` is a current bit, `2k + 1` the same bit in the next step. Step 0 has no current values; what it is given and
-//! gives are next bits, too. The diagrams' edges are as in [`Edge`].
+//! Signal `2k` is a current bit, `2k + 1` the same bit in the next step. Step 0 has no current
+//! values; what it is given and gives are next bits, too. The diagrams' edges are as in [`Edge`].
 
 use super::Port;
 use super::extract::ports;
@@ -27,7 +29,8 @@ pub struct Functions {
     pub inputs: Vec<Port>,
     /// Outputs and internal variables in the order of the specification.
     pub outputs: Vec<Port>,
-    /// For every input its current bits, the most significant first: its value minus the smallest one of its domain.
+    /// For every input its current bits, the most significant first: its value minus the smallest
+    /// one of its domain.
     pub input_bits: Vec<Vec<Bit>>,
     /// The same for every output.
     pub output_bits: Vec<Vec<Bit>>,
@@ -105,7 +108,8 @@ impl Functions {
         self.controls.goals.iter().map(|g| g.modes.len()).sum()
     }
 
-    /// Takes a step: gives the outputs, one an entry of [`Self::outputs`]. A refused step leaves the state as it is.
+    /// Takes a step: gives the outputs, one an entry of [`Self::outputs`]. A refused step leaves
+    /// the state as it is.
     pub fn step(&self, state: &mut State, inputs: &[i64]) -> Result<Vec<i64>, Refusal> {
         let outside = |(port, value): (&Port, &i64)| !port.domain.contains(*value);
         if let Some(input) = self.inputs.iter().zip(inputs).position(outside) {
@@ -133,7 +137,8 @@ impl Functions {
         Ok(values)
     }
 
-    /// The outputs of the next step of a Moore controller, before it has seen the inputs of that step.
+    /// The outputs of the next step of a Moore controller, before it has seen the inputs of that
+    /// step.
     pub fn moore_output(&self, state: &State) -> Vec<i64> {
         debug_assert_eq!(self.timing, Timing::Moore);
         self.answer(state.goal, &mut state.signals.clone())
@@ -149,8 +154,8 @@ impl Functions {
         put(&self.outputs, &self.output_bits, signals, time, values);
     }
 
-    /// The outputs of a step in pursuit of a goal, `None` in step 0, whose signals hold the current values and, for Mealy, the
-    /// next inputs. The next outputs' signals are written as well.
+    /// The outputs of a step in pursuit of a goal, `None` in step 0, whose signals hold the current
+    /// values and, for Mealy, the next inputs. The next outputs' signals are written as well.
     pub fn answer(&self, goal: Option<usize>, signals: &mut [bool]) -> Vec<i64> {
         let controls = &self.controls;
         let roots = match goal {
@@ -190,9 +195,9 @@ impl Functions {
 
     /// The document with the schema `linewright/functions/1`.
     ///
-    /// `nodes` are decisions `[signal, edge if it is 1, edge if it is 0]`; edge `2n` is node `n - 1` and `2n + 1` its negation,
-    /// 0 is false and 1 is true. `outputs` are pairs of a next output's signal and its edge, in the order in which they are
-    /// computed.
+    /// `nodes` are decisions `[signal, edge if it is 1, edge if it is 0]`; edge `2n` is node
+    /// `n - 1` and `2n + 1` its negation, 0 is false and 1 is true. `outputs` are pairs of a next
+    /// output's signal and its edge, in the order in which they are computed.
     pub fn to_json(&self, verified: bool) -> Value {
         let ports = |ports: &[Port], bits: &[Vec<Bit>]| -> Vec<Value> {
             let pairs = ports.iter().zip(bits);

@@ -1,12 +1,15 @@
-//! A machine in the JSON that `gr1c -t json` writes (format version 1, see `doc/formats.md` of tulip-control/gr1c).
+//! A machine in the JSON that `gr1c -t json` writes (format version 1, see `doc/formats.md` of
+//! tulip-control/gr1c).
 //!
-//! gr1c's automaton labels *nodes* with valuations: a node is a state together with the inputs and outputs by which it was
-//! entered, and `trans` lists where the next step may lead. So every step is written out letter by letter, for those that keep
-//! the assumptions, and above [`MOST_NODES`] this gives up. gr1c's variables are boolean or `[0, n]`; a range that begins elsewhere is shifted to 0, and
-//! labels are their numbers. What the shift was, and the labels, stand in `extra`. `mode` (the goal pursued) and `rgrad` (the
-//! distance to it) are not known of a minimised machine: every node has mode 0 and gr1c's own "not available", -1. `gr1c` (the
-//! version whose format this is) and `date` are constant, so that the same machine gives the same bytes; `extra` also says who
-//! wrote it.
+//! gr1c's automaton labels *nodes* with valuations: a node is a state together with the inputs and
+//! outputs by which it was entered, and `trans` lists where the next step may lead. So every step
+//! is written out letter by letter, for those that keep the assumptions, and above [`MOST_NODES`]
+//! this gives up. gr1c's variables are boolean or `[0, n]`; a range that begins elsewhere is
+//! shifted to 0, and labels are their numbers. What the shift was, and the labels, stand in
+//! `extra`. `mode` (the goal pursued) and `rgrad` (the distance to it) are not known of a minimised
+//! machine: every node has mode 0 and gr1c's own "not available", -1. `gr1c` (the version whose
+//! format this is) and `date` are constant, so that the same machine gives the same bytes; `extra`
+//! also says who wrote it.
 
 use super::{Machine, Port};
 use crate::game::Limit;
@@ -109,8 +112,8 @@ fn successors(
     Ok(found)
 }
 
-/// What the environment promises, by the place of the last next input that each formula looks at: it can be asked as soon as
-/// that one is chosen.
+/// What the environment promises, by the place of the last next input that each formula looks at:
+/// it can be asked as soon as that one is chosen.
 struct Promises<'a> {
     specification: &'a Specification,
     inputs: Vec<VarId>,
@@ -151,7 +154,8 @@ impl<'a> Promises<'a> {
         }
     }
 
-    /// All letters that keep the promises after a valuation of inputs and outputs, or in step 0, the last input fastest.
+    /// All letters that keep the promises after a valuation of inputs and outputs, or in step 0,
+    /// the last input fastest.
     fn letters(
         &self,
         from: Option<&[i64]>,

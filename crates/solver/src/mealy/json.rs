@@ -1,7 +1,8 @@
 //! A machine as JSON: the schema `linewright/machine/1` of `synth --emit json`.
 //!
-//! A guard is given twice: as text for people, and under `cubes` as data: a disjunction of objects, each a conjunction that
-//! gives the lowest and the highest value of every input it names. Outputs are objects from name to value.
+//! A guard is given twice: as text for people, and under `cubes` as data: a disjunction of objects,
+//! each a conjunction that gives the lowest and the highest value of every input it names. Outputs
+//! are objects from name to value.
 
 use super::{Cube, Guard, Machine, Port, Transition};
 use linewright_core::gr1::{Domain, Timing};
@@ -27,7 +28,8 @@ pub fn to_json(machine: &Machine, verified: bool) -> Value {
     })
 }
 
-/// The document as text: one line a port and a transition, which is how people and line-based tools read it best.
+/// The document as text: one line a port and a transition, which is how people and line-based tools
+/// read it best.
 pub fn to_text(document: &Value) -> String {
     let Value::Object(fields) = document else {
         return document.to_string();

@@ -1,9 +1,10 @@
 //! Fewer states with the same behaviour on all inputs that keep the assumptions.
 //!
-//! First by partition refinement (Hopcroft's and Moore's idea; signatures are canonical diagrams, so that no letter is
-//! enumerated), then by merging states that agree wherever both have a transition: what one of them does not care about,
-//! the other decides (Paull and Unger 1959, greedily and with closure). A merged machine gives the same outputs on every play
-//! that keeps the assumptions. States are numbered in breadth-first order of their first being met.
+//! First by partition refinement (Hopcroft's and Moore's idea; signatures are canonical diagrams,
+//! so that no letter is enumerated), then by merging states that agree wherever both have a
+//! transition: what one of them does not care about, the other decides (Paull and Unger 1959,
+//! greedily and with closure). A merged machine gives the same outputs on every play that keeps the
+//! assumptions. States are numbered in breadth-first order of their first being met.
 
 use super::diagram::{Diagrams, Leaf, NOTHING, Ref};
 use super::{Guard, Machine, Transition};
@@ -11,7 +12,8 @@ use crate::game::{Limit, Limits};
 use linewright_core::gr1::Timing;
 use std::collections::HashMap;
 
-/// Merging by don't-cares stops after so many visited diagram nodes: it is worth little where it is dear.
+/// Merging by don't-cares stops after so many visited diagram nodes: it is worth little where it is
+/// dear.
 const MERGE_STEPS: u64 = 300_000;
 
 struct Work {
@@ -69,7 +71,8 @@ impl Work {
                 parts.push(self.diagrams.cube(cube, leaf));
             }
         }
-        // Pairwise, so that large diagrams are put together only a few times. The parts are disjoint.
+        // Pairwise, so that large diagrams are put together only a few times. The parts are
+        // disjoint.
         while parts.len() > 1 {
             let mut halves = Vec::with_capacity(parts.len().div_ceil(2));
             for pair in parts.chunks(2) {

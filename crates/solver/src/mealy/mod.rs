@@ -1,9 +1,10 @@
 //! Controllers: finite machines whose transitions carry guards over the inputs.
 //!
-//! A [`Machine`] starts *before* step 0. Its first step takes one of the `initial` transitions, every later one a
-//! transition of the state it is in: the one whose guard the step's inputs satisfy. The guards of one state are disjoint.
-//! They cover at least every input that keeps the assumptions; on other inputs there may be no transition.
-//! A `Moore` machine is one in which all transitions of a state (and all initial ones) have the same output.
+//! A [`Machine`] starts *before* step 0. Its first step takes one of the `initial` transitions,
+//! every later one a transition of the state it is in: the one whose guard the step's inputs
+//! satisfy. The guards of one state are disjoint. They cover at least every input that keeps the
+//! assumptions; on other inputs there may be no transition. A `Moore` machine is one in which all
+//! transitions of a state (and all initial ones) have the same output.
 
 pub mod certify;
 mod controller;
@@ -47,7 +48,8 @@ pub struct Test {
     pub high: i64,
 }
 
-/// A conjunction of tests, at most one an input, in ascending order of input. No test at all is `true`.
+/// A conjunction of tests, at most one an input, in ascending order of input. No test at all is
+/// `true`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Cube(pub Vec<Test>);
 
@@ -100,8 +102,8 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// The transition for these inputs: from `state`, or in step 0 when there is none yet. `None` when no guard
-    /// holds, which means that the inputs break an assumption.
+    /// The transition for these inputs: from `state`, or in step 0 when there is none yet. `None`
+    /// when no guard holds, which means that the inputs break an assumption.
     pub fn step(&self, state: Option<usize>, inputs: &[i64]) -> Option<&Transition> {
         self.transitions(state)
             .iter()
@@ -127,8 +129,8 @@ impl Machine {
         self.initial.len() + self.states.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// A guard as a disjunction of conjunctions, put together for reading: of every conjunction the values of each input, as
-    /// ascending intervals with gaps between them.
+    /// A guard as a disjunction of conjunctions, put together for reading: of every conjunction the
+    /// values of each input, as ascending intervals with gaps between them.
     pub fn guard_values(&self, guard: &Guard) -> Vec<Vec<Vec<(i64, i64)>>> {
         text::guard_values(self, &[guard])
     }

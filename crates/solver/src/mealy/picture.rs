@@ -1,8 +1,9 @@
 //! A machine as a graph, for Graphviz and as a picture.
 //!
-//! An edge is labelled `guard / assignments`. To keep labels short, an output is written on an edge only where the state it
-//! enters does not already say it: what all edges into a state agree on is written into the state, once.
-//! Transitions between the same two states are one edge, and long guards are broken into lines.
+//! An edge is labelled `guard / assignments`. To keep labels short, an output is written on an edge
+//! only where the state it enters does not already say it: what all edges into a state agree on is
+//! written into the state, once. Transitions between the same two states are one edge, and long
+//! guards are broken into lines.
 
 use super::text::guard_parts;
 use super::{Guard, Machine, Port, Transition};
@@ -133,7 +134,8 @@ fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
     lines
 }
 
-/// Puts parts together with a separator into lines of at most [`WIDTH`] characters, where the parts allow it.
+/// Puts parts together with a separator into lines of at most [`WIDTH`] characters, where the parts
+/// allow it.
 fn wrap(parts: &[String], separator: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for (i, part) in parts.iter().enumerate() {

@@ -1,7 +1,8 @@
 //! Guards as a person reads them.
 //!
-//! The cubes of a guard are disjoint and hold one interval an input. For reading, cubes that differ in one input only are put
-//! together, so that `cmd in {none, pick} & grip | cmd = move & grip` becomes `cmd != turn & grip`.
+//! The cubes of a guard are disjoint and hold one interval an input. For reading, cubes that differ
+//! in one input only are put together, so that `cmd in {none, pick} & grip | cmd = move & grip`
+//! becomes `cmd != turn & grip`.
 
 use super::{Cube, Guard, Machine, Port};
 use linewright_core::gr1::{Domain, shown};

@@ -1,11 +1,13 @@
 //! The kernel over biodivine-lib-bdd: every function owns its nodes.
 //!
-//! Right for many small contracts: it starts with a few kilobytes, is safe Rust, and its functions travel between threads. A
-//! [`Function`] shares its nodes behind an `Arc` and keeps count of what is alive, which is what the memory limit and
-//! [`Kernel::peak_nodes`] go by. The order is given once and never changes.
+//! Right for many small contracts: it starts with a few kilobytes, is safe Rust, and its functions
+//! travel between threads. A [`Function`] shares its nodes behind an `Arc` and keeps count of what
+//! is alive, which is what the memory limit and [`Kernel::peak_nodes`] go by. The order is given
+//! once and never changes.
 //!
-//! The package's fused relational product has neither a limit nor cancellation, so it is used while the operands are small
-//! enough that their product is harmless, and beyond that conjunction and quantification are done apart, each with a limit.
+//! The package's fused relational product has neither a limit nor cancellation, so it is used while
+//! the operands are small enough that their product is harmless, and beyond that conjunction and
+//! quantification are done apart, each with a limit.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
 use biodivine_lib_bdd::{Bdd, BddNode, BddValuation, BddVariable, BddVariableSet, op_function};
@@ -82,7 +84,8 @@ const BYTES_PER_NODE: u64 = 48;
 /// Without a memory limit, a single function still has to fit the package's 32-bit pointers.
 const MOST_NODES: u64 = 1 << 28;
 
-/// While the product of the operands' sizes is below this, the fused operations are safe to run without a limit.
+/// While the product of the operands' sizes is below this, the fused operations are safe to run
+/// without a limit.
 const FUSED_PRODUCT: usize = 1 << 24;
 
 /// The kernel.
@@ -117,7 +120,8 @@ impl Biodivine {
         mask
     }
 
-    /// Renames every bit. Twins are neighbours, so the order stays as long as a function has only one of the two.
+    /// Renames every bit. Twins are neighbours, so the order stays as long as a function has only
+    /// one of the two.
     fn shift(&self, a: &Function, rename: impl Fn(usize) -> usize) -> Result<Function, Limit> {
         self.limits.check_time()?;
         if a.size() <= 2 {

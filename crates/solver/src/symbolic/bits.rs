@@ -1,7 +1,8 @@
 //! Two's complement numbers whose bits are boolean functions.
 //!
-//! Every operation makes its result as wide as exactness needs; the caller cuts it back to the width that interval
-//! arithmetic allows. Division follows long division on absolute values, then corrects towards minus infinity.
+//! Every operation makes its result as wide as exactness needs; the caller cuts it back to the
+//! width that interval arithmetic allows. Division follows long division on absolute values, then
+//! corrects towards minus infinity.
 
 use super::{Kernel, Limit};
 
@@ -106,7 +107,8 @@ impl<K: Kernel> Number<K> {
         Self::ite(m, self.sign(), &negated, self)
     }
 
-    /// `a * b`: shifted copies of `a`, one a bit of `b`; modulo the result's width, which is exact for two's complement.
+    /// `a * b`: shifted copies of `a`, one a bit of `b`; modulo the result's width, which is exact
+    /// for two's complement.
     pub fn mul(&self, m: &K, b: &Self) -> Result<Self, Limit> {
         let width = self.0.len() + b.0.len();
         let mut result = Self::constant(m, 0).resize(width);

@@ -1,12 +1,13 @@
-//! Boolean functions as plain data: what leaves a kernel, for another kernel, for a file, or for emitted code.
+//! Boolean functions as plain data: what leaves a kernel, for another kernel, for a file, or for
+//! emitted code.
 
 use super::{Bit, Kernel, Limit};
 use serde::{Deserialize, Serialize};
 
 /// An edge of a [`Diagram`]: a node or a constant, perhaps negated.
 ///
-/// `2n` is node `n - 1`, `2n + 1` its negation; node "-1" is the constant `false`, so that [`Edge::FALSE`] is 0 and
-/// [`Edge::TRUE`] is 1.
+/// `2n` is node `n - 1`, `2n + 1` its negation; node "-1" is the constant `false`, so that
+/// [`Edge::FALSE`] is 0 and [`Edge::TRUE`] is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Edge(pub u32);
 
@@ -85,7 +86,8 @@ impl Diagram {
 
     /// For every root the share of all valuations in which it holds.
     pub fn shares(&self) -> Vec<f64> {
-        // Both shares are kept, of what holds and of what does not: a small one is lost when it is taken from 1.
+        // Both shares are kept, of what holds and of what does not: a small one is lost when it is
+        // taken from 1.
         let share = |known: &[(f64, f64)], edge: Edge| {
             let (yes, no) = edge.node().map_or((0.0, 1.0), |n| known[n]);
             if edge.is_negated() {
@@ -142,7 +144,8 @@ impl Diagram {
         }
     }
 
-    /// Whether every edge leads to an earlier node and every bit is below `bits`: what [`Diagram::build`] needs.
+    /// Whether every edge leads to an earlier node and every bit is below `bits`: what
+    /// [`Diagram::build`] needs.
     pub fn is_sound(&self, bits: usize) -> bool {
         let below = |edge: Edge, limit: usize| edge.node().is_none_or(|n| n < limit);
         let nodes = self.nodes.iter().enumerate();

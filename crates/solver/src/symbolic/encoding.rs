@@ -1,8 +1,9 @@
 //! Which bits stand for which variable, and expressions as functions of those bits.
 //!
-//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, the most significant on top, holding its value minus the smallest
-//! one of its domain. Codes without a value are excluded by [`Encoding::in_domain`], which whoever uses an encoded formula
-//! conjoins; what a formula says about such a code means nothing.
+//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, the most significant on top, holding its
+//! value minus the smallest one of its domain. Codes without a value are excluded by
+//! [`Encoding::in_domain`], which whoever uses an encoded formula conjoins; what a formula says
+//! about such a code means nothing.
 
 use super::bits::{Number, width};
 use super::{Bit, BitSet, Kernel, Limit};
@@ -109,7 +110,8 @@ impl Encoding {
 
     /// A formula: that the expression is not 0.
     ///
-    /// Arithmetic that could leave 64 bits or divide by 0 is refused when a file is resolved; here it counts as too large.
+    /// Arithmetic that could leave 64 bits or divide by 0 is refused when a file is resolved; here
+    /// it counts as too large.
     pub fn formula<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
         self.check(expr)?;
         self.truth(m, expr)

@@ -1,10 +1,12 @@
 //! What a BDD package must be able to do for a GR(1) game, and nothing more.
 //!
-//! Bits come in pairs: bit `2k` is the current one, bit `2k + 1` its primed twin. A kernel keeps the twins of a pair next to
-//! each other whatever the order of the pairs is, so that renaming between them keeps the order.
+//! Bits come in pairs: bit `2k` is the current one, bit `2k + 1` its primed twin. A kernel keeps
+//! the twins of a pair next to each other whatever the order of the pairs is, so that renaming
+//! between them keeps the order.
 //!
-//! Every operation gives a result: that the nodes do not fit, or that the time has run out, is a value. Between operations
-//! lie *safe points*, at which whoever drives the game lets the kernel collect what is dead and change its order.
+//! Every operation gives a result: that the nodes do not fit, or that the time has run out, is a
+//! value. Between operations lie *safe points*, at which whoever drives the game lets the kernel
+//! collect what is dead and change its order.
 
 use super::{Diagram, Limit, Limits};
 use serde::{Deserialize, Serialize};
@@ -83,7 +85,8 @@ impl Order {
         Self((0..pairs as u16).collect())
     }
 
-    /// An order from its pairs, the topmost first; `None` unless each of `0..pairs.len()` occurs once.
+    /// An order from its pairs, the topmost first; `None` unless each of `0..pairs.len()` occurs
+    /// once.
     pub fn new(pairs: Vec<u16>) -> Option<Self> {
         let mut seen = vec![false; pairs.len()];
         for pair in &pairs {
@@ -196,7 +199,8 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// The bits it depends on, in order.
     fn support(&self, a: &Self::Function) -> Vec<Bit>;
 
-    /// Some assignment to all bits that satisfies it, indexed by bit. It depends on the function and the order only.
+    /// Some assignment to all bits that satisfies it, indexed by bit. It depends on the function
+    /// and the order only.
     fn witness(&self, a: &Self::Function) -> Option<Vec<bool>>;
 
     /// Several functions as plain data, sharing what they have in common.
@@ -210,19 +214,22 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// How many nodes are kept now; dead ones that were not yet collected count.
     fn nodes(&self) -> u64;
 
-    /// The largest number of nodes that were kept at once, as far as safe points and single functions show it.
+    /// The largest number of nodes that were kept at once, as far as safe points and single
+    /// functions show it.
     fn peak_nodes(&self) -> u64;
 
-    /// The work that was done, in units: nodes that were made, operands' nodes that were walked, and operations, each with a weight by
-    /// which kernels take about the same time for a unit. It depends on the questions alone: on no clock, no address, and not on what other threads do. A kernel may leave it uncounted where
-    /// [`Limits::most_work`] is none.
+    /// The work that was done, in units: nodes that were made, operands' nodes that were walked,
+    /// and operations, each with a weight by which kernels take about the same time for a unit. It
+    /// depends on the questions alone: on no clock, no address, and not on what other threads do. A
+    /// kernel may leave it uncounted where [`Limits::most_work`] is none.
     fn work(&self) -> u64;
 
-    /// A safe point: may collect, and may look for a better order when the functions have grown. All functions stay valid.
+    /// A safe point: may collect, and may look for a better order when the functions have grown.
+    /// All functions stay valid.
     fn safe_point(&self) -> Result<(), Limit>;
 
-    /// Looks for a better order for what is alive. Never ends with more nodes than it began with; a kernel without
-    /// reordering does nothing.
+    /// Looks for a better order for what is alive. Never ends with more nodes than it began with; a
+    /// kernel without reordering does nothing.
     fn sift(&self) -> Result<(), Limit>;
 
     /// Whether safe points may change the order from here on.

@@ -1,7 +1,8 @@
 //! When to give up, and that something was given up: values, never a panic and never a hang.
 //!
-//! Seconds come from `--timeout` alone, and speak of a whole command. What gives up by itself counts its work ([`Budget`]), so that the
-//! same question has the same answer on every computer, however busy it is. A clock decides nothing else; a test keeps it so.
+//! Seconds come from `--timeout` alone, and speak of a whole command. What gives up by itself
+//! counts its work ([`Budget`]), so that the same question has the same answer on every computer,
+//! however busy it is. A clock decides nothing else; a test keeps it so.
 
 use linewright_core::deadline::{Deadline, Late};
 
@@ -14,8 +15,8 @@ pub struct Limits {
     pub memory_mib: Option<u64>,
     /// Not with more than this many nodes.
     pub most_nodes: Option<u64>,
-    /// Not after so many nodes were made in all, where functions own their nodes: it decides on the kernel. Running out of
-    /// it is [`Limit::Memory`].
+    /// Not after so many nodes were made in all, where functions own their nodes: it decides on the
+    /// kernel. Running out of it is [`Limit::Memory`].
     pub most_made: Option<u64>,
     /// Not after so many units of work; see [`super::Kernel::work`].
     pub most_work: Option<u64>,
@@ -44,7 +45,8 @@ pub enum Limit {
 }
 
 impl Limit {
-    /// Whether `--timeout`, `--memory` or Ctrl-C is to blame. All else depends on the question alone, and is the same wherever it is asked.
+    /// Whether `--timeout`, `--memory` or Ctrl-C is to blame. All else depends on the question
+    /// alone, and is the same wherever it is asked.
     pub fn is_of_command(self) -> bool {
         matches!(self, Self::Late(_) | Self::Memory)
     }
@@ -69,11 +71,13 @@ pub struct Budget {
     pub nodes: u64,
 }
 
-/// The default limits of work, all of them. A quiet computer does some 20 million units a second. What ships takes less than a
-/// quarter of the work, and half of the nodes: the dearest question about the laboratory's line, what rests on what, 145 million and less
-/// than 500,000. Who waits for `check` waits for the budget of a line, so it is half a minute's.
+/// The default limits of work, all of them. A quiet computer does some 20 million units a second.
+/// What ships takes less than a quarter of the work, and half of the nodes: the dearest question
+/// about the laboratory's line, what rests on what, 145 million and less than 500,000. Who waits
+/// for `check` waits for the budget of a line, so it is half a minute's.
 impl Budget {
-    /// Each question about a line: what is asked of its stations, whether parts move on, what rests on what.
+    /// Each question about a line: what is asked of its stations, whether parts move on, what rests
+    /// on what.
     pub const LINE: Self = Self {
         work: 600_000_000,
         nodes: 1_000_000,
@@ -88,7 +92,8 @@ impl Budget {
         work: 3_000_000_000,
         nodes: 8_000_000,
     };
-    /// What the contract of a belt says about the room on it. Such a contract is small; one that is not gets no answer, instead of a late one.
+    /// What the contract of a belt says about the room on it. Such a contract is small; one that is
+    /// not gets no answer, instead of a late one.
     pub const BELT: Self = Self {
         work: 200_000_000,
         nodes: 200_000,
@@ -158,7 +163,8 @@ impl Limits {
         }
     }
 
-    /// How many nodes there may be, if a node costs this many bytes: `usual` without a memory limit, never more than `most`.
+    /// How many nodes there may be, if a node costs this many bytes: `usual` without a memory
+    /// limit, never more than `most`.
     pub(super) fn nodes(&self, bytes_per_node: u64, usual: u64, most: u64) -> u64 {
         let by_memory = self.memory_mib.map_or(usual, |mib| {
             (mib.saturating_mul(1 << 20) / bytes_per_node).min(most)
@@ -166,7 +172,8 @@ impl Limits {
         self.most_nodes.map_or(by_memory, |n| n.min(by_memory))
     }
 
-    /// The reason by its right name: nodes that do not fit although the memory has room for twice as many are those of a budget.
+    /// The reason by its right name: nodes that do not fit although the memory has room for twice
+    /// as many are those of a budget.
     pub(crate) fn name(&self, limit: Limit) -> Limit {
         const BYTES: u64 = 128;
         let has_room = |nodes: u64| {

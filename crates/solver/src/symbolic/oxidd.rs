@@ -1,17 +1,23 @@
-//! The kernel over `OxiDD`'s diagrams with complement edges: one store for all functions, and a cache that outlives operations.
+//! The kernel over `OxiDD`'s diagrams with complement edges: one store for all functions, and a
+//! cache that outlives operations.
 //!
-//! Right for large games. The store's capacity is fixed when it is made; its pages are only used as nodes come. Three habits
-//! of the package shape this file:
+//! Right for large games. The store's capacity is fixed when it is made; its pages are only used as
+//! nodes come. Three habits of the package shape this file:
 //!
-//! - Collecting throws the cache away, so it is done at safe points, and only when the store has doubled since.
-//! - The package's own collector runs beside the operation that fills the store, and can come too late; then the operation
-//!   fails although most nodes are dead. So an operation that fails is tried again after collecting.
-//! - Running out of nodes while levels are swapped ends the process. So nothing is reordered without head room.
+//! - Collecting throws the cache away, so it is done at safe points, and only when the store has
+//!   doubled since.
+//! - The package's own collector runs beside the operation that fills the store, and can come too
+//!   late; then the operation fails although most nodes are dead. So an operation that fails is
+//!   tried again after collecting.
+//! - Running out of nodes while levels are swapped ends the process. So nothing is reordered
+//!   without head room.
 //!
-//! Where the number of nodes or the work is limited beside the memory ([`Ration`]), what was reached must not depend on when the package's
-//! collector runs. There the store has head room, the nodes are counted after every operation, and one that comes near the
-//! collector's mark fails for good. The nodes that are made then depend on the operations alone: what the cache forgets is made
-//! again of nodes that are still there, for nothing is collected but between operations, by count.
+//! Where the number of nodes or the work is limited beside the memory ([`Ration`]), what was
+//! reached must not depend on when the package's collector runs. There the store has head room, the
+//! nodes are counted after every operation, and one that comes near the collector's mark fails for
+//! good. The nodes that are made then depend on the operations alone: what the cache forgets is
+//! made again of nodes that are still there, for nothing is collected but between operations, by
+//! count.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order, sift};
 use oxidd::bcdd::{BCDDFunction, BCDDManagerRef, new_manager};
@@ -39,8 +45,8 @@ const MOST_NODES: u64 = 1 << 30;
 /// The smallest store that makes sense.
 const FEWEST_NODES: u64 = 1 << 16;
 
-/// Entries of the cache. A larger one costs more than it saves: it is cleared with every collection, and no longer lies in the
-/// processor's caches.
+/// Entries of the cache. A larger one costs more than it saves: it is cleared with every
+/// collection, and no longer lies in the processor's caches.
 const LARGE_CACHE: usize = 1 << 18;
 
 /// Entries of the cache for up to [`FEW_PAIRS`], where nothing but memory is limited.
@@ -52,21 +58,24 @@ const FEW_PAIRS: usize = 48;
 /// Below this, nothing is collected.
 const COLLECT_NODES: u64 = 1 << 19;
 
-/// When at most so many nodes were made since the last collection, none is made before the order changes.
+/// When at most so many nodes were made since the last collection, none is made before the order
+/// changes.
 const FEW_DEAD_NODES: u64 = 10_000;
 
 /// While less than this many nodes are made between two safe points, the order is left as it is.
 const REORDER_NODES: u64 = 18_000;
 
-/// Sifting at a safe point may touch this many nodes for every one that was made since the last time, so that it never takes
-/// much more than a fixed share of all the work.
+/// Sifting at a safe point may touch this many nodes for every one that was made since the last
+/// time, so that it never takes much more than a fixed share of all the work.
 const WORK_PER_MADE: u64 = 60;
 
-/// Units of work for a node that is made, and for an operation: looked up among all others and moved when the order changes, it takes about so
-/// many times as long as one that a function of its own has.
+/// Units of work for a node that is made, and for an operation: looked up among all others and
+/// moved when the order changes, it takes about so many times as long as one that a function of its
+/// own has.
 const WORK_PER_NODE: u64 = 10;
 
-/// The package takes slots for nodes in chunks of so many, and looks at its collector's mark only then.
+/// The package takes slots for nodes in chunks of so many, and looks at its collector's mark only
+/// then.
 const CHUNK_NODES: u64 = 1 << 16;
 
 /// The store is brought into a new order for less than this many percent of its nodes.
@@ -122,7 +131,8 @@ struct Ration {
 }
 
 impl Ration {
-    /// What it takes to have so many nodes at most, out of so many that fit: the store's capacity, the nodes, and the mark.
+    /// What it takes to have so many nodes at most, out of so many that fit: the store's capacity,
+    /// the nodes, and the mark.
     fn new(most: u64, fit: u64) -> (u64, u64, Self) {
         let wanted = 2 * most.saturating_add(2 * CHUNK_NODES);
         let capacity = wanted.min(fit);
@@ -233,7 +243,8 @@ impl OxiDd {
     fn sift_within(&self, work: usize) -> Result<(), Limit> {
         self.limits.check_time()?;
         self.note_peak();
-        // Dead nodes would be brought into a new order, too; few are cheaper to move than to look for.
+        // Dead nodes would be brought into a new order, too; few are cheaper to move than to look
+        // for.
         if self.nodes() > self.shared.collected.load(Ordering::Relaxed) + FEW_DEAD_NODES {
             self.collect();
         }
@@ -254,7 +265,8 @@ impl OxiDd {
         Ok(())
     }
 
-    /// All nodes of the store that are alive. A node is a root when something outside the store refers to it.
+    /// All nodes of the store that are alive. A node is a root when something outside the store
+    /// refers to it.
     fn everything(&self) -> Diagram {
         self.shared.store.with_manager_shared(|m| {
             let mut nodes = Vec::new();
@@ -307,8 +319,8 @@ impl OxiDd {
     }
 }
 
-/// The nodes that something outside the store refers to; `references` are those by anything and those by nodes. Takes back what
-/// dead nodes contributed.
+/// The nodes that something outside the store refers to; `references` are those by anything and
+/// those by nodes. Takes back what dead nodes contributed.
 fn living(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> Vec<usize> {
     let mut roots = Vec::new();
     for n in (0..nodes.len()).rev() {
@@ -367,7 +379,8 @@ fn set_order(store: &BCDDManagerRef, order: &Order) {
     store.with_manager_exclusive(|m| set_var_order_seq(m, &variables));
 }
 
-/// Calls `visit` for every node below `function` after those it leads to: its number, its bit, its edges.
+/// Calls `visit` for every node below `function` after those it leads to: its number, its bit, its
+/// edges.
 fn walk(
     function: &Function,
     numbers: &mut FxHashMap<usize, usize>,
@@ -426,8 +439,8 @@ impl Kernel for OxiDd {
         } else {
             (most, most, most, None)
         };
-        // An operation whose results the cache forgets may come to no end, and makes no node that a budget would count: a budget of
-        // nodes takes nothing from the cache.
+        // An operation whose results the cache forgets may come to no end, and makes no node that a
+        // budget would count: a budget of nodes takes nothing from the cache.
         let cache = if pairs > FEW_PAIRS || is_limited {
             LARGE_CACHE
         } else {

@@ -1,16 +1,20 @@
-//! Group sifting on plain data: each pair of twins moves as one, and a kernel is told the order that was found.
+//! Group sifting on plain data: each pair of twins moves as one, and a kernel is told the order
+//! that was found.
 //!
-//! Rudell's sifting ("Dynamic variable ordering for ordered binary decision diagrams", ICCAD 1993) with groups in the sense of
-//! Panda and Somenzi ("Who are the variables in your neighborhood", ICCAD 1995), the groups being fixed: a variable and its
-//! primed twin, current bit on top. Each pair, the largest first, goes to the nearer end and then to the other one, and comes
-//! to rest where the diagrams were smallest; a direction is left when they have grown by a fifth, or when nothing that is left
-//! of it could make them smaller than they were. Then neighbours that cling together go the same way as one, since neither
-//! would leave the other alone. So a pass never ends with more nodes than it began with.
+//! Rudell's sifting ("Dynamic variable ordering for ordered binary decision diagrams", ICCAD 1993)
+//! with groups in the sense of Panda and Somenzi ("Who are the variables in your neighborhood",
+//! ICCAD 1995), the groups being fixed: a variable and its primed twin, current bit on top. Each
+//! pair, the largest first, goes to the nearer end and then to the other one, and comes to rest
+//! where the diagrams were smallest; a direction is left when they have grown by a fifth, or when
+//! nothing that is left of it could make them smaller than they were. Then neighbours that cling
+//! together go the same way as one, since neither would leave the other alone. So a pass never ends
+//! with more nodes than it began with.
 //!
-//! It works on a copy, with counted references and complement edges (the high edge is never negated), and not inside a
-//! kernel: swaps of levels need no locks here, an order serves every kernel, and running out of memory or time leaves the
-//! kernel as it was. The work is bounded by a count of nodes that swaps touch, not by a clock, so that the same functions are
-//! always sifted to the same order.
+//! It works on a copy, with counted references and complement edges (the high edge is never
+//! negated), and not inside a kernel: swaps of levels need no locks here, an order serves every
+//! kernel, and running out of memory or time leaves the kernel as it was. The work is bounded by a
+//! count of nodes that swaps touch, not by a clock, so that the same functions are always sifted to
+//! the same order.
 
 use super::{Bit, Diagram, Limits, Order};
 use rustc_hash::FxHashMap;
@@ -24,11 +28,12 @@ const WORTHWHILE_PERCENT: usize = 95;
 /// More passes than this are not made.
 const MOST_PASSES: usize = 6;
 
-/// The first pass is given up when a quarter of the work leaves more than this many percent of the nodes.
+/// The first pass is given up when a quarter of the work leaves more than this many percent of the
+/// nodes.
 const HOPEFUL_PERCENT: usize = 99;
 
-/// A call touches at most this many nodes, [`MORE_WORK`] more for each of the first [`MANY_NODES`], and [`WORK_PER_NODE`] for
-/// every node.
+/// A call touches at most this many nodes, [`MORE_WORK`] more for each of the first [`MANY_NODES`],
+/// and [`WORK_PER_NODE`] for every node.
 const LEAST_WORK: usize = 300_000;
 
 /// See [`LEAST_WORK`].
@@ -57,8 +62,9 @@ struct Node {
 
 /// Diagrams whose order can be changed.
 ///
-/// While two levels are swapped, only nodes of the upper one are made, and only nodes of the lower one die: all that lies
-/// below stays needed. So a level is a plain list, and a table of nodes by their edges is needed for one level at a time.
+/// While two levels are swapped, only nodes of the upper one are made, and only nodes of the lower
+/// one die: all that lies below stays needed. So a level is a plain list, and a table of nodes by
+/// their edges is needed for one level at a time.
 #[derive(Debug)]
 pub struct Sifter {
     nodes: Vec<Node>,
@@ -139,9 +145,11 @@ impl Table {
     }
 }
 
-/// An order in which the diagrams are smaller, with the number of nodes before and after; `None` if none was found.
+/// An order in which the diagrams are smaller, with the number of nodes before and after; `None` if
+/// none was found.
 ///
-/// `diagram` must respect `order`. No more than `most_work` nodes are touched, however many there are.
+/// `diagram` must respect `order`. No more than `most_work` nodes are touched, however many there
+/// are.
 pub fn sift(
     diagram: &Diagram,
     order: &Order,
@@ -327,7 +335,8 @@ impl Sifter {
         self.staying = staying;
     }
 
-    /// Gives these nodes of the upper bit to the lower one. The upper level must hold the others only.
+    /// Gives these nodes of the upper bit to the lower one. The upper level must hold the others
+    /// only.
     fn exchange(&mut self, upper: Bit, lower: Bit, moving: &[u32]) {
         let staying = &self.levels[upper.index()];
         self.table.begin(staying.len() + 2 * moving.len());
@@ -412,7 +421,8 @@ impl Sifter {
         self.size
     }
 
-    /// Neighbours that would not be swapped, upper and lower, each pair in one couple at most; those of the most nodes first.
+    /// Neighbours that would not be swapped, upper and lower, each pair in one couple at most;
+    /// those of the most nodes first.
     fn couples(&mut self) -> Vec<(u16, u16)> {
         let mut found = Vec::new();
         for position in 0..self.order.len().saturating_sub(1) {
@@ -452,8 +462,8 @@ impl Sifter {
             let below = &self.order[here + length..];
             let mut below: usize = below.iter().map(|p| self.nodes_of(*p)).sum();
             while here != if upwards { 0 } else { last } {
-                // What lies above a block that moves down stays, and so does every node of the block, under its bit or another;
-                // what lies below a block that moves up stays.
+                // What lies above a block that moves down stays, and so does every node of the
+                // block, under its bit or another; what lies below a block that moves up stays.
                 let least = if upwards { below } else { self.size - below };
                 if least >= best_size {
                     break;

@@ -71,7 +71,8 @@ fn holds_at<K: Kernel>(
     m.is_true(&rest)
 }
 
-/// The formula, and every single value of the expression, agree with direct evaluation wherever `valid` is not 0.
+/// The formula, and every single value of the expression, agree with direct evaluation wherever
+/// `valid` is not 0.
 fn agrees(domains: &[(i64, i64)], expr: &Expr, valid: &Expr) {
     agrees_on::<Biodivine>(domains, expr, valid);
     agrees_on::<OxiDd>(domains, expr, valid);
@@ -300,7 +301,8 @@ fn out_of_nodes_is_a_value() {
     assert!(fills::<OxiDd>(&few));
 }
 
-/// What it takes to make a function that is large in this order, sift, and quantify: the work, and how it ends with so much of it.
+/// What it takes to make a function that is large in this order, sift, and quantify: the work, and
+/// how it ends with so much of it.
 fn work_within<K: Kernel>(most: u64) -> (u64, Result<(), Limit>) {
     let limits = Limits {
         most_work: Some(most),
@@ -350,7 +352,8 @@ fn work_is_counted_alike_whatever_else_goes_on() {
     alike::<OxiDd>();
 }
 
-/// Near a limit of nodes the package's own collector must not decide: with room for so many nodes an operation fits or it does not.
+/// Near a limit of nodes the package's own collector must not decide: with room for so many nodes
+/// an operation fits or it does not.
 #[test]
 fn room_for_nodes_is_the_same_every_time() {
     let mut seen = [false; 2];
@@ -425,7 +428,8 @@ fn sifting_finds_the_small_order_and_keeps_every_function() {
     let order = m.order();
     assert!(Order::new(order.pairs().to_vec()).is_some());
 
-    // The order goes over to the other kernel, and so do the functions, whatever order they were exported in.
+    // The order goes over to the other kernel, and so do the functions, whatever order they were
+    // exported in.
     let b = Biodivine::new(&order, &small()).unwrap();
     assert!(b.size(&chain(&b, 24)) < before / 10);
     let imported = b.import(&diagram).unwrap();

@@ -1,9 +1,10 @@
 //! Questions over too many values to try them all: decided with decision diagrams.
 //!
-//! The wires that occur become the variables of a specification, the question its formulas, so that the encoding and the order
-//! of the variables are those of the games. What is asked is whether anything satisfies the hypotheses and not the goal. Small
-//! questions are answered on the kernel that starts at once, others on the one that reorders; what decides is a count of nodes,
-//! never the clock.
+//! The wires that occur become the variables of a specification, the question its formulas, so that
+//! the encoding and the order of the variables are those of the games. What is asked is whether
+//! anything satisfies the hypotheses and not the goal. Small questions are answered on the kernel
+//! that starts at once, others on the one that reorders; what decides is a count of nodes, never
+//! the clock.
 
 use super::query::{Answer, Values, domain};
 use super::support;
@@ -120,9 +121,10 @@ impl Encoded {
         Ok(Answer::Fails(Values(values.collect())))
     }
 
-    /// What the hypotheses together say of the goal's wires: all others are eliminated, one after the other, each from those
-    /// functions only that mention it, and always the one whose functions are smallest. So the values of actions that have
-    /// little to do with each other never meet. `None` when nothing satisfies the hypotheses.
+    /// What the hypotheses together say of the goal's wires: all others are eliminated, one after
+    /// the other, each from those functions only that mention it, and always the one whose
+    /// functions are smallest. So the values of actions that have little to do with each other
+    /// never meet. `None` when nothing satisfies the hypotheses.
     fn known<K: Kernel>(
         &self,
         encoding: &Encoding,

@@ -1,11 +1,13 @@
 //! Several coordinators as one: their contracts side by side, and the product of their machines.
 //!
-//! Coordinators answer before they see the inputs of the step, so neither waits for the other, and a step of both is a step of each.
-//! The wires of the merged machine are those of the machine itself, in the same order. With one coordinator left, everything that is
-//! checked of a machine's composition is checked as before.
+//! Coordinators answer before they see the inputs of the step, so neither waits for the other, and
+//! a step of both is a step of each. The wires of the merged machine are those of the machine
+//! itself, in the same order. With one coordinator left, everything that is checked of a machine's
+//! composition is checked as before.
 //!
-//! A single coordinator knows its job from its own state. Of several, each knows its own job only, so that the product alone would
-//! meet situations in which two jobs run at once. The operation stays until it is done, and that is a part of the product's state.
+//! A single coordinator knows its job from its own state. Of several, each knows its own job only,
+//! so that the product alone would meet situations in which two jobs run at once. The operation
+//! stays until it is done, and that is a part of the product's state.
 
 use super::{By, Composition};
 use linewright_core::gr1::{
@@ -40,8 +42,8 @@ fn coordinators(machine: &Machine) -> usize {
     roles.take_while(|c| c.role == Role::Coordinator).count()
 }
 
-/// The merged machine. `None` where the product has too many states, where a coordinator's controller is no machine, or where the plant
-/// gives nothing.
+/// The merged machine. `None` where the product has too many states, where a coordinator's
+/// controller is no machine, or where the plant gives nothing.
 pub(super) fn merge(machine: &Machine, controllers: &[&mealy::Controller]) -> Option<Merged> {
     let count = coordinators(machine);
     let machines: Vec<&mealy::Machine> = controllers[..count]
@@ -222,7 +224,8 @@ fn product(machine: &Machine, machines: &[&mealy::Machine]) -> Option<mealy::Mac
 }
 
 impl Product<'_> {
-    /// The steps from a place, or the first ones. Places that are new are numbered in the order in which they are met.
+    /// The steps from a place, or the first ones. Places that are new are numbered in the order in
+    /// which they are met.
     fn steps(&mut self, from: Option<&Place>) -> Vec<Transition> {
         let values = match from.and_then(|f| f.running) {
             Some(value) => vec![Some(value)],

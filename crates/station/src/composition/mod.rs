@@ -1,21 +1,26 @@
 //! Whether the synthesized coordinator and actions fit together.
 //!
-//! Each contract was checked alone; here their composition is. The coordinator's machine is small and explicit, so its reachable
-//! states are walked, with everything else (action outputs, properties, signals) left free as far as the machine's file
-//! leaves it free. What holds under that freedom holds in the composition. What does not may hold all the same, so it is a warning.
+//! Each contract was checked alone; here their composition is. The coordinator's machine is small
+//! and explicit, so its reachable states are walked, with everything else (action outputs,
+//! properties, signals) left free as far as the machine's file leaves it free. What holds under
+//! that freedom holds in the composition. What does not may hold all the same, so it is a warning.
 //!
-//! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every component must follow from the
-//!   coordinator's outputs, from the guarantees of the actions, and from what stays constant during an operation. Circles of
-//!   safety are sound, step by step, since no step contains a loop (Abadi and Lamport, Conjoining Specifications, 1995).
-//! - **Justice assumptions.** While an assumption of the coordinator waits, it must surely come true in the next step, or one and
-//!   the same action must owe it a justice guarantee that implies it; an action's own justice assumptions must follow from
-//!   the step alone or from a signal's script. What is not found so is a warning, since it may hold for a longer reason. This is an order, not a circle (McMillan, Circular Compositional Reasoning about Liveness, 1999).
-//! - **Operations.** From every state in which the coordinator takes an operation on, every fair run reaches `done`, and runs
-//!   exactly the actions that the operation names.
+//! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every
+//!   component must follow from the coordinator's outputs, from the guarantees of the actions, and
+//!   from what stays constant during an operation. Circles of safety are sound, step by step, since
+//!   no step contains a loop (Abadi and Lamport, Conjoining Specifications, 1995).
+//! - **Justice assumptions.** While an assumption of the coordinator waits, it must surely come
+//!   true in the next step, or one and the same action must owe it a justice guarantee that implies
+//!   it; an action's own justice assumptions must follow from the step alone or from a signal's
+//!   script. What is not found so is a warning, since it may hold for a longer reason. This is an
+//!   order, not a circle (McMillan, Circular Compositional Reasoning about Liveness, 1999).
+//! - **Operations.** From every state in which the coordinator takes an operation on, every fair
+//!   run reaches `done`, and runs exactly the actions that the operation names.
 //!
-//! What depends on the choice of the operation and the part alone is the line's business: it is *exported*, and checked when
-//! the library is called. With all assumptions discharged or exported nothing gets stuck, since every component's machine
-//! answers every input that keeps its assumptions.
+//! What depends on the choice of the operation and the part alone is the line's business: it is
+//! *exported*, and checked when the library is called. With all assumptions discharged or exported
+//! nothing gets stuck, since every component's machine answers every input that keeps its
+//! assumptions.
 //!
 //! Several coordinators are first made one (`merged.rs`).
 //!

@@ -1,7 +1,8 @@
 //! Whether each operation runs the actions it names, and always ends.
 //!
-//! An operation begins where the one before has ended, or at the start; its wire then stays. Along the coordinator's steps the
-//! *position* in the operation's sequence is counted: a run of active steps of an action moves it on by one.
+//! An operation begins where the one before has ended, or at the start; its wire then stays. Along
+//! the coordinator's steps the *position* in the operation's sequence is counted: a run of active
+//! steps of an action moves it on by one.
 
 use super::over_wires;
 use super::query::{Answer, Question};
@@ -80,7 +81,8 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
     endless(walk, operation, &seen, &edges)
 }
 
-/// The nodes at which the operation can begin: at the start, and after the last step of another one.
+/// The nodes at which the operation can begin: at the start, and after the last step of another
+/// one.
 fn beginnings(walk: &Walk<'_>, operation: &Operation, done: &Expr) -> BTreeSet<Node> {
     let mut found = BTreeSet::new();
     if walk.may_begin(None, operation.value) {
@@ -169,7 +171,8 @@ fn wrong(
     .with_help("make the operation's list and the coordinator's contract agree")
 }
 
-/// A way on which the operation never ends although the coordinator's justice assumptions hold again and again.
+/// A way on which the operation never ends although the coordinator's justice assumptions hold
+/// again and again.
 fn endless(
     walk: &Walk<'_>,
     operation: &Operation,

@@ -1,8 +1,8 @@
 //! Small questions about expressions over wires: does a goal follow from hypotheses?
 //!
-//! Decided by trying all values of the wires that occur, or, where they are many, with decision diagrams. Hypotheses that share
-//! no wire with the goal, directly or through other hypotheses, are left out first; leaving one out can only turn a "yes" into a
-//! "no".
+//! Decided by trying all values of the wires that occur, or, where they are many, with decision
+//! diagrams. Hypotheses that share no wire with the goal, directly or through other hypotheses, are
+//! left out first; leaving one out can only turn a "yes" into a "no".
 
 use super::walk::Node;
 use super::{diagrams, support};
@@ -134,8 +134,8 @@ impl Question {
         self.enumerate(machine, &wires, &relevant)
     }
 
-    /// The hypotheses that share wires with the goal, directly or through others, as far as all of them together have no more
-    /// valuations than `most`; and all wires that occur then.
+    /// The hypotheses that share wires with the goal, directly or through others, as far as all of
+    /// them together have no more valuations than `most`; and all wires that occur then.
     fn relevant(&self, machine: &Machine, most: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
         let mut wires = support(&self.goal);
         let mut relevant: Vec<&Expr> = Vec::new();

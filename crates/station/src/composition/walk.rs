@@ -116,7 +116,8 @@ impl<'a> Walk<'a> {
         self.answer(&question) != Answer::Holds
     }
 
-    /// The conditions under which the coordinator takes this transition, over the wires of the step.
+    /// The conditions under which the coordinator takes this transition, over the wires of the
+    /// step.
     fn guard(&self, step: Step) -> Vec<Expr> {
         let transition = &self.transitions(step.from)[step.transition];
         let bindings = &self.machine.components[0].bindings;
@@ -139,8 +140,8 @@ impl<'a> Walk<'a> {
         self.transitions(node).first().map(|t| t.output.as_slice())
     }
 
-    /// An expression with everything put in that is known: the coordinator's outputs now, and next where a target is given;
-    /// signals that never change.
+    /// An expression with everything put in that is known: the coordinator's outputs now, and next
+    /// where a target is given; signals that never change.
     fn fix(&self, expr: &Expr, now: Node, next: Option<Node>) -> Expr {
         self.put(expr, (Some(now), next))
     }
@@ -186,8 +187,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Questions about a step and the one after it: within an operation, where the operation and the part's values stay, and,
-    /// where the operation may end, from one operation to the next.
+    /// Questions about a step and the one after it: within an operation, where the operation and
+    /// the part's values stay, and, where the operation may end, from one operation to the next.
     pub fn step(&self, step: Step, goal: &Expr) -> Vec<Question> {
         let target = self.target(step);
         let goal = self.fix(goal, step.from, Some(target));
@@ -241,8 +242,9 @@ impl<'a> Walk<'a> {
         answer
     }
 
-    /// Asks, first with what the question has, then with the guarantees of the actions as well. An action may rely on
-    /// guarantees in the step before, and in the same step on those of the components that answer before it.
+    /// Asks, first with what the question has, then with the guarantees of the actions as well. An
+    /// action may rely on guarantees in the step before, and in the same step on those of the
+    /// components that answer before it.
     pub fn ask(&self, index: usize, question: &Question) -> Answer {
         let first = self.answer(question);
         if first == Answer::Holds {
@@ -277,7 +279,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether a question's goal is left to the line: nothing but the operation and the part's values occurs in it.
+    /// Whether a question's goal is left to the line: nothing but the operation and the part's
+    /// values occurs in it.
     pub fn is_lines_choice(&self, question: &Question) -> bool {
         let wires = support(&question.goal);
         wires.iter().all(|(w, _)| self.is_held(*w))
@@ -287,7 +290,8 @@ impl<'a> Walk<'a> {
             })
     }
 
-    /// Whether a component's formula holds by what the machine's file fixes alone: constant signals and bindings.
+    /// Whether a component's formula holds by what the machine's file fixes alone: constant signals
+    /// and bindings.
     pub fn is_fixed(&self, index: usize, formula: &Formula) -> bool {
         let goal = over_wires(self.machine, index, &formula.expr);
         let known = goal.substitute(&mut |wire, time| {
@@ -319,10 +323,11 @@ impl<'a> Walk<'a> {
         None
     }
 
-    // ---- justice -------------------------------------------------------------------------------------------------------
+    // ---- justice --------------------------------------------------------------------------------
 
-    /// Whether an action's justice assumption comes true by itself: in every step of the coordinator it holds, or some
-    /// value of a signal's script makes it hold. `Err` has a step in which neither is so.
+    /// Whether an action's justice assumption comes true by itself: in every step of the
+    /// coordinator it holds, or some value of a signal's script makes it hold. `Err` has a step in
+    /// which neither is so.
     pub fn comes_by_itself(&self, index: usize, goal: &Expr) -> Result<By, Option<Values>> {
         for node in self.nodes() {
             let question = self.now(node, goal);
@@ -377,8 +382,9 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Whether the coordinator's justice assumption is owed to it: wherever it does not hold, either it surely holds one step
-    /// later, or one action's justice guarantee implies it, and that stays the same action until it holds.
+    /// Whether the coordinator's justice assumption is owed to it: wherever it does not hold,
+    /// either it surely holds one step later, or one action's justice guarantee implies it, and
+    /// that stays the same action until it holds.
     pub fn owed(&self, index: usize, goal: &Expr) -> Result<By, Option<Values>> {
         let mut names: BTreeSet<String> = BTreeSet::new();
         for node in self.nodes() {
@@ -445,15 +451,16 @@ impl<'a> Walk<'a> {
         found
     }
 
-    // ---- operations ----------------------------------------------------------------------------------------------------
+    // ---- operations -----------------------------------------------------------------------------
 
     /// A condition over the wires of a step, as far as it is known at a node.
     pub fn known(&self, node: Node, condition: &Expr) -> Expr {
         self.fix(condition, node, None)
     }
 
-    /// The coordinator's assumptions as conditions on a first step with this operation, coming from a node where the one
-    /// before has ended: the initial ones, or safety with everything before left open.
+    /// The coordinator's assumptions as conditions on a first step with this operation, coming from
+    /// a node where the one before has ended: the initial ones, or safety with everything before
+    /// left open.
     pub fn may_begin(&self, from: Option<Step>, operation: i64) -> bool {
         let side = &self.machine.components[0].specification.assumptions;
         let wire = VarId(0);

@@ -1,7 +1,8 @@
 //! The assumptions of a controller with explicit states, as C functions.
 //!
-//! Its guards were put together over inputs that the assumptions exclude, so it has transitions for some of those, too. Whether a
-//! step keeps the assumptions is therefore asked before any transition is looked for.
+//! Its guards were put together over inputs that the assumptions exclude, so it has transitions for
+//! some of those, too. Whether a step keeps the assumptions is therefore asked before any
+//! transition is looked for.
 
 use super::component::{cite, unused};
 use super::expression;
@@ -47,7 +48,8 @@ pub(super) struct Kept {
 }
 
 impl<'a> Assumptions<'a> {
-    /// Initial conditions and invariants for step 0, invariants and safety for later steps, in this order.
+    /// Initial conditions and invariants for step 0, invariants and safety for later steps, in this
+    /// order.
     pub fn new(specification: &'a Specification) -> Self {
         let mut places = vec![0; specification.variables.len()];
         for (place, id) in specification.inputs().enumerate() {

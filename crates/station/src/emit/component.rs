@@ -1,4 +1,5 @@
-//! One component: its decisions or its functions as tables, its formulas, bindings, time and power as functions.
+//! One component: its decisions or its functions as tables, its formulas, bindings, time and power
+//! as functions.
 
 use super::assumed::Check;
 use super::decisions::{self, WalkTables};
@@ -53,7 +54,8 @@ impl Signal {
     }
 }
 
-/// The rows of walks, and lists of those at which the walks of a step begin. What writes bits of several variables takes several rows.
+/// The rows of walks, and lists of those at which the walks of a step begin. What writes bits of
+/// several variables takes several rows.
 fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec<Vec<usize>>) {
     let put = |bits: &[Bit]| {
         let mut values: BTreeMap<(usize, usize), u32> = BTreeMap::new();
@@ -484,7 +486,8 @@ impl Emitter<'_> {
     fn functions(&self, functions: &Functions) -> FunctionTables<'_> {
         let specification = &self.component.specification;
         let mut shifted = Vec::new();
-        // Where the bits of each pair are: the variable's number, that among the shifted ones, and the place in the value.
+        // Where the bits of each pair are: the variable's number, that among the shifted ones, and
+        // the place in the value.
         let mut places = vec![(0, None, 0); functions.pairs()];
         let inputs = specification.inputs().zip(&functions.input_bits);
         let outputs = specification.outputs().zip(&functions.output_bits);
@@ -650,7 +653,8 @@ pub(super) fn cite(formula: &Formula) -> String {
     comment(&format!("{}{requirement}: {}", formula.name, formula.text))
 }
 
-/// The parameters, which are arrays, that no piece of a function's body reads: a compiler would warn about them.
+/// The parameters, which are arrays, that no piece of a function's body reads: a compiler would
+/// warn about them.
 pub(super) fn unused<'a>(
     code: impl IntoIterator<Item = &'a str>,
     parameters: &[&'static str],

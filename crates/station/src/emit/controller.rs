@@ -1,8 +1,9 @@
-//! A single controller as C99, for use outside any station: a header and a source file without dependencies, allocation or
-//! recursion.
+//! A single controller as C99, for use outside any station: a header and a source file without
+//! dependencies, allocation or recursion.
 //!
-//! A machine becomes tables of guards, functions become a table of decisions that a short loop walks. Tables rather than
-//! code: they compile in a moment whatever their size, and what is shared is there once.
+//! A machine becomes tables of guards, functions become a table of decisions that a short loop
+//! walks. Tables rather than code: they compile in a moment whatever their size, and what is shared
+//! is there once.
 
 use super::Names;
 use super::assumed::{Assumptions, Checks, Kept};

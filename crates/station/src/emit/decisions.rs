@@ -1,7 +1,8 @@
-//! The tables of a controller as functions: decisions with shared parts, and which of them give what.
+//! The tables of a controller as functions: decisions with shared parts, and which of them give
+//! what.
 //!
-//! Tables rather than code: they compile in a moment whatever their size, what is shared is there once, and a short loop walks
-//! them. The types are declared by whoever reads the tables.
+//! Tables rather than code: they compile in a moment whatever their size, what is shared is there
+//! once, and a short loop walks them. The types are declared by whoever reads the tables.
 
 use super::rows;
 use super::text::wrap;
@@ -38,7 +39,8 @@ fn nodes(nodes: &[DiagramNode], signal: Signals<'_>) -> String {
     rows(&nodes.collect::<Vec<_>>(), "{ 0 }")
 }
 
-/// When each mode is taken and where its outputs begin, and where the modes of each goal begin and when it is reached.
+/// When each mode is taken and where its outputs begin, and where the modes of each goal begin and
+/// when it is reached.
 fn goals(goals: &[(Vec<(Edge, usize)>, Edge)]) -> (String, String) {
     let (mut modes, mut reached_goals) = (Vec::new(), Vec::new());
     for (of_goal, reached) in goals {
@@ -88,8 +90,8 @@ pub(super) fn tables(controls: &Controls, signal: Signals<'_>) -> Tables {
     }
 }
 
-/// The tables of decisions and of walks: `starts` lists where those of step 0 and of all modes, goal by goal, begin. Their own table
-/// is made elsewhere.
+/// The tables of decisions and of walks: `starts` lists where those of step 0 and of all modes,
+/// goal by goal, begin. Their own table is made elsewhere.
 pub(super) fn around_walks(
     controls: &Controls,
     signal: Signals<'_>,

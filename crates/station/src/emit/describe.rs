@@ -4,8 +4,8 @@ use linewright_core::gr1::Domain;
 use linewright_language::contract::machine::{Machine, PlantSource, PropertyKind};
 use serde_json::{Map, Value, json};
 
-/// The description of a machine whose values are laid out by this profile. Values are numbers in every call; `labels` says what an
-/// enumeration's numbers mean.
+/// The description of a machine whose values are laid out by this profile. Values are numbers in
+/// every call; `labels` says what an enumeration's numbers mean.
 pub(super) fn describe(machine: &Machine, contract_hash: &str, profile: &Value) -> String {
     let plant: Vec<Value> = machine
         .plant

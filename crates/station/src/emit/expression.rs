@@ -1,10 +1,11 @@
 //! Formulas and numbers of the plant as C expressions.
 //!
-//! Integer expressions compute in `int64_t`, exactly as [`gr1::eval`](linewright_core::gr1::eval); real ones in `double`, exactly as
-//! [`RealExpr::eval`]. Every operand that is not atomic stands in parentheses, but chains of one associative operator do
-//! not nest: compilers bound the depth.
+//! Integer expressions compute in `int64_t`, exactly as [`gr1::eval`](linewright_core::gr1::eval);
+//! real ones in `double`, exactly as [`RealExpr::eval`]. Every operand that is not atomic stands in
+//! parentheses, but chains of one associative operator do not nest: compilers bound the depth.
 //!
-//! What a compiler would warn about is simplified away first: comparisons of equal operands, and constant parts.
+//! What a compiler would warn about is simplified away first: comparisons of equal operands, and
+//! constant parts.
 
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId, eval};
@@ -26,8 +27,8 @@ struct Text {
     text: String,
 }
 
-/// The C text of an integer or boolean expression. `name` gives the C text of a variable, which must be an `int64_t` that
-/// needs no parentheses.
+/// The C text of an integer or boolean expression. `name` gives the C text of a variable, which
+/// must be an `int64_t` that needs no parentheses.
 pub fn integer(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     emit(&simplify(expr), name).text
 }
@@ -94,7 +95,8 @@ fn operator(name: &str) -> &'static str {
     definition.expect("the runtime defines its operators; please report this")
 }
 
-/// The same expression without constant parts. Arithmetic that could leave an `int64_t` is left as it is.
+/// The same expression without constant parts. Arithmetic that could leave an `int64_t` is left as
+/// it is.
 fn simplify(expr: &Expr) -> Expr {
     let simple = match expr {
         Expr::Const(_) | Expr::Var(..) => expr.clone(),
@@ -329,7 +331,8 @@ fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     terms.join(" + ")
 }
 
-/// The C text of a real expression, over `properties` (doubles) and `values` (`int64_t`), in which wires are found by these names.
+/// The C text of a real expression, over `properties` (doubles) and `values` (`int64_t`), in which
+/// wires are found by these names.
 pub fn real(expr: &RealExpr, wires: &[String]) -> String {
     let real = |e: &RealExpr| real(e, wires);
     let zero = |e: &RealExpr| format!("({} == 0.0)", real(e));

@@ -1,4 +1,5 @@
-//! The definitions of a machine: its wires, its components one after the other, its plant, operations and properties.
+//! The definitions of a machine: its wires, its components one after the other, its plant,
+//! operations and properties.
 
 use super::Names;
 use super::component::{Emitter, Entry, Rule, unused};
@@ -201,7 +202,8 @@ fn wire_list(machine: &Machine, wires: &[String]) -> Vec<Wire> {
     wires.collect()
 }
 
-/// Where each wire is among all values: the plant's inputs come first, then each component's variables.
+/// Where each wire is among all values: the plant's inputs come first, then each component's
+/// variables.
 fn wire_values(machine: &Machine) -> Vec<usize> {
     let mut places: Vec<usize> = (0..machine.plant.len()).collect();
     let mut first = machine.plant.len();

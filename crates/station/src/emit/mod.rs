@@ -1,8 +1,8 @@
-//! The C text of a machine: one readable C99 file of tables and small functions, which includes the runtime and the adapter
-//! of `ffi/` at its end.
+//! The C text of a machine: one readable C99 file of tables and small functions, which includes the
+//! runtime and the adapter of `ffi/` at its end.
 //!
-//! The file is one translation unit, so that a library takes one run of the compiler. Everything in it is ordered as the
-//! machine is; nothing depends on time, place or a hash map.
+//! The file is one translation unit, so that a library takes one run of the compiler. Everything in
+//! it is ordered as the machine is; nothing depends on time, place or a hash map.
 
 mod assumed;
 mod component;
@@ -33,9 +33,11 @@ use text::{comment, identifier, long_string, wrap};
 pub struct Emitted {
     /// The C file.
     pub source: String,
-    /// The machine in it, without its description, the runtime and the adapter: what another adapter is put behind.
+    /// The machine in it, without its description, the runtime and the adapter: what another
+    /// adapter is put behind.
     pub unit: String,
-    /// The contract hash that `station_describe` shows: of everything that decides how the machine behaves.
+    /// The contract hash that `station_describe` shows: of everything that decides how the machine
+    /// behaves.
     pub contract_hash: String,
     /// The JSON text of `station_describe`.
     pub description: String,
@@ -88,7 +90,8 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
     let description = describe::describe(machine, &hash, &profile.describe());
     let vendors = describe::describe(machine, &hash, &Profile::describe_vendors());
-    // 1 to 1023: no handle is 0, and those of two machines hardly ever agree, even where only their names differ.
+    // 1 to 1023: no handle is 0, and those of two machines hardly ever agree, even where only their
+    // names differ.
     let named = hex(&Sha256::digest(format!("{}\n{hash}", machine.name)));
     let mark = u64::from_str_radix(&named[..8], 16).unwrap_or(0) % 1023 + 1;
     let unit = render(
@@ -118,8 +121,8 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     }
 }
 
-/// How many bytes of tables a machine takes in a station library, without names and formulas: what decides whether it had better be
-/// functions.
+/// How many bytes of tables a machine takes in a station library, without names and formulas: what
+/// decides whether it had better be functions.
 pub fn table_bytes(machine: &mealy::Machine) -> usize {
     splits::Decisions::of(machine).bytes()
 }
@@ -134,7 +137,8 @@ struct Sizes {
     properties: usize,
     operations: usize,
     justice: usize,
-    /// How many domains of a component as functions do not begin at 0 at most; none without such components.
+    /// How many domains of a component as functions do not begin at 0 at most; none without such
+    /// components.
     most_shifted: Option<usize>,
     number: &'static str,
     each_component: Vec<usize>,

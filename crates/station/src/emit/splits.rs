@@ -1,12 +1,15 @@
-//! Guards as decisions: which transition a state takes is found by a few comparisons, not by trying guard after guard.
+//! Guards as decisions: which transition a state takes is found by a few comparisons, not by trying
+//! guard after guard.
 //!
-//! A split compares one input with a bound; both ways lead to a further split or to a leaf, which names an answer and the place
-//! that follows. Equal splits of all places are one. A component is asked only after its assumptions were found to hold, and for such inputs its guards
-//! leave no gap (the machine was verified). So what is left to decide is which of the remaining guards it is: where they all lead
-//! to the same leaf, nothing more is compared.
+//! A split compares one input with a bound; both ways lead to a further split or to a leaf, which
+//! names an answer and the place that follows. Equal splits of all places are one. A component is
+//! asked only after its assumptions were found to hold, and for such inputs its guards leave no gap
+//! (the machine was verified). So what is left to decide is which of the remaining guards it is:
+//! where they all lead to the same leaf, nothing more is compared.
 //!
-//! The split that is taken is the one that leaves fewest guards on its heavier side. Guards that are badly cut would be
-//! copied again and again, so beyond a few splits a test they are compared one after the other, by the same kind of splits.
+//! The split that is taken is the one that leaves fewest guards on its heavier side. Guards that
+//! are badly cut would be copied again and again, so beyond a few splits a test they are compared
+//! one after the other, by the same kind of splits.
 
 use linewright_solver::mealy::{Cube, Machine, Transition};
 use std::collections::BTreeMap;
@@ -33,7 +36,8 @@ pub(super) struct Split {
     pub above: Way,
 }
 
-/// What a transition gives: the answer's number and the place that follows; `None` where no guard holds.
+/// What a transition gives: the answer's number and the place that follows; `None` where no guard
+/// holds.
 pub(super) type Leaf = Option<(usize, usize)>;
 
 /// The transitions of a machine, as decisions.
@@ -216,8 +220,8 @@ fn interval(cube: &Cube, input: usize) -> Option<(i64, i64)> {
     Some((test.low, test.high))
 }
 
-/// The split that leaves fewest guards on its heavier side, then fewest in all. Of two disjoint guards one is left on each side of some
-/// bound, so there is always one that separates.
+/// The split that leaves fewest guards on its heavier side, then fewest in all. Of two disjoint
+/// guards one is left on each side of some bound, so there is always one that separates.
 fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
     let mut found: Option<((usize, usize), usize, i64)> = None;
     for (input, &(low, high)) in within.iter().enumerate() {
@@ -225,7 +229,8 @@ fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
             .iter()
             .map(|(cube, _)| interval(cube, input).unwrap_or((low, high)))
             .collect();
-        // Sorted first and last values: how many guards begin at most at a bound, and how many end above it.
+        // Sorted first and last values: how many guards begin at most at a bound, and how many end
+        // above it.
         let (mut firsts, mut lasts): (Vec<i64>, Vec<i64>) = intervals.into_iter().unzip();
         firsts.sort_unstable();
         lasts.sort_unstable();

@@ -3,8 +3,8 @@
 /// Lines are broken after so many characters, where there is a place for it.
 const WIDTH: usize = 110;
 
-/// Text that can stand in a C comment: it neither ends it nor opens another, and holds no characters that change the
-/// direction of reading or steer a terminal.
+/// Text that can stand in a C comment: it neither ends it nor opens another, and holds no
+/// characters that change the direction of reading or steer a terminal.
 pub fn comment(text: &str) -> String {
     let visible = |c: char| {
         let bidirectional = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');

@@ -1,13 +1,16 @@
 //! The output bits of a step in few walks.
 //!
-//! The functions of a controller's output bits ask much the same: one after the other, each begins with the questions of those before
-//! it. A walk asks every question once, for many bits. It goes from place to place; a place either asks for a signal and goes on with
-//! one place or the other, or writes output bits that are decided by then. What makes a place is the list of the bits that are still
-//! open, each with what is left of its function, so walks that have come to the same list go on as one: as a decision diagram of all
-//! bits together, but for the bits' order, in which a bit is decided before it is asked for.
+//! The functions of a controller's output bits ask much the same: one after the other, each begins
+//! with the questions of those before it. A walk asks every question once, for many bits. It goes
+//! from place to place; a place either asks for a signal and goes on with one place or the other,
+//! or writes output bits that are decided by then. What makes a place is the list of the bits that
+//! are still open, each with what is left of its function, so walks that have come to the same list
+//! go on as one: as a decision diagram of all bits together, but for the bits' order, in which a
+//! bit is decided before it is asked for.
 //!
-//! In the worst case there are exponentially more places than decisions. So a walk takes as many bits as come to no more than their share
-//! of places, and the bits after them another walk. A single bit takes as many places as its function has decisions.
+//! In the worst case there are exponentially more places than decisions. So a walk takes as many
+//! bits as come to no more than their share of places, and the bits after them another walk. A
+//! single bit takes as many places as its function has decisions.
 
 use linewright_solver::game::Controls;
 use linewright_solver::symbolic::{Bit, Diagram, DiagramNode, Edge, Order};
@@ -27,11 +30,13 @@ pub(super) enum Place {
 pub(super) struct Walks {
     /// The places; neighbours in a walk are neighbours here.
     pub places: Vec<Place>,
-    /// Where the walks of a step begin, one after the other: those of step 0, then those of all modes, goal by goal.
+    /// Where the walks of a step begin, one after the other: those of step 0, then those of all
+    /// modes, goal by goal.
     pub starts: Vec<Vec<usize>>,
 }
 
-/// Bits that are still open, in the order in which they may ask for each other, with their functions.
+/// Bits that are still open, in the order in which they may ask for each other, with their
+/// functions.
 type Open = Vec<(Bit, Edge)>;
 
 impl Walks {
@@ -57,7 +62,8 @@ impl Walks {
         let mut begin = 0;
         while begin < bits {
             let part = |count: usize| lists.iter().map(move |list| &list[begin..begin + count]);
-            // A single bit is always taken; the bits that are left share what is left of the places.
+            // A single bit is always taken; the bits that are left share what is left of the
+            // places.
             let mut taken = maker
                 .walks(part(1), usize::MAX)
                 .expect("a single bit knows of no others; please report this");
@@ -105,7 +111,8 @@ const MOST_PAIRS: usize = 4096;
 /// So many places are no matter.
 const SMALL: usize = 256;
 
-/// While walks are looked for, decisions come up that the functions do not have: at most so many times as many.
+/// While walks are looked for, decisions come up that the functions do not have: at most so many
+/// times as many.
 const MOST_NEW_NODES: usize = 4;
 
 struct Maker {
@@ -142,8 +149,8 @@ impl Maker {
         }
     }
 
-    /// The walks that decide these lists of bits, one for each list: the places, and where each begins. `None` where there would be
-    /// more than `most` places.
+    /// The walks that decide these lists of bits, one for each list: the places, and where each
+    /// begins. `None` where there would be more than `most` places.
     fn walks<'a>(
         &mut self,
         lists: impl Iterator<Item = &'a [(Bit, Edge)]>,
@@ -220,7 +227,8 @@ impl Maker {
     /// Walks on from every place that waits.
     fn walk(&mut self) -> Option<()> {
         while let Some((place, open)) = self.waiting.pop() {
-            // A bit may ask for those before it, once they are decided; the first asks for none of them.
+            // A bit may ask for those before it, once they are decided; the first asks for none of
+            // them.
             let asked = open
                 .iter()
                 .filter_map(|(_, edge)| self.top(*edge))
@@ -292,8 +300,8 @@ impl Maker {
         Some(Edge::to(index).flipped(negated))
     }
 
-    /// The places in the order of a walk that always goes on with the lower edge first, so that neighbours in a walk are neighbours in
-    /// memory.
+    /// The places in the order of a walk that always goes on with the lower edge first, so that
+    /// neighbours in a walk are neighbours in memory.
     fn finish(&self, starts: &[usize]) -> (Vec<Place>, Vec<usize>) {
         let mut numbers = vec![0; self.places.len() + 1];
         let mut order = Vec::new();
@@ -336,7 +344,8 @@ mod tests {
     const PAIRS: usize = 7;
     const OUTPUTS: usize = 4;
 
-    /// Which of these signals an output may ask for: all of the step before, the next ones of inputs, and of outputs before it.
+    /// Which of these signals an output may ask for: all of the step before, the next ones of
+    /// inputs, and of outputs before it.
     fn allowed(output: usize) -> Vec<Bit> {
         let inputs = PAIRS - OUTPUTS;
         (0..PAIRS)
@@ -351,7 +360,8 @@ mod tests {
             .collect()
     }
 
-    /// A function over some bits: a sum of products, each a choice of signs for bits that are chosen.
+    /// A function over some bits: a sum of products, each a choice of signs for bits that are
+    /// chosen.
     fn function(maker: &mut Maker, bits: &mut [Bit], terms: &[Vec<(usize, bool)>]) -> Edge {
         bits.sort_by_key(|bit| maker.level(*bit));
         let terms: Vec<BTreeMap<usize, bool>> = terms

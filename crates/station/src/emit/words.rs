@@ -72,7 +72,8 @@ const RESERVED: [&str; 66] = [
     "alignas",
 ];
 
-/// Whether the headers that are included may have given the name away, or a compiler with extensions has.
+/// Whether the headers that are included may have given the name away, or a compiler with
+/// extensions has.
 fn is_macro(word: &str) -> bool {
     const OTHERS: [&str; 8] = [
         "NULL",

@@ -1,4 +1,5 @@
-//! The archive: files in the order of their names, all of one time, compressed in the one way that every host can read.
+//! The archive: files in the order of their names, all of one time, compressed in the one way that
+//! every host can read.
 
 use super::description::{build_description, description};
 use super::documentation::documentation;

@@ -1,8 +1,9 @@
-//! `modelDescription.xml`: what a host knows of a unit before it loads it. One text for each version of the standard; they name
-//! the same things differently.
+//! `modelDescription.xml`: what a host knows of a unit before it loads it. One text for each
+//! version of the standard; they name the same things differently.
 //!
-//! An output never depends on an input of the same instant: it changes in a step only. The description says so, and hosts
-//! then see no algebraic loops. The time of the build is left out, so that the same contract gives the same bytes.
+//! An output never depends on an input of the same instant: it changes in a step only. The
+//! description says so, and hosts then see no algebraic loops. The time of the build is left out,
+//! so that the same contract gives the same bytes.
 
 use super::units::definition;
 use super::variables::{Causality, Enumeration, Kind, Start, Variable};
@@ -243,7 +244,8 @@ fn common(variable: &Variable) -> Attributes {
     ]
 }
 
-/// What begins as something that is known: `exact` for a parameter (an input is without saying so), `calculated` for the rest.
+/// What begins as something that is known: `exact` for a parameter (an input is without saying so),
+/// `calculated` for the rest.
 fn initial(variable: &Variable) -> Option<&'static str> {
     match variable.causality {
         Causality::Parameter => Some("exact"),
@@ -308,7 +310,8 @@ fn variable_three(xml: &mut Xml, variable: &Variable, enumerations: &[Enumeratio
     xml.element(kind, &attributes);
 }
 
-/// The outputs, which depend on nothing; FMI 2 counts variables from 1, FMI 3 names their references.
+/// The outputs, which depend on nothing; FMI 2 counts variables from 1, FMI 3 names their
+/// references.
 fn structure(xml: &mut Xml, two: bool, variables: &[&Variable]) {
     let unknowns: Vec<String> = variables
         .iter()

@@ -1,12 +1,14 @@
-//! FMI: a machine as a co-simulation unit that other simulators load, in versions 2.0 and 3.0 of the standard.
+//! FMI: a machine as a co-simulation unit that other simulators load, in versions 2.0 and 3.0 of
+//! the standard.
 //!
-//! A unit is an archive: the description of its variables (`description`), a page for people (`documentation`), the C sources,
-//! and a binary for each platform there is a compiler for. The C is a machine's own, with `ffi/fmi2.c` or `ffi/fmi3.c` in the place of
-//! the adapter for Plant Simulation; `ffi/fmi.c` says what a communication step does. Nothing in an archive depends on
+//! A unit is an archive: the description of its variables (`description`), a page for people
+//! (`documentation`), the C sources, and a binary for each platform there is a compiler for. The C
+//! is a machine's own, with `ffi/fmi2.c` or `ffi/fmi3.c` in the place of the adapter for Plant
+//! Simulation; `ffi/fmi.c` says what a communication step does. Nothing in an archive depends on
 //! the time or the place of the build: same contract and compiler, same bytes.
 //!
-//! Two archives rather than one with both versions: a unit of FMI 3 may hold one of FMI 2, but many importers of today know
-//! only the one or the other, and choose by what the archive says first.
+//! Two archives rather than one with both versions: a unit of FMI 3 may hold one of FMI 2, but many
+//! importers of today know only the one or the other, and choose by what the archive says first.
 
 mod archive;
 mod description;
@@ -100,7 +102,8 @@ pub struct Unit {
     pub version: Version,
     /// Its variables.
     pub interface: Interface,
-    /// What binds the description to the binary: the `guid` of FMI 2, the `instantiationToken` of FMI 3.
+    /// What binds the description to the binary: the `guid` of FMI 2, the `instantiationToken` of
+    /// FMI 3.
     pub token: String,
     /// Its C.
     pub package: Package,
@@ -157,8 +160,9 @@ impl Unit {
     }
 }
 
-/// The operation that a unit begins with where its host says nothing: the first that can be done again and again with the start
-/// values of all other inputs, so that a unit simulates as it was imported. What grips a part cannot; then it is the first one.
+/// The operation that a unit begins with where its host says nothing: the first that can be done
+/// again and again with the start values of all other inputs, so that a unit simulates as it was
+/// imported. What grips a part cannot; then it is the first one.
 fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usize {
     const TIMES: usize = 3;
     let mut still = machine.clone();
@@ -182,8 +186,8 @@ fn token(hash: &str) -> String {
     format!("{{{}}}", parts.join("-"))
 }
 
-/// The compilers for the binaries that a unit should have, and a finding for each that is not there. Whether the one for this
-/// computer is there is seen when it is started.
+/// The compilers for the binaries that a unit should have, and a finding for each that is not
+/// there. Whether the one for this computer is there is seen when it is started.
 pub fn toolchains() -> (Vec<Toolchain>, Vec<Diagnostic>) {
     let mut toolchains = vec![Toolchain::shipping()];
     let mut findings = Vec::new();
@@ -209,8 +213,8 @@ fn missing(platform: &str, error: &Error) -> Diagnostic {
     ))
 }
 
-/// Writes a machine's units, one for each version, into a folder, and gives their paths. A compiler that cannot be started is a
-/// finding; the units then have its binary missing.
+/// Writes a machine's units, one for each version, into a folder, and gives their paths. A compiler
+/// that cannot be started is a finding; the units then have its binary missing.
 pub fn build(
     machine: &Machine,
     controllers: &[mealy::Controller],

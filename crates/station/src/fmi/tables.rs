@@ -1,4 +1,5 @@
-//! The C file of a unit: the machine's own text, what the adapters must know beside it, and the adapter.
+//! The C file of a unit: the machine's own text, what the adapters must know beside it, and the
+//! adapter.
 
 use super::Version;
 use super::variables::{Kind, kind};

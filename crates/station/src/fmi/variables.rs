@@ -1,8 +1,9 @@
 //! The variables of a unit: which there are, what they are called, and what their values are.
 //!
-//! The names of what every unit has are fixed; those of the machine follow the standard's structured convention: `turn_a.angle`,
-//! `part.heights[0]`. What of a name is no letter or digit becomes `_`, and a name that is taken gets a number, so that every
-//! importer can make an identifier of it. Groups, places in them and types are those of `ffi/fmi.h`.
+//! The names of what every unit has are fixed; those of the machine follow the standard's
+//! structured convention: `turn_a.angle`, `part.heights[0]`. What of a name is no letter or digit
+//! becomes `_`, and a name that is taken gets a number, so that every importer can make an
+//! identifier of it. Groups, places in them and types are those of `ffi/fmi.h`.
 
 use linewright_core::gr1::{Domain, described};
 use linewright_language::contract::machine::{Machine, PlantSource, Property, PropertyKind};
@@ -464,7 +465,8 @@ impl Names {
     }
 }
 
-/// A name of the structured convention, without its last indices, and these: `a.b[0].c[1][2]` is `a.b[0].c` and `[1,2]`.
+/// A name of the structured convention, without its last indices, and these: `a.b[0].c[1][2]` is
+/// `a.b[0].c` and `[1,2]`.
 fn structured(name: &str) -> (String, String) {
     let segments: Vec<(String, String)> = name.split('.').map(segment).collect();
     let mut stem = String::new();

@@ -1,4 +1,5 @@
-//! A monitor of skill orders as C99: a header and a source file without dependencies, allocation or recursion.
+//! A monitor of skill orders as C99: a header and a source file without dependencies, allocation or
+//! recursion.
 
 use crate::emit::Names;
 use crate::emit::controller::Files;

@@ -1,7 +1,9 @@
-//! A monitor of skill orders as a function block of IEC 61131-3: an input a skill, whose rising edge is the call.
+//! A monitor of skill orders as a function block of IEC 61131-3: an input a skill, whose rising
+//! edge is the call.
 //!
-//! What is called at once is found by walking a table, skill by skill: from a set of skills and one more to the set with it. So no
-//! mask is needed, and nothing that depends on how a system stores bits. Sets that are never called at once are one place.
+//! What is called at once is found by walking a table, skill by skill: from a set of skills and one
+//! more to the set with it. So no mask is needed, and nothing that depends on how a system stores
+//! bits. Sets that are never called at once are one place.
 
 use crate::structured_text::names::{Names, comment, identifier, stem, string};
 use crate::structured_text::tables::{element, named_table};
@@ -148,7 +150,8 @@ impl Words {
     }
 }
 
-/// The sets of skills that are told apart, numbered: 0 is none of them, the last number is any other.
+/// The sets of skills that are told apart, numbered: 0 is none of them, the last number is any
+/// other.
 struct Sets(BTreeMap<(u32, u64), usize>);
 
 impl Sets {

@@ -1,6 +1,7 @@
 //! A probe's dump, read from its text.
 //!
-//! A dump is lines of words. A header begins a session (a library that was loaded); a call follows the other, each with its end:
+//! A dump is lines of words. A header begins a session (a library that was loaded); a call follows
+//! the other, each with its end:
 //!
 //! ```text
 //! linewright-probe 1
@@ -15,8 +16,8 @@
 //! end lw_probe_integer_1
 //! ```
 //!
-//! The text comes from elsewhere: whatever it holds, reading it gives findings and never more memory than the text takes. A last
-//! call without its end was cut off and is left out.
+//! The text comes from elsewhere: whatever it holds, reading it gives findings and never more
+//! memory than the text takes. A last call without its end was cut off and is left out.
 
 use super::Value;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -67,7 +68,8 @@ impl Record {
     }
 }
 
-/// Reads a dump: its last session with calls, and what is wrong with the text. Findings of severity error leave nothing to go by.
+/// Reads a dump: its last session with calls, and what is wrong with the text. Findings of severity
+/// error leave nothing to go by.
 pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
     let mut reader = Reader {
         file,

@@ -1,9 +1,10 @@
 //! The layout of `UF_Value`, read back from a probe's dump.
 //!
-//! Each question is answered by the places that explain everything that was seen: the value lies where all numbers are and where
-//! what is pointed to are the texts; the next argument begins where the next values are; an integer is as wide as its bytes are
-//! those of the number, sign included; the tag is where kinds differ and values of a kind agree. What the bytes leave open is
-//! said, with what to do. At the end the whole layout has to explain every call.
+//! Each question is answered by the places that explain everything that was seen: the value lies
+//! where all numbers are and where what is pointed to are the texts; the next argument begins where
+//! the next values are; an integer is as wide as its bytes are those of the number, sign included;
+//! the tag is where kinds differ and values of a kind agree. What the bytes leave open is said,
+//! with what to do. At the end the whole layout has to explain every call.
 
 use super::dump::{Dump, Record};
 use super::texts::{encoding, reads};
@@ -87,7 +88,8 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
     }
 }
 
-/// Judges the second round: whether the host read what was returned with the profile's layout. The profile is then confirmed.
+/// Judges the second round: whether the host read what was returned with the profile's layout. The
+/// profile is then confirmed.
 pub fn confirm(dump: &Dump) -> Option<Result<Profile, Vec<Diagnostic>>> {
     let text = dump.profile.as_ref()?;
     Some(judge(dump, text))
@@ -114,7 +116,8 @@ fn judge(dump: &Dump, text: &str) -> Result<Profile, Vec<Diagnostic>> {
             .with_help("run the SimTalk of the second round to its end; if the host ends in it, the layout is wrong: delete the profile, and give `doctor --probe` the first dump again"),
         ]);
     }
-    // Texts of the first round may have been changed on their way into the method; those of the library were not.
+    // Texts of the first round may have been changed on their way into the method; those of the
+    // library were not.
     let misfits: Vec<Diagnostic> = dump
         .calls
         .iter()
@@ -507,7 +510,8 @@ fn is_empty(value: &Value) -> bool {
     matches!(value, Value::Text(t) if t.is_empty())
 }
 
-/// Whether a value can stand at an offset of `arg`, whatever the width of integers and the encoding.
+/// Whether a value can stand at an offset of `arg`, whatever the width of integers and the
+/// encoding.
 fn holds(record: &Record, offset: usize, value: &Value) -> bool {
     let Some(bytes) = record.arg.get(offset..offset + VALUE_BYTES as usize) else {
         return false;

@@ -1,14 +1,15 @@
-//! The probe: a library that is called with known values and writes down the raw bytes that it gets, and what is read back from
-//! them.
+//! The probe: a library that is called with known values and writes down the raw bytes that it
+//! gets, and what is read back from them.
 //!
 //! ```text
 //! calls() ─package→ Package, simtalk::text   (run in Plant Simulation)   dump::parse→ Dump ─infer→ Inference ─confirm→ Profile
 //! ```
 //!
-//! The calls determine the layout. Real numbers with eight distinctive bytes say where the value lies, several of them in one call
-//! how far the arguments are apart. Integers of both signs and all sizes say how wide an integer is: the bytes above it
-//! are those of the sign, or they are not. Where kinds differ and values of one kind agree, there is the tag. Texts with umlauts and
-//! a euro sign say how strings are written.
+//! The calls determine the layout. Real numbers with eight distinctive bytes say where the value
+//! lies, several of them in one call how far the arguments are apart. Integers of both signs and
+//! all sizes say how wide an integer is: the bytes above it are those of the sign, or they are not.
+//! Where kinds differ and values of one kind agree, there is the tag. Texts with umlauts and a euro
+//! sign say how strings are written.
 
 pub mod dump;
 pub mod infer;
@@ -120,7 +121,8 @@ pub fn calls() -> Vec<Call> {
     calls
 }
 
-/// What a library returns in the second round: an integer of the layout's width, a real number, a text.
+/// What a library returns in the second round: an integer of the layout's width, a real number, a
+/// text.
 pub fn returned(integer_bits: u32) -> [Value; 3] {
     let integer = if integer_bits == 16 {
         -12_345

@@ -1,4 +1,5 @@
-//! The probe as a package: `ffi/probe.c` with the list of its calls, and the SimTalk that makes them.
+//! The probe as a package: `ffi/probe.c` with the list of its calls, and the SimTalk that makes
+//! them.
 
 use super::{Call, SEEN, Value, calls, returned};
 use crate::emit::text::string;

@@ -1,5 +1,5 @@
-//! A profile as the C header `uf_profile.h` that `ffi/uf_value.h` includes: part of a package like any other file, so that content
-//! hash, sources and reproducibility follow by themselves.
+//! A profile as the C header `uf_profile.h` that `ffi/uf_value.h` includes: part of a package like
+//! any other file, so that content hash, sources and reproducibility follow by themselves.
 
 use super::{Encoding, Profile};
 use crate::emit::text::{comment, string};

@@ -1,9 +1,11 @@
 //! The assumed layout of `UF_Value`, what Plant Simulation passes to a library: a *profile*.
 //!
-//! The vendor's header is not public, so a layout is a setting of a build and never a fact. A profile is a small TOML file
-//! ([`read`]), becomes a C header of a package ([`header`]), and is found by the probe (`station::probe`). It is *verified* only when
-//! the program it was found in has read back what a library returned with this very layout: [`Profile::confirmed`] then holds
-//! the fingerprint of the layout, so that a layout that was edited afterwards is not taken for a verified one.
+//! The vendor's header is not public, so a layout is a setting of a build and never a fact. A
+//! profile is a small TOML file ([`read`]), becomes a C header of a package ([`header`]), and is
+//! found by the probe (`station::probe`). It is *verified* only when the program it was found in
+//! has read back what a library returned with this very layout: [`Profile::confirmed`] then holds
+//! the fingerprint of the layout, so that a layout that was edited afterwards is not taken for a
+//! verified one.
 
 pub mod header;
 mod print;
@@ -34,7 +36,8 @@ pub struct Profile {
     pub layout: Layout,
 }
 
-/// Where the fields of a `UF_Value` lie, and what they hold. Little-endian, with pointers of 64 bits.
+/// Where the fields of a `UF_Value` lie, and what they hold. Little-endian, with pointers of 64
+/// bits.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Layout {
     /// Bytes from one argument to the next.
@@ -105,7 +108,8 @@ impl Encoding {
 }
 
 impl Layout {
-    /// The assumption: `struct { int type; union { int integer; double real; const char *string; } value; }`.
+    /// The assumption: `struct { int type; union { int integer; double real; const char *string; }
+    /// value; }`.
     pub fn assumed() -> Self {
         Self {
             size: 16,
@@ -143,7 +147,8 @@ impl Profile {
         }
     }
 
-    /// Whether the program that it was found in has read back what was returned with this very layout.
+    /// Whether the program that it was found in has read back what was returned with this very
+    /// layout.
     pub fn verified(&self) -> bool {
         self.confirmed.as_deref() == Some(self.layout.fingerprint().as_str())
     }
@@ -168,7 +173,8 @@ impl Profile {
         })
     }
 
-    /// The same for a library that is compiled with the vendor's own header: its layout is not known here.
+    /// The same for a library that is compiled with the vendor's own header: its layout is not
+    /// known here.
     pub fn describe_vendors() -> serde_json::Value {
         serde_json::json!({
             "name": "vendor header",

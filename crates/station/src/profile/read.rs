@@ -1,8 +1,8 @@
-//! A profile read from its file, strictly: unknown keys, missing ones, values that cannot be and fields that overlap are
-//! findings, all of them at once, each at its place.
+//! A profile read from its file, strictly: unknown keys, missing ones, values that cannot be and
+//! fields that overlap are findings, all of them at once, each at its place.
 //!
-//! The `toml` crate gives the tree with the place of every key and value; it is walked by hand, since a derived reader stops at
-//! the first mistake.
+//! The `toml` crate gives the tree with the place of every key and value; it is walked by hand,
+//! since a derived reader stops at the first mistake.
 
 use super::{Encoding, LARGEST_SIZE, Layout, Profile, SCHEMA, Tag, VALUE_BYTES};
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};

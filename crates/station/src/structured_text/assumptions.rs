@@ -1,11 +1,13 @@
 //! What a machine relies on, asked before its transitions.
 //!
-//! A machine's guards were put together over inputs that the assumptions exclude, so it has transitions for some of those, too. So a
-//! step first evaluates the contract's assumptions one after the other, and the first that is broken refuses it, by its name. That
-//! takes the inputs of the step before, which are kept.
+//! A machine's guards were put together over inputs that the assumptions exclude, so it has
+//! transitions for some of those, too. So a step first evaluates the contract's assumptions one
+//! after the other, and the first that is broken refuses it, by its name. That takes the inputs of
+//! the step before, which are kept.
 //!
-//! The standard can say every assumption. One whose condition would be longer than [`LONGEST`](super::expression::LONGEST) is not
-//! asked: then only such inputs are refused for which the machine has no transition, without a name.
+//! The standard can say every assumption. One whose condition would be longer than
+//! [`LONGEST`](super::expression::LONGEST) is not asked: then only such inputs are refused for
+//! which the machine has no transition, without a name.
 
 use super::Variable;
 use super::expression::Translator;
@@ -21,7 +23,8 @@ pub(super) struct Assumptions {
     state: String,
     first: String,
     later: String,
-    /// What is kept of the step before: the variable, the input it is a copy of, and its value before step 0.
+    /// What is kept of the step before: the variable, the input it is a copy of, and its value
+    /// before step 0.
     kept: Vec<(Variable, String, String)>,
 }
 

@@ -1,4 +1,5 @@
-//! Values as whole numbers, for tables and bits: 0 and 1, the number of a label, or the value itself.
+//! Values as whole numbers, for tables and bits: 0 and 1, the number of a label, or the value
+//! itself.
 //!
 //! The standard has no conversion between enumerations and numbers, so that a CASE does it.
 

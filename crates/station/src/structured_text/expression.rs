@@ -1,8 +1,9 @@
 //! Formulas as conditions of Structured Text.
 //!
-//! Whole numbers are computed in the narrowest type that holds every intermediate value. The standard rounds quotients towards 0 and
-//! contracts round them down, so that a division of what may be negative takes some words. Enumerations are compared by their
-//! labels, and become numbers only where nothing else will do.
+//! Whole numbers are computed in the narrowest type that holds every intermediate value. The
+//! standard rounds quotients towards 0 and contracts round them down, so that a division of what
+//! may be negative takes some words. Enumerations are compared by their labels, and become numbers
+//! only where nothing else will do.
 
 use super::interface::Port;
 use super::{Type, Width, literal};
@@ -10,8 +11,8 @@ use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, UnaryOp, VarId};
 use std::collections::BTreeMap;
 
-/// A condition has at most so many characters. What is said of numbers is said several times in quotients of negative ones, so
-/// that a formula of nothing else could grow without bound.
+/// A condition has at most so many characters. What is said of numbers is said several times in
+/// quotients of negative ones, so that a formula of nothing else could grow without bound.
 pub(super) const LONGEST: usize = 100_000;
 
 /// What variables are called.
@@ -19,7 +20,8 @@ pub(super) struct Translator<'a> {
     pub specification: &'a Specification,
     pub inputs: &'a [Port<'a>],
     pub outputs: &'a [Port<'a>],
-    /// For a formula that speaks of two steps: copies of the inputs of the earlier one, by their places.
+    /// For a formula that speaks of two steps: copies of the inputs of the earlier one, by their
+    /// places.
     pub kept: Option<&'a BTreeMap<usize, String>>,
 }
 
@@ -256,11 +258,13 @@ fn numbered(name: &str, labels: &[String], word: &str) -> String {
     })
 }
 
-/// A quotient that is rounded down, or its rest, which has the divisor's sign; `signs` tells which of the two may be negative. The
-/// standard's own rounds towards 0, and its rest has the dividend's sign.
+/// A quotient that is rounded down, or its rest, which has the divisor's sign; `signs` tells which
+/// of the two may be negative. The standard's own rounds towards 0, and its rest has the dividend's
+/// sign.
 fn rounded_down(op: BinaryOp, x: &str, y: &str, signs: (bool, bool), word: &str) -> String {
     let rest = format!("({x} MOD {y})");
-    // No divisor's range holds 0. A rest that has the other sign than the divisor tells that the quotient is one too high.
+    // No divisor's range holds 0. A rest that has the other sign than the divisor tells that the
+    // quotient is one too high.
     let high = match signs {
         (false, false) => None,
         (true, false) => Some(format!("({rest} < 0)")),
@@ -287,8 +291,8 @@ fn is_arithmetic(op: BinaryOp) -> bool {
     )
 }
 
-/// What a truth value or its negation is the conjunction of, or else the disjunction, from left to right: expressions, and whether
-/// each is negated.
+/// What a truth value or its negation is the conjunction of, or else the disjunction, from left to
+/// right: expressions, and whether each is negated.
 fn operands(expr: &Expr, negate: bool, conjunction: bool) -> Vec<(&Expr, bool)> {
     use BinaryOp as B;
     let mut found = Vec::new();

@@ -1,7 +1,7 @@
 //! A controller as functions: a table of decisions with shared parts, which a loop walks.
 //!
-//! A block cannot call itself and should not need other blocks, so the walk is written out in each of the four places that
-//! ask for a function's value: assumptions, modes, outputs, goals.
+//! A block cannot call itself and should not need other blocks, so the walk is written out in each
+//! of the four places that ask for a function's value: assumptions, modes, outputs, goals.
 
 use super::interface::{Interface, Port};
 use super::tables::{element, table};
@@ -385,7 +385,8 @@ fn step(
     )
 }
 
-/// Statements that write the bits of an input to its signals of this step, the least significant first.
+/// Statements that write the bits of an input to its signals of this step, the least significant
+/// first.
 fn take_apart(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
     let signal = |bit: &Bit| format!("{}[{}]", scratch.signals.name, bit.primed().0);
     if let ([bit], Type::Bool) = (bits, &port.kind) {

@@ -1,4 +1,5 @@
-//! What all blocks have in common: names and types of the ports, the control inputs and outputs, and how a call begins and ends.
+//! What all blocks have in common: names and types of the ports, the control inputs and outputs,
+//! and how a call begins and ends.
 
 use super::names::{Names, comment, identifier, part, stem};
 use super::text::{indented, wrap_condition};
@@ -115,8 +116,8 @@ impl<'a> Interface<'a> {
             broken: BTreeMap::new(),
             outside: Vec::new(),
         };
-        // Enumerations come first: they shall be called the same in all blocks that share them, so that outputs of one can be
-        // connected with inputs of another.
+        // Enumerations come first: they shall be called the same in all blocks that share them, so
+        // that outputs of one can be connected with inputs of another.
         let ports = controller.inputs().iter().chain(controller.outputs());
         for port in ports {
             interface.declare(port);
@@ -369,7 +370,8 @@ impl<'a> Interface<'a> {
         )
     }
 
-    /// Refuses inputs outside their domains. Systems differ in whether an enumeration can have other values than its labels.
+    /// Refuses inputs outside their domains. Systems differ in whether an enumeration can have
+    /// other values than its labels.
     fn domain_checks(&self) -> String {
         let mut out = String::new();
         for (port, label) in self.inputs.iter().zip(&self.outside) {

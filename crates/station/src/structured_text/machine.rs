@@ -1,4 +1,5 @@
-//! A machine as a CASE over its states, with one condition a transition: what a person would write by hand.
+//! A machine as a CASE over its states, with one condition a transition: what a person would write
+//! by hand.
 
 use super::assumptions::Assumptions;
 use super::interface::{Interface, Port};
@@ -8,7 +9,8 @@ use linewright_core::gr1::Specification;
 use linewright_solver::mealy::{Guard, Machine, Transition};
 use std::fmt::Write;
 
-/// A machine is written so while it has at most so many tests and assignments; a longer one becomes tables.
+/// A machine is written so while it has at most so many tests and assignments; a longer one becomes
+/// tables.
 const MOST_TERMS: usize = 4_000;
 
 /// Whether a machine is written as a CASE.
@@ -134,7 +136,8 @@ fn grouped(operands: &[String], operator: &str) -> String {
     }
 }
 
-/// The tests that all have to hold for a port to have one of these values; none where every value will do.
+/// The tests that all have to hold for a port to have one of these values; none where every value
+/// will do.
 fn port_tests(port: &Port<'_>, values: &[(i64, i64)]) -> Vec<String> {
     let name = &port.name;
     let (low, high) = (port.of.domain.low(), port.of.domain.high());

@@ -1,12 +1,14 @@
-//! A controller for a programmable controller: a function block of IEC 61131-3 Structured Text, as text or as PLCopen XML.
+//! A controller for a programmable controller: a function block of IEC 61131-3 Structured Text, as
+//! text or as PLCopen XML.
 //!
-//! A [`Block`] is plain data, the same for both written forms. Only what the second edition of the standard has and every larger
-//! system takes is used: no methods, no pointers, no typed access to enumerations, `(* *)` comments, explicit conversions.
-//! Enumerations are prefixed (`Command_turn`), so that their labels need no qualifier, which systems write differently.
+//! A [`Block`] is plain data, the same for both written forms. Only what the second edition of the
+//! standard has and every larger system takes is used: no methods, no pointers, no typed access to
+//! enumerations, `(* *)` comments, explicit conversions. Enumerations are prefixed
+//! (`Command_turn`), so that their labels need no qualifier, which systems write differently.
 //!
-//! A machine becomes a CASE over its states (`machine.rs`), or tables where that would be long (`tables.rs`); functions become a
-//! table of decisions that a loop walks (`functions.rs`). What is the same for all, the interface and how a call begins and ends,
-//! stands in `interface.rs`.
+//! A machine becomes a CASE over its states (`machine.rs`), or tables where that would be long
+//! (`tables.rs`); functions become a table of decisions that a loop walks (`functions.rs`). What is
+//! the same for all, the interface and how a call begins and ends, stands in `interface.rs`.
 
 mod assumptions;
 mod codes;
@@ -137,8 +139,8 @@ impl Width {
         }
     }
 
-    /// An expression of this width as one of another. No conversion is left to the compiler: the second edition has none, and
-    /// systems differ in the warnings they give.
+    /// An expression of this width as one of another. No conversion is left to the compiler: the
+    /// second edition has none, and systems differ in the warnings they give.
     pub(super) fn convert(self, to: Self, text: &str) -> String {
         if self == to {
             text.to_owned()
@@ -195,7 +197,8 @@ struct Parts {
     temporaries: Vec<Variable>,
     /// What leads back to before step 0.
     reset: String,
-    /// A step: it sets `refused`, or changes the state and the outputs. Inputs are within their domains.
+    /// A step: it sets `refused`, or changes the state and the outputs. Inputs are within their
+    /// domains.
     step: String,
 }
 

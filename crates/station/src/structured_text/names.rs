@@ -1,13 +1,14 @@
 //! Names that IEC 61131-3 takes.
 //!
-//! An identifier is made of ASCII letters, digits and single underscores, does not begin with a digit and does not end with an
-//! underscore. Upper and lower case are the same. Keywords cannot be names, nor the standard's functions and function blocks,
-//! nor what the larger development systems reserve beside.
+//! An identifier is made of ASCII letters, digits and single underscores, does not begin with a
+//! digit and does not end with an underscore. Upper and lower case are the same. Keywords cannot be
+//! names, nor the standard's functions and function blocks, nor what the larger development systems
+//! reserve beside.
 
 use std::collections::BTreeSet;
 
-/// What the standard reserves: keywords of all its editions and languages, elementary types, standard functions and function
-/// blocks.
+/// What the standard reserves: keywords of all its editions and languages, elementary types,
+/// standard functions and function blocks.
 const STANDARD: &str = "
     ABSTRACT ACTION AND ANY ANY_BIT ANY_CHAR ANY_CHARS ANY_DATE ANY_DERIVED ANY_DURATION ANY_ELEMENTARY ANY_INT ANY_MAGNITUDE
     ANY_NUM ANY_REAL ANY_SIGNED ANY_STRING ANY_UNSIGNED ARRAY AT BOOL BY BYTE CASE CHAR CLASS CONFIGURATION CONSTANT CONTINUE
@@ -25,8 +26,8 @@ const STANDARD: &str = "
     TO_BIG_ENDIAN TO_LITTLE_ENDIAN TRUNC UPPER_BOUND
     CTD CTU CTUD F_TRIG RS RTC R_TRIG SEMA SR TOF TON TP";
 
-/// What development systems reserve beside: operators and modifiers of CODESYS and TwinCAT, words of Siemens' SCL, and the
-/// instructions of IL.
+/// What development systems reserve beside: operators and modifiers of CODESYS and TwinCAT, words
+/// of Siemens' SCL, and the instructions of IL.
 const VENDORS: &str = "
     ADR ANDN AND_THEN BEGIN BIT BITADR CAL CALC CALCN DATA_BLOCK END_DATA_BLOCK END_FUNCTIONBLOCK END_ORGANIZATION_BLOCK
     END_PROPERTY END_REGION END_UNION FUNCTIONBLOCK GOTO INDEXOF INI JMP JMPC JMPCN LD LDN NIL ORGANIZATION_BLOCK ORN OR_ELSE
@@ -117,8 +118,9 @@ impl Names {
     }
 }
 
-/// Text that can stand in a comment: it neither ends it nor opens another, holds nothing that a system could take for a
-/// directive, no character that XML forbids, and none that changes the direction of reading.
+/// Text that can stand in a comment: it neither ends it nor opens another, holds nothing that a
+/// system could take for a directive, no character that XML forbids, and none that changes the
+/// direction of reading.
 pub(crate) fn comment(text: &str) -> String {
     let hidden = |c: char| {
         let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
@@ -136,7 +138,8 @@ pub(crate) fn comment(text: &str) -> String {
     text.replace("*)", "* )").replace("(*", "( *")
 }
 
-/// A character string of at most so many characters: in ASCII, since a `STRING` holds bytes in whatever code the system has.
+/// A character string of at most so many characters: in ASCII, since a `STRING` holds bytes in
+/// whatever code the system has.
 pub(crate) fn string(text: &str, most: usize) -> String {
     let mut ascii = String::new();
     for c in text.chars() {

@@ -1,7 +1,7 @@
 //! A block as PLCopen XML: the exchange format of PLCopen's technical committee 6, version 2.01.
 //!
-//! The elements are in the order of its schema. The same block gives the same bytes, so nothing is said of the time and place
-//! of the writing: the date that the schema demands is a fixed one.
+//! The elements are in the order of its schema. The same block gives the same bytes, so nothing is
+//! said of the time and place of the writing: the date that the schema demands is a fixed one.
 
 use super::{Block, Enumeration, Initial, Section, Type, Variable};
 use quick_xml::Writer;

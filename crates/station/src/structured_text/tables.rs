@@ -1,7 +1,8 @@
 //! A machine as tables: for those of many states and transitions.
 //!
-//! A state has transitions, a transition has cubes, a cube has tests, each from its own first row up to the first row of the next
-//! one. What a transition sets stands in a table of answers, each once.
+//! A state has transitions, a transition has cubes, a cube has tests, each from its own first row
+//! up to the first row of the next one. What a transition sets stands in a table of answers, each
+//! once.
 
 use super::assumptions::Assumptions;
 use super::interface::Interface;
@@ -54,7 +55,8 @@ impl Table {
     }
 }
 
-/// A constant array, in the narrowest type. It has at least one element: the standard has no empty arrays.
+/// A constant array, in the narrowest type. It has at least one element: the standard has no empty
+/// arrays.
 pub(super) fn table(
     interface: &mut Interface<'_>,
     wish: &str,

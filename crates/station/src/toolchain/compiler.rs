@@ -1,15 +1,16 @@
 //! Which C compilers there are: for this computer, and for 64-bit Windows.
 //!
-//! For this computer it is the one that the `cc` crate finds; the environment variables `CC` and `CFLAGS` are honoured. A
-//! Windows library is made by the first of these that is there, with the flags that `CFLAGS_x86_64_pc_windows_gnu` holds:
+//! For this computer it is the one that the `cc` crate finds; the environment variables `CC` and
+//! `CFLAGS` are honoured. A Windows library is made by the first of these that is there, with the
+//! flags that `CFLAGS_x86_64_pc_windows_gnu` holds:
 //!
 //! 1. what `CC_x86_64_pc_windows_gnu` names;
 //! 2. `x86_64-w64-mingw32-gcc` on the PATH (Debian's `gcc-mingw-w64-x86-64`);
 //! 3. `zig` on the PATH, as `zig cc`;
 //! 4. `python3 -m ziglang`, or `python -m ziglang` (PyPI's `ziglang`).
 //!
-//! Microsoft's compiler is looked for on Windows only. The `cc` crate would name some other compiler in its place, so it is not
-//! asked for that.
+//! Microsoft's compiler is looked for on Windows only. The `cc` crate would name some other
+//! compiler in its place, so it is not asked for that.
 
 use super::trial::{self, Answer};
 use crate::Error;
@@ -76,7 +77,8 @@ impl Platform {
         }
     }
 
-    /// The environment variables that decide which compiler is run, and how, as far as they are set.
+    /// The environment variables that decide which compiler is run, and how, as far as they are
+    /// set.
     pub(super) fn environment(self) -> Vec<(String, OsString)> {
         let triple = self.triple();
         let with_target = |name: &&str| {
@@ -116,8 +118,8 @@ impl Compiler {
         }
     }
 
-    /// The compiler for this computer, or one by its path or name that takes the same options. `work` is a folder for the files
-    /// with which its kind is found out.
+    /// The compiler for this computer, or one by its path or name that takes the same options.
+    /// `work` is a folder for the files with which its kind is found out.
     pub(super) fn host(wanted: Option<&Path>, work: &Path) -> Result<Self, Error> {
         let missing = |command: String, cause: String| Error::CompilerMissing { command, cause };
         let named = || match (wanted, std::env::var("CC")) {

@@ -1,19 +1,22 @@
 //! Compiling packages into libraries, and remembering what was compiled.
 //!
-//! Which compiler is taken stands in [`compiler`]; it is started only when something has to be compiled. A library's name carries a
-//! hash of all that decides what is in it: the C text, the runtime, the flags, and what names the compiler. Beside it stands
-//! a manifest with its length and SHA-256, without which it is not loaded.
+//! Which compiler is taken stands in [`compiler`]; it is started only when something has to be
+//! compiled. A library's name carries a hash of all that decides what is in it: the C text, the
+//! runtime, the flags, and what names the compiler. Beside it stands a manifest with its length and
+//! SHA-256, without which it is not loaded.
 //!
 //! # Same package, same compiler, same bytes
 //!
-//! The compiler is started in a temporary folder and sees no path: the source and the library are named after the machine. The
-//! linker for Windows would note the time and the library's own name; the first is switched off, the second is fixed.
+//! The compiler is started in a temporary folder and sees no path: the source and the library are
+//! named after the machine. The linker for Windows would note the time and the library's own name;
+//! the first is switched off, the second is fixed.
 //!
 //! # Optimisation
 //!
-//! What ships is optimised ([`Toolchain::shipping`]), what the bundled runner builds for itself is not ([`Toolchain::host`]): a run has
-//! to make some hundred thousand steps before the optimiser has paid for itself. `-O2` takes twice as long to compile and steps no
-//! faster: a step is a chain of short decisions. The figures are in `tests/bench/README.md`.
+//! What ships is optimised ([`Toolchain::shipping`]), what the bundled runner builds for itself is
+//! not ([`Toolchain::host`]): a run has to make some hundred thousand steps before the optimiser
+//! has paid for itself. `-O2` takes twice as long to compile and steps no faster: a step is a chain
+//! of short decisions. The figures are in `tests/bench/README.md`.
 
 pub mod compiler;
 mod manifest;
@@ -56,14 +59,16 @@ const HOST_LINKER: &[&str] = if cfg!(target_os = "linux") {
     &["-pthread", "-lm"]
 };
 
-/// The same for Windows: no time of the build in the library, and nothing of the compiler beside it.
+/// The same for Windows: no time of the build in the library, and nothing of the compiler beside
+/// it.
 const WINDOWS_LINKER: &[&str] = &["-static-libgcc", "-Wl,--no-insert-timestamp"];
 
 /// Microsoft's compiler and linker. `/Brepro` puts a hash where the time would stand.
 const MSVC_FLAGS: &[&str] = &["/nologo", "/O2", "/fp:precise", "/utf-8", "/LD"];
 const MSVC_LINKER: &[&str] = &["/link", "/Brepro"];
 
-/// How a 64-bit DLL is made by hand of a package's C file: with MinGW's compiler, and with Microsoft's.
+/// How a 64-bit DLL is made by hand of a package's C file: with MinGW's compiler, and with
+/// Microsoft's.
 pub fn by_hand(source: &str, library: &str) -> [String; 2] {
     let gcc: Vec<&str> = FLAGS.into_iter().chain([FAST_TO_STEP]).collect();
     [
@@ -139,8 +144,8 @@ impl Toolchain {
         Self::new(platform, &flags)
     }
 
-    /// The compiler that the environment names, else the platform's `cc`; its libraries are quickly built. Nothing is looked for
-    /// yet.
+    /// The compiler that the environment names, else the platform's `cc`; its libraries are quickly
+    /// built. Nothing is looked for yet.
     pub fn host() -> Self {
         Self::like_gcc(Platform::Host, FAST_TO_BUILD)
     }
@@ -160,8 +165,8 @@ impl Toolchain {
     pub fn cross(kind: CrossCompiler, compiler: Compiler) -> Self {
         let mut toolchain = Self::like_gcc(Platform::Windows, FAST_TO_STEP);
         if matches!(kind, CrossCompiler::Zig | CrossCompiler::PythonZig) {
-            // Without these, zig adds traps for undefined behaviour, and debug information with paths. Its linker notes no time,
-            // and refuses to be told so.
+            // Without these, zig adds traps for undefined behaviour, and debug information with
+            // paths. Its linker notes no time, and refuses to be told so.
             let quiet = ["-fno-sanitize=undefined", "-g0", "-s"];
             toolchain.flags.extend(quiet.map(str::to_owned));
             toolchain.linker = &[];
@@ -235,8 +240,9 @@ impl Toolchain {
         folder.join(format!("{}-{}{suffix}", package.stem, &hash[..16]))
     }
 
-    /// Sees to it that a package's library is in `folder`. Unless `rebuild` is asked for, a library that is there already is
-    /// taken as it is; loading it checks that it is whole, and so does [`Built::verify`].
+    /// Sees to it that a package's library is in `folder`. Unless `rebuild` is asked for, a library
+    /// that is there already is taken as it is; loading it checks that it is whole, and so does
+    /// [`Built::verify`].
     pub fn build(&self, package: &Package, folder: &Path, rebuild: bool) -> Result<Built, Error> {
         let path = self.path(package, folder);
         let compiled = rebuild || !path.is_file() || !Manifest::path(&path).is_file();
@@ -306,8 +312,9 @@ impl Toolchain {
             path: path.to_owned(),
             cause,
         };
-        // A library without a manifest is made again, so that of other bytes goes first and the new one comes last. One of
-        // the same bytes stays: another process may just have built the same, and be about to load it.
+        // A library without a manifest is made again, so that of other bytes goes first and the new
+        // one comes last. One of the same bytes stays: another process may just have built the
+        // same, and be about to load it.
         let manifest_path = Manifest::path(path);
         if disk::read(&manifest_path).is_ok_and(|old| old != manifest) {
             std::fs::remove_file(&manifest_path).map_err(unwritable)?;
@@ -333,7 +340,8 @@ impl Toolchain {
         arguments
     }
 
-    /// The compiler, found when first asked for. `work` is a folder for the files with which its kind is found out.
+    /// The compiler, found when first asked for. `work` is a folder for the files with which its
+    /// kind is found out.
     fn compiler(&self, work: &Path) -> Result<&Compiler, Error> {
         let found = self.found.get_or_init(|| {
             Compiler::host(self.command.as_deref(), work).map_err(|e| match e {

@@ -1,5 +1,5 @@
-//! What there is on this computer: compilers, each of which is tried with a line of C, and what tests use beside them, which is asked for
-//! its version.
+//! What there is on this computer: compilers, each of which is tried with a line of C, and what
+//! tests use beside them, which is asked for its version.
 
 use super::compiler::on_path;
 use super::trial::{self, Answer};

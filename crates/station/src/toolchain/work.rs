@@ -1,8 +1,10 @@
-//! The folder in which something is compiled: beside the place of what is made, and gone afterwards.
+//! The folder in which something is compiled: beside the place of what is made, and gone
+//! afterwards.
 //!
-//! A process that is killed cannot tidy up. So each folder holds a file that its process has locked, which the system unlocks when the
-//! process ends, however it ends; the next build removes the folders beside its own whose file nobody has locked. A lock says more than the
-//! number of a process, which may be another one's by now.
+//! A process that is killed cannot tidy up. So each folder holds a file that its process has
+//! locked, which the system unlocks when the process ends, however it ends; the next build removes
+//! the folders beside its own whose file nobody has locked. A lock says more than the number of a
+//! process, which may be another one's by now.
 
 use super::super::Error;
 use std::fs::{File, TryLockError};
@@ -15,8 +17,8 @@ const PREFIX: &str = ".build-";
 /// The file in it that is locked as long as the folder is in use.
 const LOCK: &str = "in-use";
 
-/// A folder without that file was made by a process that is only about to put it there, or that was killed then; after so long it is the
-/// latter.
+/// A folder without that file was made by a process that is only about to put it there, or that was
+/// killed then; after so long it is the latter.
 const FORGOTTEN: Duration = Duration::from_hours(1);
 
 /// A folder to compile in. It goes when this is dropped.
@@ -39,7 +41,8 @@ impl WorkFolder {
             .prefix(PREFIX)
             .tempdir_in(beside)
             .map_err(unwritable)?;
-        // It gets its name when it is locked: nobody finds it unlocked who might take the folder for a stale one.
+        // It gets its name when it is locked: nobody finds it unlocked who might take the folder
+        // for a stale one.
         let unnamed = folder.path().join("in-use.new");
         let lock = File::create(&unnamed).map_err(unwritable)?;
         // Where files cannot be locked, folders of killed builds stay.
@@ -62,7 +65,8 @@ impl Drop for WorkFolder {
     }
 }
 
-/// Removes folders that killed builds have left. What cannot be removed stays: it is in nobody's way.
+/// Removes folders that killed builds have left. What cannot be removed stays: it is in nobody's
+/// way.
 fn remove_stale(beside: &Path) {
     let entries = std::fs::read_dir(beside).into_iter().flatten().flatten();
     for entry in entries {

@@ -22,7 +22,8 @@ impl Builder {
                 Rule::type_decl => items.push(ContractItem::Type(self.type_decl(item))),
                 Rule::const_decl => items.push(ContractItem::Const(self.const_decl(item))),
                 _ => {
-                    // `always a or` and nothing more: what came before the `or` is not what was meant.
+                    // `always a or` and nothing more: what came before the `or` is not what was
+                    // meant.
                     if begins_with_operator(item.as_str())
                         && matches!(items.last(), Some(ContractItem::Formula { .. }))
                     {

@@ -11,7 +11,8 @@ use pest::iterators::Pair;
 
 impl Builder {
     pub(super) fn domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
-        // The expressions in a type are trees of their own, also where the type stands within an expression.
+        // The expressions in a type are trees of their own, also where the type stands within an
+        // expression.
         let level = std::mem::take(&mut self.level);
         let domain = self.domain_part(pair);
         self.level = level;
@@ -71,8 +72,8 @@ impl Builder {
         }
     }
 
-    /// An expression. One whose tree is too deep is a finding, and `false` stands in for it: every later stage walks these trees
-    /// by recursion, and has the stack for [`MAX_TREE`] levels only.
+    /// An expression. One whose tree is too deep is a finding, and `false` stands in for it: every
+    /// later stage walks these trees by recursion, and has the stack for [`MAX_TREE`] levels only.
     pub(super) fn expr(&mut self, pair: Pair<'_, Rule>) -> Expr {
         self.level += 1;
         let expr = self.part(pair);
@@ -171,8 +172,9 @@ impl Builder {
         self.joined(&ops, operands)
     }
 
-    /// Operands of operators that bind equally: implications group to the right, all else to the left. A chain of one operator that may be
-    /// grouped in any way is halved instead, which keeps long conjunctions and sums shallow.
+    /// Operands of operators that bind equally: implications group to the right, all else to the
+    /// left. A chain of one operator that may be grouped in any way is halved instead, which keeps
+    /// long conjunctions and sums shallow.
     fn joined(&mut self, ops: &[Infix], mut operands: Vec<Placed>) -> Placed {
         if let Infix::Binary(op) = ops[0]
             && matches!(
@@ -209,7 +211,8 @@ impl Builder {
         Placed { expr, place }
     }
 
-    /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real formula.
+    /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real
+    /// formula.
     pub(super) fn limit(&mut self, operands: &mut Vec<Placed>) {
         if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
@@ -296,7 +299,8 @@ impl Builder {
         let mut links: Vec<Placed> = Vec::new();
         let mut left = first;
         while let Some(op) = c.take(Rule::compare_op) {
-            // What stands in the middle is compared twice, so it is copied; nested copies would grow without bound.
+            // What stands in the middle is compared twice, so it is copied; nested copies would
+            // grow without bound.
             if !links.is_empty() && !small_enough_for_the_middle(&left.expr) {
                 self.findings.push(
                     Diagnostic::error(

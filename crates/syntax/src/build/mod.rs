@@ -1,7 +1,8 @@
 //! From pest's pairs to the syntax tree.
 //!
-//! Every rule of the grammar has one function here of nearly its name. The grammar guarantees which children a pair has; where one is
-//! missing all the same, [`Children::next`] stops with a message that asks for a report.
+//! Every rule of the grammar has one function here of nearly its name. The grammar guarantees which
+//! children a pair has; where one is missing all the same, [`Children::next`] stops with a message
+//! that asks for a report.
 
 mod contract;
 mod expression;
@@ -192,7 +193,8 @@ impl Builder {
         }
     }
 
-    /// How many of something; for a number that does not fit one of them, of which nothing else is wrong.
+    /// How many of something; for a number that does not fit one of them, of which nothing else is
+    /// wrong.
     fn count(&mut self, pair: &Pair<'_, Rule>) -> u64 {
         self.integer(pair).map_or(1, |count| count as u64)
     }

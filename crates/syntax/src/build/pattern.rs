@@ -35,7 +35,8 @@ impl Builder {
         make(ExprKind::Pattern(kind.in_scope(bound, scope)), span)
     }
 
-    /// `always`, `eventually` and `never`, which reach as far as they can; those with a bound or a scope are patterns.
+    /// `always`, `eventually` and `never`, which reach as far as they can; those with a bound or a
+    /// scope are patterns.
     pub(super) fn wide(&mut self, rule: Rule, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
@@ -106,8 +107,9 @@ pub(super) fn until_op(word: &str) -> UntilOp {
     }
 }
 
-/// `p -> a until b` is `p -> (a until b)`, as everywhere else, though the word stands loosest in the grammar. `place` is where the
-/// left side stands with its brackets: what stands in brackets stays together.
+/// `p -> a until b` is `p -> (a until b)`, as everywhere else, though the word stands loosest in
+/// the grammar. `place` is where the left side stands with its brackets: what stands in brackets
+/// stays together.
 fn until((left, place): (Expr, Span), op: UntilOp, right: Expr, whole: Span) -> Expr {
     match left.kind {
         ExprKind::Binary(BinaryOp::Implies, a, b) if left.span == place => {

@@ -214,7 +214,7 @@ impl Builder {
             .collect()
     }
 
-    // ---- regular expressions ----------------------------------------------------------------------------------------
+    // ---- regular expressions --------------------------------------------------------------------
 
     /// `A B | C`. What is alone stands for itself, so that brackets leave no trace.
     fn regex(&mut self, pair: Pair<'_, Rule>) -> Regex {

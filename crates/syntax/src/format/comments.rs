@@ -1,7 +1,8 @@
 //! The comments of a file, and where its words stand.
 //!
-//! Texts, comments and words are cut as the grammar cuts them: `//` within quotes is no comment, and neither is what stands behind one
-//! on its line. What is found is put back by the printer: the tree holds no comment but some doc comments.
+//! Texts, comments and words are cut as the grammar cuts them: `//` within quotes is no comment,
+//! and neither is what stands behind one on its line. What is found is put back by the printer: the
+//! tree holds no comment but some doc comments.
 
 /// The kinds of comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,7 +121,8 @@ pub(super) fn newlines(text: &str) -> usize {
     returns + text.matches('\n').count() - text.matches("\r\n").count()
 }
 
-/// Words and signs of operators, which may be spelled in several ways, and the end of `within 5 steps`.
+/// Words and signs of operators, which may be spelled in several ways, and the end of
+/// `within 5 steps`.
 const SPELLINGS: &[&str] = &[
     "always",
     "eventually",

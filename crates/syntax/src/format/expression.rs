@@ -1,8 +1,9 @@
 //! Expressions, formulas and types.
 //!
-//! Brackets stand where the grammar needs them to give the same tree, and where operators of different kinds are easily misread: around
-//! `and` within `or`, around what `not` and `always` speak of when it has operators of its own, around an `if` within an `if`. What the
-//! builder halves (`a and b and c`) or copies (`a < b < c`) is put together again before it is printed.
+//! Brackets stand where the grammar needs them to give the same tree, and where operators of
+//! different kinds are easily misread: around `and` within `or`, around what `not` and `always`
+//! speak of when it has operators of its own, around an `if` within an `if`. What the builder
+//! halves (`a and b and c`) or copies (`a < b < c`) is put together again before it is printed.
 
 use super::super::ast::{
     BinaryOp, Domain, DomainKind, Expr, ExprKind, Pattern, PatternKind, Quantifier, Scope,
@@ -353,7 +354,7 @@ impl Printer<'_> {
         });
     }
 
-    // ---- types ------------------------------------------------------------------------------------------------------
+    // ---- types ----------------------------------------------------------------------------------
 
     /// A type.
     pub fn domain(&mut self, domain: &Domain) {

@@ -1,8 +1,9 @@
 //! From pieces of text and places where a line may end to lines.
 //!
-//! A statement is a list of pieces. A [`Piece::Break`] is a blank or the end of a line; it ends the line where the author ended it,
-//! and where what follows up to the next break of its own or an outer level would not fit. So the outermost operator breaks
-//! first, and within one operator lines are filled (Oppen, Prettyprinting, 1980: inconsistent breaking). What the author broke stays
+//! A statement is a list of pieces. A [`Piece::Break`] is a blank or the end of a line; it ends the
+//! line where the author ended it, and where what follows up to the next break of its own or an
+//! outer level would not fit. So the outermost operator breaks first, and within one operator lines
+//! are filled (Oppen, Prettyprinting, 1980: inconsistent breaking). What the author broke stays
 //! broken, so that a formatted text keeps every break it has: formatting it again changes nothing.
 
 use super::comments::Comment;
@@ -26,7 +27,8 @@ pub(super) enum Piece {
         blank: bool,
         forced: bool,
     },
-    /// An `if ... else if` of so many pieces begins. Its arms stand on one line, or as the author broke them, or each on its own.
+    /// An `if ... else if` of so many pieces begins. Its arms stand on one line, or as the author
+    /// broke them, or each on its own.
     Ladder { level: usize, length: usize },
     /// A comment within a statement.
     Comment { comment: Comment, indent: usize },
@@ -39,7 +41,8 @@ enum Pending {
     Line { indent: usize, empty: bool },
 }
 
-/// The text that was written so far. Line ends are written late, so that a comment can still go before them.
+/// The text that was written so far. Line ends are written late, so that a comment can still go
+/// before them.
 pub(super) struct Writer {
     text: String,
     pending: Pending,
@@ -127,7 +130,8 @@ impl Writer {
     }
 }
 
-/// How wide some pieces are on one line; nothing where they cannot stand on one line, or not within `most`.
+/// How wide some pieces are on one line; nothing where they cannot stand on one line, or not within
+/// `most`.
 pub(super) fn flat(pieces: &[Piece], most: usize) -> Option<usize> {
     let mut width = 0;
     for piece in pieces {
@@ -212,7 +216,8 @@ fn began(rows: &mut Vec<usize>, level: usize, row: usize) {
     rows[level] = row;
 }
 
-/// Breaks before every `else`, where the arms do not fit on one line and the author broke before none.
+/// Breaks before every `else`, where the arms do not fit on one line and the author broke before
+/// none.
 fn arms(pieces: &mut [Piece], level: usize, length: usize, room: usize) {
     let behind = pieces[length..]
         .iter()

@@ -1,8 +1,9 @@
 //! From a syntax tree back to text.
 //!
-//! What is printed is made from the tree, so that it means the same by construction; the text that the tree was made of gives the
-//! comments, the empty lines between declarations, and the places where the author ended a line. Whoever writes the result over a
-//! file asks [`checked`] for it, which takes nothing for granted.
+//! What is printed is made from the tree, so that it means the same by construction; the text that
+//! the tree was made of gives the comments, the empty lines between declarations, and the places
+//! where the author ended a line. Whoever writes the result over a file asks [`checked`] for it,
+//! which takes nothing for granted.
 
 mod comments;
 mod contract;
@@ -19,10 +20,11 @@ use super::parser::parse;
 use linewright_core::source::FileId;
 use printer::Printer;
 
-/// The text of a file's tree, with the comments of `text`, which the tree was parsed from without a finding. Line ends are those of
-/// `text`, and a byte-order mark stays.
+/// The text of a file's tree, with the comments of `text`, which the tree was parsed from without a
+/// finding. Line ends are those of `text`, and a byte-order mark stays.
 ///
-/// Without a text (`""`), the tree is printed as it is: its own doc comments, no other, and an empty line between contracts.
+/// Without a text (`""`), the tree is printed as it is: its own doc comments, no other, and an
+/// empty line between contracts.
 pub fn format(file: &File, text: &str) -> String {
     let mut printer = Printer::new(file, text);
     let mut before = None;
@@ -93,12 +95,14 @@ pub enum Fault {
     Unstable,
 }
 
-/// [`format()`], and a look at the result before anyone writes it over the file: it must be read as the same tree, hold the same comments
-/// and the same words in the same order, and stay as it is when it is formatted again.
+/// [`format()`], and a look at the result before anyone writes it over the file: it must be read as
+/// the same tree, hold the same comments and the same words in the same order, and stay as it is
+/// when it is formatted again.
 pub fn checked(file: &File, text: &str) -> Result<String, Fault> {
     let mut formatted = format(file, text);
     let (mut again, mut findings) = parse(FileId::default(), &formatted);
-    // A comment that moves past a bracket can make a line end where none did. What is broken stays broken, so this comes to an end.
+    // A comment that moves past a bracket can make a line end where none did. What is broken stays
+    // broken, so this comes to an end.
     let mut settled = false;
     for _ in 0..MOST_ROUNDS {
         let next = format(&again, &formatted);

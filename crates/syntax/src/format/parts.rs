@@ -1,5 +1,5 @@
-//! Expressions taken apart for printing: what the builder halves (`a and b and c`) or copies (`a < b < c`) is put together again, and how
-//! tight each binds is said.
+//! Expressions taken apart for printing: what the builder halves (`a and b and c`) or copies
+//! (`a < b < c`) is put together again, and how tight each binds is said.
 
 use super::super::ast::{BinaryOp, Expr, ExprKind, Pattern, PatternKind};
 use super::super::binds;
@@ -13,7 +13,8 @@ pub(super) enum Parts<'e> {
     Single(u8),
 }
 
-/// The operands of a chain of an operator that the builder halves, where the tree is one that it would make of them.
+/// The operands of a chain of an operator that the builder halves, where the tree is one that it
+/// would make of them.
 fn halved<'e>(op: BinaryOp, e: &'e Expr, count: usize, operands: &mut Vec<&'e Expr>) -> bool {
     if count == 1 {
         operands.push(e);

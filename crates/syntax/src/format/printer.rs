@@ -75,9 +75,10 @@ impl<'t> Printer<'t> {
         self.text.is_empty()
     }
 
-    // ---- statements -------------------------------------------------------------------------------------------------
+    // ---- statements -----------------------------------------------------------------------------
 
-    /// Begins a statement on a line of its own, behind the comments that stand before it. Gives the place where it stands in the text.
+    /// Begins a statement on a line of its own, behind the comments that stand before it. Gives the
+    /// place where it stands in the text.
     pub fn begin(&mut self, apart: bool) -> Span {
         let place = self.take_place();
         if self.bare() {
@@ -127,7 +128,8 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// A block of statements in braces. One statement may stay on one line with them, if the author wrote it so and `short` allows.
+    /// A block of statements in braces. One statement may stay on one line with them, if the author
+    /// wrote it so and `short` allows.
     pub fn block<T>(
         &mut self,
         place: Span,
@@ -178,7 +180,8 @@ impl<'t> Printer<'t> {
         self.put("}");
     }
 
-    /// Whether the statement that comes next, and the brace before it, stand on the line that the brace at `close` stands on.
+    /// Whether the statement that comes next, and the brace before it, stand on the line that the
+    /// brace at `close` stands on.
     fn on_one_line(&self, close: usize) -> bool {
         let Some(place) = self.places.first() else {
             return false;
@@ -217,7 +220,7 @@ impl<'t> Printer<'t> {
         self.tokens.get(word).map_or(start, |t| t.start)
     }
 
-    // ---- comments ---------------------------------------------------------------------------------------------------
+    // ---- comments -------------------------------------------------------------------------------
 
     /// Puts back the comments that stand before a statement, and says how that goes on.
     fn leading(&mut self, before: usize) -> After {
@@ -250,7 +253,7 @@ impl<'t> Printer<'t> {
         }
     }
 
-    // ---- pieces -----------------------------------------------------------------------------------------------------
+    // ---- pieces ---------------------------------------------------------------------------------
 
     /// A text.
     pub fn put(&mut self, text: &str) {
@@ -278,7 +281,8 @@ impl<'t> Printer<'t> {
         self.at_break = true;
     }
 
-    /// Prints what belongs together at one level of breaks; `print` gets the level, and what it nests is let go of.
+    /// Prints what belongs together at one level of breaks; `print` gets the level, and what it
+    /// nests is let go of.
     pub fn level(&mut self, print: impl FnOnce(&mut Self, usize)) {
         let (level, nest) = (self.level, self.nest);
         self.pieces.push(Piece::Mark { level });
@@ -347,8 +351,8 @@ impl<'t> Printer<'t> {
             .map(move |t| &text[t.start..t.end])
     }
 
-    /// Things with commas between them, in brackets. `open` is where the bracket stands: when the author ended the line there, each end
-    /// of the list stands on a line of its own.
+    /// Things with commas between them, in brackets. `open` is where the bracket stands: when the
+    /// author ended the line there, each end of the list stands on a line of its own.
     pub fn sequence<T>(
         &mut self,
         brackets: [&str; 2],

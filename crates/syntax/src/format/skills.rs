@@ -1,7 +1,8 @@
 //! Skills and their orders.
 //!
-//! Each skill stands on a line of its own, without a comma behind it; a component with one skill may stay on one line. Brackets in
-//! regular expressions stand where the grammar needs them, and around `A & B` among others, whose extent is easily misread.
+//! Each skill stands on a line of its own, without a comma behind it; a component with one skill
+//! may stay on one line. Brackets in regular expressions stand where the grammar needs them, and
+//! around `A & B` among others, whose extent is easily misread.
 
 use super::super::ast::{
     Deletion, Event, Name, Order, OrderRule, Regex, RegexKind, Situation, SkillCalls,
@@ -159,7 +160,7 @@ impl Printer<'_> {
         }
     }
 
-    // ---- regular expressions ----------------------------------------------------------------------------------------
+    // ---- regular expressions --------------------------------------------------------------------
 
     /// `sequence (...)*`: always in brackets, so that it ends there.
     fn sequence_of(&mut self, regex: &Regex) {

@@ -20,7 +20,8 @@ const FOLLOWING: [&str; 11] = [
     "component",
 ];
 
-/// What is wrong with a piece of a component that is no skill, or with what a machine says of a skill that has no name.
+/// What is wrong with a piece of a component that is no skill, or with what a machine says of a
+/// skill that has no name.
 pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
     if !matches!(context, Rule::bad_skill | Rule::bad_skill_call) {
         return None;
@@ -49,8 +50,8 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     ))
 }
 
-/// What to do instead, where something stands that does not follow events, or operands of a regular expression, or is no name. The text
-/// before and behind it says how it is meant.
+/// What to do instead, where something stands that does not follow events, or operands of a regular
+/// expression, or is no name. The text before and behind it says how it is meant.
 pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule]) -> Option<String> {
     if expected.contains(&Rule::k_order)
         && let Some(near) = nearest(word, ["component", "order"].into_iter())
@@ -101,7 +102,8 @@ fn no_level(word: &str) -> String {
     format!("expected a level, such as `at reasonable`; `{word}` is a word of the language")
 }
 
-/// Whether what stands behind a word is what stands behind a name: in `order home never Left` a sign is missing before the word.
+/// Whether what stands behind a word is what stands behind a name: in `order home never Left` a
+/// sign is missing before the word.
 fn is_meant_as_name(after: &str) -> bool {
     let next = word_at(after_comments(after));
     !next.starts_with(|c: char| c.is_alphanumeric() || c == '_')

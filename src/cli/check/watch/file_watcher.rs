@@ -1,8 +1,9 @@
 //! Which files matter, and word that one of them has changed.
 //!
-//! Two sources, since neither is enough. The system says at once that something happened in a folder, but not always (network
-//! drives, folders that come and go), and also when nothing that matters did. The files themselves say what has changed: their
-//! contents are compared with those at the last look, which also comes around every second when the system is silent.
+//! Two sources, since neither is enough. The system says at once that something happened in a
+//! folder, but not always (network drives, folders that come and go), and also when nothing that
+//! matters did. The files themselves say what has changed: their contents are compared with those
+//! at the last look, which also comes around every second when the system is silent.
 
 use super::SLOWEST;
 use crate::engine::files::{self, StandardLibrary};
@@ -27,7 +28,8 @@ const QUIET: Duration = Duration::from_millis(40);
 /// They wait no longer than this.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// A file that was changed so shortly before it was read is read again, since its time of change may not tell two changes apart.
+/// A file that was changed so shortly before it was read is read again, since its time of change
+/// may not tell two changes apart.
 const COARSE: Duration = Duration::from_secs(2);
 
 /// What happened to a file.
@@ -116,9 +118,9 @@ impl FileWatcher {
         }
     }
 
-    /// Watches these files, too, from now on, and no others beside those that the paths name. With each comes the text that a check has
-    /// read, `None` where there was none: what happens to them while the check runs is news at the next look. What the last look saw
-    /// stays as it was.
+    /// Watches these files, too, from now on, and no others beside those that the paths name. With
+    /// each comes the text that a check has read, `None` where there was none: what happens to them
+    /// while the check runs is news at the next look. What the last look saw stays as it was.
     pub(super) fn also(&mut self, others: &[(PathBuf, Option<&str>)]) {
         let (_, named) = files::places(&self.paths, &self.standard);
         let named: BTreeSet<PathBuf> = named.iter().map(plain).collect();

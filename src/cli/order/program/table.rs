@@ -1,8 +1,9 @@
 //! Programs as tables, as spreadsheets write them.
 //!
-//! Without a header the skills of a row are called at once. Where the first row is a header with a column `skill`, only that column counts;
-//! with a column `step`, rows that follow each other and have the same entry there are one call. Whoever sorts or copies rows breaks
-//! that order without seeing it, so a step that comes again, or goes back, is a finding and no new call.
+//! Without a header the skills of a row are called at once. Where the first row is a header with a
+//! column `skill`, only that column counts; with a column `step`, rows that follow each other and
+//! have the same entry there are one call. Whoever sorts or copies rows breaks that order without
+//! seeing it, so a step that comes again, or goes back, is a finding and no new call.
 
 use super::{Program, Wrong, call};
 use crate::diagnostics::{Code, Diagnostic, codes};

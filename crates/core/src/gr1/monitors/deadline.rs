@@ -1,8 +1,10 @@
-//! Deadlines: every request of a scope is answered in its step or one of the n after it, and before the scope closes.
+//! Deadlines: every request of a scope is answered in its step or one of the n after it, and before
+//! the scope closes.
 //!
-//! One counter is enough for all requests, since an answer answers all of them: it stores how old the oldest open one is. Age 0
-//! can be left out, as a request of this step is seen in this step. In scopes that count only if they are closed one more value
-//! says that a deadline has passed. A request that is open when the scope closes has broken the pattern for good.
+//! One counter is enough for all requests, since an answer answers all of them: it stores how old
+//! the oldest open one is. Age 0 can be left out, as a request of this step is seen in this step.
+//! In scopes that count only if they are closed one more value says that a deadline has passed. A
+//! request that is open when the scope closes has broken the pattern for good.
 
 use super::scope::{invariant, is};
 use super::{BinaryOp, Domain, Expr, ITSELF, Monitors, Obligation, Origin, Scope, choose};

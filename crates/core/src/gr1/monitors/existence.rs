@@ -1,4 +1,5 @@
-//! Existence: p holds in some step; with a bound of n steps, in the one that opens the scope or one of the n after it.
+//! Existence: p holds in some step; with a bound of n steps, in the one that opens the scope or one
+//! of the n after it.
 //!
 //! | scope | meaning |
 //! |---|---|
@@ -8,9 +9,9 @@
 //! | between q and r | `G ((q & !r) -> (!r W (p & !r)))` |
 //! | after q until r | `G ((q & !r) -> (!r U (p & !r)))` |
 //!
-//! Dwyer's formula for after q is `G !q or F (q & F p)`, which is the same. With a bound, `F` and `U` become `F<=n` and `U<=n`: the
-//! step meant is at most n steps away; `W` does too, behind the condition `F r` (`F r -> (!r U<=n (p & !r))`), and after q it is the
-//! first q that counts.
+//! Dwyer's formula for after q is `G !q or F (q & F p)`, which is the same. With a bound, `F` and
+//! `U` become `F<=n` and `U<=n`: the step meant is at most n steps away; `W` does too, behind the
+//! condition `F r` (`F r -> (!r U<=n (p & !r))`), and after q it is the first q that counts.
 
 use super::deadline::Deadline;
 use super::{Expr, Kind, Monitors, Obligation, Origin, Scope};

@@ -1,7 +1,7 @@
 //! `historically p`: p holds in this step and held in every step before.
 //!
-//! The monitor stores whether p held in all steps before, which is true of no steps at all. With a bound it counts down from the
-//! last step without p, as `once` does from the last one with p.
+//! The monitor stores whether p held in all steps before, which is true of no steps at all. With a
+//! bound it counts down from the last step without p, as `once` does from the last one with p.
 
 use super::{Monitors, Origin};
 use crate::gr1::{BinaryOp, Expr};
@@ -12,7 +12,8 @@ impl Monitors {
         self.follow("historically", true, |before| p.clone().and(before), origin)
     }
 
-    /// Whether `p` holds now and held in each of the `steps` steps before, as far as there were so many.
+    /// Whether `p` holds now and held in each of the `steps` steps before, as far as there were so
+    /// many.
     pub fn historically_within(&mut self, p: &Expr, steps: u32, origin: &Origin) -> Expr {
         let p = p.simplify();
         match (steps, &p) {

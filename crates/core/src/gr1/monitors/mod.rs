@@ -1,16 +1,19 @@
 //! Past operators, counters and specification patterns, lowered to GR(1) with monitor variables.
 //!
-//! GR(1) itself knows this step and the next one. What a formula says of the past is kept in variables of the machine that do
-//! nothing else: *monitors*. The idea is old (Pnueli, The Temporal Semantics of Concurrent Programs, 1981, for past operators;
-//! Maoz and Ringert, GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015, for patterns). What is our own is that every
-//! pattern is written in past operators alone, with a [`Scope`] that says when it is open, so that 25 combinations are five
-//! scopes and five patterns, and equal pieces of different formulas are one monitor.
+//! GR(1) itself knows this step and the next one. What a formula says of the past is kept in
+//! variables of the machine that do nothing else: *monitors*. The idea is old (Pnueli, The Temporal
+//! Semantics of Concurrent Programs, 1981, for past operators; Maoz and Ringert, GR(1) Synthesis
+//! for LTL Specification Patterns, ESEC/FSE 2015, for patterns). What is our own is that every
+//! pattern is written in past operators alone, with a [`Scope`] that says when it is open, so that
+//! 25 combinations are five scopes and five patterns, and equal pieces of different formulas are
+//! one monitor.
 //!
 //! # What a monitor is
 //!
-//! Its value in step *t* is about the steps before *t*. It has an initial value, and an *update*: an expression over current
-//! values that is its value in the next step. So it never depends on the inputs of the step in which it is read, suits Mealy and
-//! Moore machines alike, and leaves the machine no choice: a game with monitors is won exactly by who would win without them.
+//! Its value in step *t* is about the steps before *t*. It has an initial value, and an *update*:
+//! an expression over current values that is its value in the next step. So it never depends on the
+//! inputs of the step in which it is read, suits Mealy and Moore machines alike, and leaves the
+//! machine no choice: a game with monitors is won exactly by who would win without them.
 //!
 //! Before step 0 nothing was true: `previous` and `once` begin as false, `historically` as true.
 //!
@@ -30,15 +33,17 @@
 //! | precedence | 1 | 2 | 2 | 2 | 1 |
 //! | response | 1 | 2 | 2 | 2 | 2 |
 //!
-//! No deterministic monitor has fewer: where two bits are, three pasts must be told apart. Bits that only say whether the scope is
-//! open are shared by all formulas with the same scope, and `once p` by all that ask for it. A response or existence within *n*
-//! steps needs a counter up to *n*, up to *n* + 1 where only a scope that closes counts (an existence that is due from the
+//! No deterministic monitor has fewer: where two bits are, three pasts must be told apart. Bits
+//! that only say whether the scope is open are shared by all formulas with the same scope, and
+//! `once p` by all that ask for it. A response or existence within *n* steps needs a counter up to
+//! *n*, up to *n* + 1 where only a scope that closes counts (an existence that is due from the
 //! beginning one more), and the bit for the scope where a response needs one above.
 //!
 //! # Assumptions
 //!
-//! An assumption must not constrain the machine's variables in the step it speaks of, and monitors are the machine's. So an
-//! invariant that reads monitors is [unrolled](Monitors::unroll) before it is assumed.
+//! An assumption must not constrain the machine's variables in the step it speaks of, and monitors
+//! are the machine's. So an invariant that reads monitors is [unrolled](Monitors::unroll) before it
+//! is assumed.
 
 mod absence;
 mod counter;
@@ -64,7 +69,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// Stands for a monitor's own value in a definition that has no variable yet.
 const ITSELF: VarId = VarId(u32::MAX);
 
-/// The formula that a monitor is made for. Its words are shown where the monitor's own formulas have to be.
+/// The formula that a monitor is made for. Its words are shown where the monitor's own formulas
+/// have to be.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Origin {
     /// The name of the assumption or guarantee.
@@ -180,7 +186,8 @@ pub enum Pattern {
         /// What may come only then.
         then: Expr,
     },
-    /// Every `trigger` is answered in its step or later; with a bound, at the latest so many steps later.
+    /// Every `trigger` is answered in its step or later; with a bound, at the latest so many steps
+    /// later.
     Response {
         /// What asks.
         trigger: Expr,
@@ -200,11 +207,12 @@ struct Remembered {
     now: Expr,
 }
 
-/// Makes monitors, and knows those it has made. Equal operators over equal operands are one monitor, and names follow from the
-/// order of the calls alone.
+/// Makes monitors, and knows those it has made. Equal operators over equal operands are one
+/// monitor, and names follow from the order of the calls alone.
 ///
-/// All operands are expressions over current values, those of earlier monitors included. That is for the caller to check, who
-/// knows what to tell the user; here it is asserted in debug builds only.
+/// All operands are expressions over current values, those of earlier monitors included. That is
+/// for the caller to check, who knows what to tell the user; here it is asserted in debug builds
+/// only.
 #[derive(Debug, Clone)]
 pub struct Monitors {
     first: u32,
@@ -214,12 +222,14 @@ pub struct Monitors {
     made: Vec<Monitor>,
     /// Monitors by domain, initial value and update, in which [`ITSELF`] stands for the monitor.
     known: HashMap<(Domain, i64, Expr), VarId>,
-    /// Boolean monitors that begin as false, by their update: each is the value of that expression one step ago.
+    /// Boolean monitors that begin as false, by their update: each is the value of that expression
+    /// one step ago.
     delays: HashMap<Expr, VarId>,
 }
 
 impl Monitors {
-    /// No monitors yet; the first one will be the variable `first`. No monitor gets a name in `taken`.
+    /// No monitors yet; the first one will be the variable `first`. No monitor gets a name in
+    /// `taken`.
     pub fn new(first: VarId, taken: impl IntoIterator<Item = String>) -> Self {
         Self {
             first: first.0,
@@ -274,15 +284,16 @@ impl Monitors {
             .extend(self.made.iter().map(Monitor::step));
     }
 
-    /// Appends the monitors to a specification: variables and guarantees. Its variables end where the monitors' ids begin.
+    /// Appends the monitors to a specification: variables and guarantees. Its variables end where
+    /// the monitors' ids begin.
     pub fn add_to(&self, specification: &mut Specification) {
         debug_assert_eq!(specification.variables.len(), self.first as usize);
         specification.variables.extend(self.variables().cloned());
         self.define(&mut specification.guarantees);
     }
 
-    /// The formulas that hold exactly if the pattern holds in the scope. Each file of this folder that is named after a pattern
-    /// says which formula of temporal logic is meant.
+    /// The formulas that hold exactly if the pattern holds in the scope. Each file of this folder
+    /// that is named after a pattern says which formula of temporal logic is meant.
     pub fn pattern(
         &mut self,
         pattern: &Pattern,
@@ -324,7 +335,8 @@ impl Monitors {
         Remembered { before, now }
     }
 
-    /// The value in this step of what [`remember`](Self::remember) follows; no monitor is made where the past does not matter.
+    /// The value in this step of what [`remember`](Self::remember) follows; no monitor is made
+    /// where the past does not matter.
     fn follow(
         &mut self,
         stem: &'static str,
@@ -342,8 +354,8 @@ impl Monitors {
         }
     }
 
-    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it; a new one if there is none, and
-    /// none at all for what never changes.
+    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it;
+    /// a new one if there is none, and none at all for what never changes.
     fn make(
         &mut self,
         stem: &'static str,

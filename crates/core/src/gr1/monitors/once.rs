@@ -1,7 +1,8 @@
 //! `once p`: p holds in this step or held in some step before.
 //!
-//! The monitor stores whether p held before. With a bound of n steps it counts down instead: n after a step with p, then one less
-//! in every step. A shift register would say the same with n bits, where the counter has those of 0..n, which are never more.
+//! The monitor stores whether p held before. With a bound of n steps it counts down instead: n
+//! after a step with p, then one less in every step. A shift register would say the same with n
+//! bits, where the counter has those of 0..n, which are never more.
 
 use super::{ITSELF, Monitors, Origin, choose};
 use crate::gr1::{BinaryOp, Domain, Expr};
@@ -28,7 +29,8 @@ impl Monitors {
         }
     }
 
-    /// For how many steps, this one included, `p` will have held within `steps` steps if it never holds again.
+    /// For how many steps, this one included, `p` will have held within `steps` steps if it never
+    /// holds again.
     pub(super) fn steps_left(
         &mut self,
         stem: &'static str,

@@ -8,10 +8,11 @@
 //! | between q and r | `G ((q & !r & F r) -> (!p U (s or r)))` |
 //! | after q until r | `G ((q & !r) -> (!p W (s or r)))` |
 //!
-//! After q, Dwyer's formula is `G !q or F (q & (!p W s))`: some q, not the first, has to be followed by a good rest. That is not
-//! what his text says of the scope, and no GR(1) formula can say it: where q always and s never holds, it is `F G !p`, which no
-//! deterministic monitor with justice recognises. We take the first q. What we ask for implies Dwyer's formula, and is the same
-//! where q holds only once.
+//! After q, Dwyer's formula is `G !q or F (q & (!p W s))`: some q, not the first, has to be
+//! followed by a good rest. That is not what his text says of the scope, and no GR(1) formula can
+//! say it: where q always and s never holds, it is `F G !p`, which no deterministic monitor with
+//! justice recognises. We take the first q. What we ask for implies Dwyer's formula, and is the
+//! same where q holds only once.
 
 use super::{Expr, Monitors, Obligation, Origin, Scope};
 

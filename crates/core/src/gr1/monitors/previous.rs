@@ -1,7 +1,7 @@
 //! `previous p`: p held in the step before; false in step 0.
 //!
-//! The monitor's update is p itself. Where some monitor already stores the last value of p, as that of `once q` does for
-//! `previous (once q)`, it is taken.
+//! The monitor's update is p itself. Where some monitor already stores the last value of p, as that
+//! of `once q` does for `previous (once q)`, it is taken.
 
 use super::{Monitors, Origin};
 use crate::gr1::{Domain, Expr};
@@ -19,7 +19,8 @@ impl Monitors {
         }
     }
 
-    /// The value of `x` in the step before; `initial` in step 0. All values of `x` and the initial one are in `domain`.
+    /// The value of `x` in the step before; `initial` in step 0. All values of `x` and the initial
+    /// one are in `domain`.
     pub fn previous_value(
         &mut self,
         x: &Expr,

@@ -1,4 +1,5 @@
-//! Response: every p is answered by an s, in its step or later; with a bound of n steps, in its step or one of the n after it.
+//! Response: every p is answered by an s, in its step or later; with a bound of n steps, in its
+//! step or one of the n after it.
 //!
 //! | scope | meaning |
 //! |---|---|
@@ -8,8 +9,8 @@
 //! | between q and r | `G ((q & !r & F r) -> ((p -> (!r U (s & !r))) U r))` |
 //! | after q until r | `G ((q & !r) -> ((p -> (!r U (s & !r))) W r))` |
 //!
-//! With a bound, `F s` becomes `F<=n s`, and `!r U (s & !r)` becomes `!r U<=n (s & !r)`: the step meant is at most n steps away. An
-//! s in the step of r comes too late, as it does without a bound.
+//! With a bound, `F s` becomes `F<=n s`, and `!r U (s & !r)` becomes `!r U<=n (s & !r)`: the step
+//! meant is at most n steps away. An s in the step of r comes too late, as it does without a bound.
 
 use super::deadline::Deadline;
 use super::{Expr, Monitors, Obligation, Origin, Scope};
@@ -23,7 +24,8 @@ pub(super) fn lower(
 ) -> Vec<Obligation> {
     let inside = scope.inside(monitors, origin);
     let asked = inside.and(trigger.clone());
-    // What is unanswered when the scope closes has broken the pattern for good, so nothing is to be forgotten then.
+    // What is unanswered when the scope closes has broken the pattern for good, so nothing is to be
+    // forgotten then.
     let open = |before: Expr| answer.clone().not().and(asked.clone().or(before));
     let open = monitors.remember("unanswered", false, open, origin);
     scope.some_day(&open)

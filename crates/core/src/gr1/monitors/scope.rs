@@ -1,7 +1,9 @@
-//! Scopes of patterns (Dwyer, Avrunin, Corbett: Patterns in Property Specifications for Finite-State Verification, ICSE 1999).
+//! Scopes of patterns (Dwyer, Avrunin, Corbett: Patterns in Property Specifications for
+//! Finite-State Verification, ICSE 1999).
 //!
-//! A scope says in which steps a pattern has to hold. All of them are closed on the left and open on the right: the step of q
-//! belongs to the scope, the step of r does not; q and r in one step open nothing.
+//! A scope says in which steps a pattern has to hold. All of them are closed on the left and open
+//! on the right: the step of q belongs to the scope, the step of r does not; q and r in one step
+//! open nothing.
 //!
 //! | scope | open in the steps | what is not done when the run goes on for ever |
 //! |---|---|---|
@@ -11,10 +13,12 @@
 //! | between q and r | from a q to the next r | is no matter, likewise |
 //! | after q until r | from a q to the next r, or for ever | breaks the pattern |
 //!
-//! Dwyer's formulas for the last two speak of *every* q: what has to happen in the scope has to happen after the last q in it.
+//! Dwyer's formulas for the last two speak of *every* q: what has to happen in the scope has to
+//! happen after the last q in it.
 //!
-//! With the five pieces below, a pattern is one formula for all scopes. The one difference in kind is whether a scope counts that
-//! never closes. Where it does not, a mistake is remembered until r comes ([`Scope::never`]).
+//! With the five pieces below, a pattern is one formula for all scopes. The one difference in kind
+//! is whether a scope counts that never closes. Where it does not, a mistake is remembered until r
+//! comes ([`Scope::never`]).
 
 use super::{BinaryOp, Expr, Kind, Monitors, Obligation, Origin, Remembered};
 
@@ -27,7 +31,8 @@ pub enum Scope {
     Before(Expr),
     /// From the first step in which it holds on.
     After(Expr),
-    /// From every step in which the first holds to the next in which the second does, if there is one.
+    /// From every step in which the first holds to the next in which the second does, if there is
+    /// one.
     Between(Expr, Expr),
     /// The same, also if the second never holds again.
     AfterUntil(Expr, Expr),
@@ -63,7 +68,8 @@ impl Scope {
         matches!(self, Self::Before(_) | Self::Between(..))
     }
 
-    /// What opens the scope in this step, or opens it anew; `None` if it is open from the beginning.
+    /// What opens the scope in this step, or opens it anew; `None` if it is open from the
+    /// beginning.
     pub(super) fn opening(&self, monitors: &mut Monitors, origin: &Origin) -> Option<Expr> {
         match self {
             Self::Globally | Self::Before(_) => None,
@@ -98,8 +104,8 @@ impl Scope {
         monitors.remember("waiting", opening.is_none(), waits, origin)
     }
 
-    /// `mistake`, which is false outside the scope, must not happen in a scope that counts. Nothing has to be forgotten at r: if
-    /// there is something to forget, the pattern is broken for good.
+    /// `mistake`, which is false outside the scope, must not happen in a scope that counts. Nothing
+    /// has to be forgotten at r: if there is something to forget, the pattern is broken for good.
     pub(super) fn never(
         &self,
         monitors: &mut Monitors,
@@ -116,7 +122,8 @@ impl Scope {
         }
     }
 
-    /// What is `open` must be done before the scope closes, and some day in a scope that counts and never closes.
+    /// What is `open` must be done before the scope closes, and some day in a scope that counts and
+    /// never closes.
     pub(super) fn some_day(&self, open: &Remembered) -> Vec<Obligation> {
         let mut found = match self.end() {
             Some(r) => invariant(&r.clone().implies(open.before.clone().not())),

@@ -1,6 +1,8 @@
-//! `p since q`: q holds in this step or held before, and p held in every step after the last such step, this one included.
+//! `p since q`: q holds in this step or held before, and p held in every step after the last such
+//! step, this one included.
 //!
-//! By its expansion, `p since q` = q or (p and previous (p since q)), the monitor being that last part.
+//! By its expansion, `p since q` = q or (p and previous (p since q)), the monitor being that last
+//! part.
 
 use super::{Monitors, Origin};
 use crate::gr1::Expr;

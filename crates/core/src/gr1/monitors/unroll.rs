@@ -1,9 +1,10 @@
 //! Formulas that read monitors, for places where they may not be read.
 //!
-//! A monitor is the machine's variable. An assumption about this step may mention inputs only, and one about the next step next
-//! values of inputs only. But a monitor's value in step 0 is known, and its next value is an expression over current values. So an
-//! invariant over inputs and monitors is the same as an initial condition and a safety formula that mention no monitor where none
-//! may be mentioned.
+//! A monitor is the machine's variable. An assumption about this step may mention inputs only, and
+//! one about the next step next values of inputs only. But a monitor's value in step 0 is known,
+//! and its next value is an expression over current values. So an invariant over inputs and
+//! monitors is the same as an initial condition and a safety formula that mention no monitor where
+//! none may be mentioned.
 
 use super::{Kind, Monitors, Obligation};
 use crate::gr1::{Expr, Time};
@@ -13,7 +14,8 @@ use crate::gr1::{Expr, Time};
 pub struct Unrolled {
     /// Holds in step 0; mentions no monitor.
     pub initial: Expr,
-    /// Holds from every step to the next; mentions current values of monitors, and next values of other variables.
+    /// Holds from every step to the next; mentions current values of monitors, and next values of
+    /// other variables.
     pub safety: Expr,
 }
 
@@ -52,8 +54,9 @@ impl Monitors {
         replaced.simplify()
     }
 
-    /// An obligation as assumptions may have it: what reads a monitor is taken apart, what is always true left out. Whether what is
-    /// left speaks of outputs that an assumption may not speak of is for the caller to check.
+    /// An obligation as assumptions may have it: what reads a monitor is taken apart, what is
+    /// always true left out. Whether what is left speaks of outputs that an assumption may not
+    /// speak of is for the caller to check.
     pub fn assumed(&self, obligation: &Obligation) -> Vec<Obligation> {
         let Obligation { kind, expr } = obligation;
         let parts = match kind {

@@ -1,4 +1,5 @@
-//! Reads what begins with a keyword of its own: variables, types, imports, weights ...; longer ones have their own files.
+//! Reads what begins with a keyword of its own: variables, types, imports, weights ...; longer ones
+//! have their own files.
 
 use super::words::Word;
 use super::{DECLARATIONS, Parsed, Parser, is_keyword, owner};

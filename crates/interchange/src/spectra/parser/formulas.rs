@@ -223,7 +223,8 @@ impl Parser<'_> {
                 self.expect(")", "the parenthesis is not closed")?;
                 Shape::Matches(regexp)
             }
-            // Older versions of the language knew no quantifiers: there these words are names of predicates.
+            // Older versions of the language knew no quantifiers: there these words are names of
+            // predicates.
             "forall" | "exists" if !self.is_ahead(1, "(") => {
                 self.next();
                 let name = self.name("a name for the values")?;

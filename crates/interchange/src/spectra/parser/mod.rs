@@ -1,7 +1,8 @@
-//! Reads words into declarations. A mistake is reported, and reading goes on behind the next `;` or at the next declaration.
+//! Reads words into declarations. A mistake is reported, and reading goes on behind the next `;` or
+//! at the next declaration.
 //!
-//! By hand rather than with pest: each declaration is read on its own, so that all mistakes of a file are found at once, and the nesting is
-//! counted while it is read.
+//! By hand rather than with pest: each declaration is read on its own, so that all mistakes of a
+//! file are found at once, and the nesting is counted while it is read.
 
 mod counter;
 mod declarations;

@@ -28,7 +28,8 @@ const SIGNS: [&str; 30] = [
     ",", ";", ":", ".", "&", "|", "!", "+", "-", "*", "/", "%", "~",
 ];
 
-/// The words of a text without its comments: `-- ...`, `// ...`, `/* ... */`. The last one is [`Word::End`].
+/// The words of a text without its comments: `-- ...`, `// ...`, `/* ... */`. The last one is
+/// [`Word::End`].
 pub(super) fn words(text: &str) -> Vec<Token> {
     let mut found = Vec::new();
     let bytes = text.as_bytes();

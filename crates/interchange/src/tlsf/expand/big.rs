@@ -9,7 +9,8 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 impl<'f> Expander<'f, '_> {
-    /// The values of a body for every choice of what its operator runs over. The recursion is as deep as there are ranges.
+    /// The values of a body for every choice of what its operator runs over. The recursion is as
+    /// deep as there are ranges.
     pub(super) fn rounds(
         &mut self,
         ranges: &'f [Tree],

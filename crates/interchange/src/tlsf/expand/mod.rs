@@ -1,4 +1,5 @@
-//! Expands definitions, big operators and sets: what is left are signals and operators of temporal logic.
+//! Expands definitions, big operators and sets: what is left are signals and operators of temporal
+//! logic.
 //!
 //! The expansion is bounded in steps, in depth and in the size of what it makes.
 
@@ -225,7 +226,8 @@ impl<'f, 'r> Expander<'f, 'r> {
                 let mut parts = Vec::new();
                 for part in list {
                     let f = self.condition(part, scope, site)?;
-                    // As guards do: what is decided needs no further look, which may be outside a bus.
+                    // As guards do: what is decided needs no further look, which may be outside a
+                    // bus.
                     let decided = self.formulas.truth(f) == Some(!and);
                     parts.push(f);
                     if decided {

@@ -31,7 +31,8 @@ impl<'f> Expander<'f, '_> {
         }
     }
 
-    /// Whether a formula has the shape of a pattern; what names stand for then. The recursion is as deep as the pattern.
+    /// Whether a formula has the shape of a pattern; what names stand for then. The recursion is as
+    /// deep as the pattern.
     pub(super) fn matches(
         &mut self,
         f: F,

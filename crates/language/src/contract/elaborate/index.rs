@@ -11,7 +11,8 @@ use linewright_syntax::ast;
 /// Up to so many elements are chosen one by one; more by halves, which keeps formulas shallow.
 const MAX_LINEAR: usize = 16;
 
-/// What an expression names: a variable or a part of one, whose value need not be written out yet, or any other value.
+/// What an expression names: a variable or a part of one, whose value need not be written out yet,
+/// or any other value.
 enum Named {
     Variable(Entry),
     Value(Value),
@@ -37,7 +38,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// What is indexed. An array of arrays of variables is followed index by index, so that one element costs no more than itself.
+    /// What is indexed. An array of arrays of variables is followed index by index, so that one
+    /// element costs no more than itself.
     fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Named> {
         match &e.kind {
             ast::ExprKind::Path(names) => {
@@ -144,7 +146,8 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// The element that an index names, of those from `low` on: leaf by leaf, where they are no scalars.
+/// The element that an index names, of those from `low` on: leaf by leaf, where they are no
+/// scalars.
 fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     match elements.first()? {
         Value::Scalar(_, ty) => {

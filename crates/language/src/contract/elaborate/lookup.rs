@@ -188,7 +188,8 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn unknown(&mut self, span: Span, name: &str, expected: Option<&Type>) {
-        // Definitions within definitions may come by the same place a million times, and what is near it takes long to find.
+        // Definitions within definitions may come by the same place a million times, and what is
+        // near it takes long to find.
         let mut latest = self.findings.list.iter().rev().take(64);
         if latest.any(|f| f.code == codes::NAME_UNKNOWN && f.span == Some(span)) {
             return;

@@ -1,8 +1,8 @@
 //! From a syntax tree's expressions to typed terms.
 //!
-//! Labels have no type of their own: `turn` in `command = turn` is looked up in the type of `command`. A name is, in this order:
-//! bound by a quantifier, a `define`, a variable, a parameter or constant, a label of the expected type, a label of the one
-//! enumeration in sight that has it.
+//! Labels have no type of their own: `turn` in `command = turn` is looked up in the type of
+//! `command`. A name is, in this order: bound by a quantifier, a `define`, a variable, a parameter
+//! or constant, a label of the expected type, a label of the one enumeration in sight that has it.
 
 mod domains;
 mod expansion;
@@ -151,7 +151,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A number that is known now, in base units of `dimension`; a bare number is refused where a unit is expected.
+    /// A number that is known now, in base units of `dimension`; a bare number is refused where a
+    /// unit is expected.
     pub fn constant_quantity(&mut self, e: &'a ast::Expr, dimension: Dimension) -> Option<f64> {
         let term = self.quantity(e, dimension)?;
         let value = constant_real(&term);

@@ -1,7 +1,8 @@
 //! Defines: names for expressions, with parameters or without.
 //!
-//! A define means the same wherever it is used. So it sees its own parameters and what stands around it, never what is quantified
-//! where it is called; and one that stands outside of all contracts sees nothing of the contract that calls it.
+//! A define means the same wherever it is used. So it sees its own parameters and what stands
+//! around it, never what is quantified where it is called; and one that stands outside of all
+//! contracts sees nothing of the contract that calls it.
 
 use super::Elaborator;
 use super::units::fitted_value;
@@ -79,8 +80,8 @@ impl<'a> Elaborator<'a> {
         self.expanded(span, define, values, expected, time)
     }
 
-    /// An argument, of the type of its parameter where that has one. It is a value of this step: under `next` all of the define
-    /// is taken one step on.
+    /// An argument, of the type of its parameter where that has one. It is a value of this step:
+    /// under `next` all of the define is taken one step on.
     fn argument(
         &mut self,
         formal: &'a ast::Formal,

@@ -1,4 +1,5 @@
-//! Comparisons that are well-formed and hardly meant: decided by domains alone (LW114), or of the next step on both sides (LW211).
+//! Comparisons that are well-formed and hardly meant: decided by domains alone (LW114), or of the
+//! next step on both sides (LW211).
 
 use super::Elaborator;
 use super::names::Names;
@@ -15,14 +16,16 @@ use linewright_syntax::format;
 impl Elaborator<'_> {
     /// Looks at a comparison of numbers: `term` is what became of `a` and `b`, in one unit.
     ///
-    /// Only a variable is compared, with a number that stands there as one, or with another variable. What comes from parameters or
-    /// quantifiers is general on purpose, and may well be decided in one case of many.
+    /// Only a variable is compared, with a number that stands there as one, or with another
+    /// variable. What comes from parameters or quantifiers is general on purpose, and may well be
+    /// decided in one case of many.
     pub(super) fn compared(&mut self, span: Span, sign: &str, term: &Term, a: &Expr, b: &Expr) {
         let Term::Binary(op, x, y) = term else { return };
         if self.dialect.real {
             return;
         }
-        // `place <= LAST` says what a place is, and need not be looked up; `place = LAST` is meant to be one.
+        // `place <= LAST` says what a place is, and need not be looked up; `place = LAST` is meant
+        // to be one.
         let equation = matches!(op, BinaryOp::Eq | BinaryOp::Ne);
         let both = self.names.declared(a) && self.names.declared(b) && equation;
         let of_number = |v: &Expr, n: &Expr| {

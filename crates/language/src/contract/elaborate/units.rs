@@ -197,8 +197,8 @@ pub(super) fn same_dimension(
     None
 }
 
-/// The unit in which a quantity is a whole number: the given one, or the coarsest of those that it is a multiple of; and how many of it
-/// that is. The given one, where there is none.
+/// The unit in which a quantity is a whole number: the given one, or the coarsest of those that it
+/// is a multiple of; and how many of it that is. The given one, where there is none.
 fn finer(unit: Unit, quantity: &Term, ty: &Type) -> (Unit, i64) {
     let known = (unit, 1);
     let Some(base) = constant_real(quantity) else {

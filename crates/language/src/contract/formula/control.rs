@@ -136,7 +136,8 @@ fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
     (now, next)
 }
 
-/// The first condition without connectives that mentions one of these variables; with [`Time::Next`], its next value.
+/// The first condition without connectives that mentions one of these variables; with
+/// [`Time::Next`], its next value.
 fn atom(known: &Names<'_>, formula: &ast::Expr, names: &[String], time: Time) -> Option<Span> {
     let bases: Vec<&str> = names.iter().map(|n| way(n).0).collect();
     find(known, formula, &bases, time == Time::Now)

@@ -9,8 +9,9 @@
 //! | `always (a or eventually b)` | a response |
 //! | `always (a or (p unless q))` | a pattern with the scope `after ... until ...` |
 //!
-//! `eventually always d` has none: no condition of the past tells when it has come to stay. A machine can promise more, namely to say
-//! when; of a plant less can be asked, `always eventually d`.
+//! `eventually always d` has none: no condition of the past tells when it has come to stay. A
+//! machine can promise more, namely to say when; of a plant less can be asked,
+//! `always eventually d`.
 
 use super::ltl::{
     Ltl, arrow, at_first, conj, disj, ever, historically, implies, make, name, not, once, previous,
@@ -71,8 +72,8 @@ impl Form {
     }
 }
 
-/// The form of a formula as an assumption or guarantee. `input` says whether a formula speaks of inputs only; `fresh` is the name of a
-/// variable that nobody has, where one may be declared.
+/// The form of a formula as an assumption or guarantee. `input` says whether a formula speaks of
+/// inputs only; `fresh` is the name of a variable that nobody has, where one may be declared.
 pub(super) fn of(
     e: &Expr,
     guarantee: bool,
@@ -125,7 +126,8 @@ impl Form {
             return Some(());
         }
         if let Some((trigger, q, r)) = chain(clause) {
-            // Every q is answered, not only those behind a trigger; of a plant only the first half is asked.
+            // Every q is answered, not only those behind a trigger; of a plant only the first half
+            // is asked.
             let begins = make(ExprKind::Eventually(Box::new(q.clone())));
             self.rules
                 .push((guarantee, globally(arrow(trigger, begins))));
@@ -271,7 +273,8 @@ fn exactly(clause: &Ltl) -> Option<Expr> {
     })
 }
 
-/// What a promise about all steps says of those up to now: false from some step on, if it is broken.
+/// What a promise about all steps says of those up to now: false from some step on, if it is
+/// broken.
 fn looks_back(part: &Ltl) -> Option<Expr> {
     match part {
         Ltl::State(p) => once(&at_first(p)?),

@@ -1,10 +1,14 @@
-//! Formulas of linear temporal logic, brought into a shape in which their GR(1) form can be read off.
+//! Formulas of linear temporal logic, brought into a shape in which their GR(1) form can be read
+//! off.
 //!
-//! Negations are pushed inwards, conjunctions outwards, and what holds of every run is used to take operators apart: `always` of an
-//! implication whose conclusion is an `always` is about the past (`always (once p -> q)`), `always eventually` is the same from every
-//! step on, and so comes out of any disjunction. What is left is a conjunction of clauses; `forms.rs` knows those that have a form.
+//! Negations are pushed inwards, conjunctions outwards, and what holds of every run is used to take
+//! operators apart: `always` of an implication whose conclusion is an `always` is about the past
+//! (`always (once p -> q)`), `always eventually` is the same from every step on, and so comes out
+//! of any disjunction. What is left is a conjunction of clauses; `forms.rs` knows those that have a
+//! form.
 //!
-//! All of it is exact. What cannot be brought into the shape has no form here (`None`), which says nothing about whether it has one.
+//! All of it is exact. What cannot be brought into the shape has no form here (`None`), which says
+//! nothing about whether it has one.
 
 use linewright_core::source::Span;
 use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind, Scope, UntilOp};
@@ -195,7 +199,8 @@ fn next(x: Ltl) -> Option<Ltl> {
     }
 }
 
-/// Whether it is `always eventually` or `eventually always` of a condition: the same from every step on.
+/// Whether it is `always eventually` or `eventually always` of a condition: the same from every
+/// step on.
 fn endless(x: &Ltl) -> bool {
     match x {
         Always(x) => matches!(&**x, Eventually(x) if matches!(**x, State(_))),
@@ -214,7 +219,8 @@ fn always(x: Ltl) -> Option<Ltl> {
             Always(_) => Some(Eventually(y)),
             And(parts) => {
                 let each = parts.into_iter().map(|p| always(eventually(p)?));
-                // Only of `q and eventually r`, which comes again and again if each of the two does.
+                // Only of `q and eventually r`, which comes again and again if each of the two
+                // does.
                 and(each.collect::<Option<Vec<_>>>()?)
             }
             _ => None,
@@ -323,7 +329,7 @@ fn eventually(x: Ltl) -> Option<Ltl> {
     }
 }
 
-// ---- conditions ------------------------------------------------------------------------------------------------------
+// ---- conditions ---------------------------------------------------------------------------------
 
 pub(super) fn make(kind: ExprKind) -> Expr {
     Expr {

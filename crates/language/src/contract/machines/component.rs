@@ -235,7 +235,8 @@ fn target(b: &ast::Binding) -> String {
 /// How an array or record is bound, for messages.
 const PARTS: &str = "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`; a record to one with the same members, or member by member: `target.x = ...`";
 
-/// What an input is bound to: what the file says, else the plant's wire of its name, else the coordinator's output of its name.
+/// What an input is bound to: what the file says, else the plant's wire of its name, else the
+/// coordinator's output of its name.
 pub(super) fn binding<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -347,7 +348,8 @@ fn type_of(specification: &Specification, leaves: &[(VarId, Vec<Segment<'_>>)]) 
     }
 }
 
-/// The scalar at the end of a way into a value. Where an array is wanted, a scalar stands for all its elements.
+/// The scalar at the end of a way into a value. Where an array is wanted, a scalar stands for all
+/// its elements.
 fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
     match (value, path) {
         (Value::Scalar(term, ty), path)
@@ -366,7 +368,8 @@ fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
     }
 }
 
-/// What an input is bound to where no job says otherwise. The outer `None`: what is wrong was reported; the inner: nothing.
+/// What an input is bound to where no job says otherwise. The outer `None`: what is wrong was
+/// reported; the inner: nothing.
 #[expect(clippy::option_option, reason = "bound to nothing, or wrongly")]
 fn otherwise<'a>(
     wires: &mut Elaborator<'a>,
@@ -428,7 +431,8 @@ fn otherwise<'a>(
     Some(Some((Term::Var(id, Time::Now), decl.name.span)))
 }
 
-/// The part of a value that a leaf of an input gets: `way` leads to it. `whole` is the type of all of it, `target` what it is called.
+/// The part of a value that a leaf of an input gets: `way` leads to it. `whole` is the type of all
+/// of it, `target` what it is called.
 fn part_of<'a>(
     wires: &mut Elaborator<'a>,
     value: &'a ast::Expr,

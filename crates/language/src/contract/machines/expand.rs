@@ -1,14 +1,17 @@
 //! From layers to one flat machine.
 //!
-//! A machine is resolved as it is written: an inner machine stands in its place as a component whose outputs are all that can be seen of
-//! it ([`Nested`]). Here such components are replaced, in one of two ways:
+//! A machine is resolved as it is written: an inner machine stands in its place as a component
+//! whose outputs are all that can be seen of it ([`Nested`]). Here such components are replaced, in
+//! one of two ways:
 //!
 //! - *flat*, for whatever runs: by the inner machine's components, called `left.pick`;
-//! - *abstracted*, for proofs: by one component with the contract that the inner machine refines. What others read of it and the contract
-//!   does not speak of becomes an output of that component about which nothing is said. An inner machine that refines nothing is replaced
-//!   by its components here, too.
+//! - *abstracted*, for proofs: by one component with the contract that the inner machine refines.
+//!   What others read of it and the contract does not speak of becomes an output of that component
+//!   about which nothing is said. An inner machine that refines nothing is replaced by its
+//!   components here, too.
 //!
-//! Both are the same walk: wires are numbered anew, and every expression is put over the new numbers.
+//! Both are the same walk: wires are numbered anew, and every expression is put over the new
+//! numbers.
 
 use super::nested::{Level, Nested, Seen};
 use crate::contract::machine::{
@@ -64,7 +67,8 @@ impl Piece<'_> {
     }
 }
 
-/// The machine of a level, with its layers taken apart; what a machine without inner ones is already.
+/// The machine of a level, with its layers taken apart; what a machine without inner ones is
+/// already.
 pub(super) fn finish(level: Level) -> Machine {
     if level.nested.iter().all(Option::is_none) {
         return level.machine;
@@ -193,7 +197,8 @@ struct Places<'l> {
 }
 
 impl<'l> Places<'l> {
-    /// Coordinators first, of all layers: they answer before anybody else. Those that watch come last, since they see all others.
+    /// Coordinators first, of all layers: they answer before anybody else. Those that watch come
+    /// last, since they see all others.
     fn new(level: &'l Level, pieces: &'l [Piece<'l>]) -> Self {
         let all = pieces.iter().enumerate().flat_map(|(i, piece)| {
             let components = piece.components().iter().enumerate();
@@ -391,7 +396,8 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
     }
 }
 
-/// The skills that the machine calls, and those that the machines within it call, as far as they were taken apart.
+/// The skills that the machine calls, and those that the machines within it call, as far as they
+/// were taken apart.
 fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
     let over = |orders: &Orders| Orders {
         when: orders.when.iter().map(|e| places.over(e)).collect(),
@@ -484,8 +490,9 @@ fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
 }
 
 impl Nested {
-    /// Whether the contract stands for a machine that answers before it looks. A `moore` contract does not make one of it: what its outputs
-    /// are bound to has to come from components that answer first.
+    /// Whether the contract stands for a machine that answers before it looks. A `moore` contract
+    /// does not make one of it: what its outputs are bound to has to come from components that
+    /// answer first.
     fn timing(&self, promised: &Promised) -> Timing {
         let specification = &promised.specification;
         let first = specification.outputs().all(|v| {
@@ -518,7 +525,8 @@ pub(super) fn answers_first(machine: &Machine, expr: &Expr) -> bool {
     first
 }
 
-/// All that can be seen of a machine from outside, as a contract without formulas: its plant's wires are the inputs.
+/// All that can be seen of a machine from outside, as a contract without formulas: its plant's
+/// wires are the inputs.
 pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
     let inputs = machine.plant.iter().map(|input| Variable {
         name: input.name.clone(),

@@ -1,8 +1,10 @@
-//! What a job sets: inputs of the actions that it runs, `operation shift: pick, move(tx = 2, ty = 1), place`.
+//! What a job sets: inputs of the actions that it runs,
+//! `operation shift: pick, move(tx = 2, ty = 1), place`.
 //!
-//! While the operation runs, the input has the value that stands there; otherwise the one it is bound to in the action, if any.
-//! An action that runs several times in one operation is given the same each time, since its place in the sequence is known to
-//! the coordinator alone; a second instance of the action tells the two apart.
+//! While the operation runs, the input has the value that stands there; otherwise the one it is
+//! bound to in the action, if any. An action that runs several times in one operation is given the
+//! same each time, since its place in the sequence is known to the coordinator alone; a second
+//! instance of the action tells the two apart.
 
 use super::Parts;
 use crate::contract::elaborate::{Findings, VariableTable, nearest};
@@ -52,7 +54,8 @@ pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> 
     found
 }
 
-/// Reports what operations set that is no input, or set twice, or set differently for two runs of one action.
+/// Reports what operations set that is no input, or set twice, or set differently for two runs of
+/// one action.
 pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &SourceMap) {
     for item in &parts.machine.items {
         let MachineItem::Operation { name, sequence, .. } = item else {
@@ -129,8 +132,8 @@ fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
     a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| given(y, x)))
 }
 
-/// The job of one of several coordinators: the operation that runs, where it knows it, and else `none`. `None` where the wire itself
-/// has that type.
+/// The job of one of several coordinators: the operation that runs, where it knows it, and else
+/// `none`. `None` where the wire itself has that type.
 pub(super) fn job_of(variables: &VariableTable, ty: &Type) -> Option<Term> {
     let (Type::Enum(own), Some(Domain::Enum { labels, .. })) =
         (ty, variables.domains.first()?.as_ref())

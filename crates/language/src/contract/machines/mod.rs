@@ -1,4 +1,5 @@
-//! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid, expressions resolved.
+//! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid,
+//! expressions resolved.
 
 mod component;
 mod expand;
@@ -345,8 +346,8 @@ fn instance<'a>(
     Some(instance.specification)
 }
 
-/// What came of a call. What is wrong within the contract or machine (`what`) is reported once, where it stands; here only what the call
-/// gets wrong.
+/// What came of a call. What is wrong within the contract or machine (`what`) is reported once,
+/// where it stands; here only what the call gets wrong.
 fn called<T>(
     findings: &mut Findings,
     c: &ast::Component,

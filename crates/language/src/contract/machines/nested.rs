@@ -1,11 +1,14 @@
-//! Machines as components of machines: what can be seen of one, what it takes, and what its numbers become.
+//! Machines as components of machines: what can be seen of one, what it takes, and what its numbers
+//! become.
 //!
-//! From outside an inner machine is a component like others. Its inputs are its plant's wires: the wire `operation`, its signals and its
-//! abstractions. Its outputs are the outputs of the contract that it refines (of the first, where it refines several), `done`, and
-//! whatever stands on its wires, by its own names: `left.pick.stage`. Of names that are the same, the contract's is meant.
+//! From outside an inner machine is a component like others. Its inputs are its plant's wires: the
+//! wire `operation`, its signals and its abstractions. Its outputs are the outputs of the contract
+//! that it refines (of the first, where it refines several), `done`, and whatever stands on its
+//! wires, by its own names: `left.pick.stage`. Of names that are the same, the contract's is meant.
 //!
-//! Its `step`, `limit`, `failures`, `write` and `idle power` say how it works alone. The times and powers of its actions, and the power that
-//! it draws beside them, belong to the outer machine as well.
+//! Its `step`, `limit`, `failures`, `write` and `idle power` say how it works alone. The times and
+//! powers of its actions, and the power that it draws beside them, belong to the outer machine as
+//! well.
 
 use super::expand::{How, answers_first, expand, view};
 use super::properties::{PropertyType, assigned, assigned_array};
@@ -29,7 +32,8 @@ pub(super) struct Level {
     pub machine: Machine,
     /// For every component, the machine that it is.
     pub nested: Vec<Option<Nested>>,
-    /// For every operation the components that it runs, each with the operation of that component where it is a machine.
+    /// For every operation the components that it runs, each with the operation of that component
+    /// where it is a machine.
     pub performed: Vec<Vec<(usize, Option<usize>)>>,
     /// The types of properties, by name, with the place of the first element.
     pub properties: BTreeMap<String, (usize, PropertyType)>,
@@ -63,7 +67,8 @@ pub(super) enum Seen {
     Wire(usize),
 }
 
-/// The machine of a component, with its view as a contract; what is wrong with the call is reported.
+/// The machine of a component, with its view as a contract; what is wrong with the call is
+/// reported.
 pub(super) fn nested<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -184,8 +189,8 @@ impl Nested {
             .collect()
     }
 
-    /// Whether an input is read within the step by what answers in it: by components that look before they answer, or by an output of the
-    /// view itself.
+    /// Whether an input is read within the step by what answers in it: by components that look
+    /// before they answer, or by an output of the view itself.
     pub fn is_read_early(&self, input: usize) -> bool {
         let reads = |expr: &Expr| {
             let mut found = false;
@@ -245,7 +250,8 @@ impl Nested {
         found
     }
 
-    /// The operation that a place in a sequence names: `left.fetch`, or `left` where there is one only.
+    /// The operation that a place in a sequence names: `left.fetch`, or `left` where there is one
+    /// only.
     pub fn operation(&self, findings: &mut Findings, run: &ast::Name) -> Option<usize> {
         let operations = &self.flat.operations;
         let said = run.text.split_once('.').map(|(_, operation)| operation);
@@ -284,7 +290,8 @@ impl Nested {
     }
 }
 
-/// What an inner machine's properties are in the outer one: what the file says, else the property of that name.
+/// What an inner machine's properties are in the outer one: what the file says, else the property
+/// of that name.
 pub(super) fn bind_properties<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,

@@ -1,8 +1,9 @@
 //! The skills that a machine calls, and when: each set with one condition over wires a skill.
 //!
-//! The rules of a set stand in two places. Those about what one coordinator calls are guarantees of its contract, so that it is synthesized
-//! to keep them ([`guarantee`]). And all of them are assumptions of a component that does nothing but watch ([`watching`]): that they are
-//! kept is then proved like any other assumption, and checked by the library in every step.
+//! The rules of a set stand in two places. Those about what one coordinator calls are guarantees of
+//! its contract, so that it is synthesized to keep them ([`guarantee`]). And all of them are
+//! assumptions of a component that does nothing but watch ([`watching`]): that they are kept is
+//! then proved like any other assumption, and checked by the library in every step.
 
 use super::Parts;
 use super::component::scope_of_wires;
@@ -120,7 +121,8 @@ fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> Called<'
     called
 }
 
-/// One condition a skill, in the order of the skills. `None` when something is wrong; it was reported.
+/// One condition a skill, in the order of the skills. `None` when something is wrong; it was
+/// reported.
 fn conditions(
     findings: &mut Findings,
     decl: &ast::SkillCalls,
@@ -179,7 +181,8 @@ fn conditions(
 /// So many values of wires are tried to find out whether two skills can be called at once.
 const MOST_TRIED: u64 = 1 << 12;
 
-/// The rules about what one coordinator calls become guarantees of its contract. What is wrong is told later, by [`orders`].
+/// The rules about what one coordinator calls become guarantees of its contract. What is wrong is
+/// told later, by [`orders`].
 pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &Scope<'_>) {
     let mut wires = scope_of_wires(&e.names, parts);
     let orders = orders(&mut wires, parts, scope);
@@ -226,7 +229,8 @@ enum Party {
     Plant,
 }
 
-/// Adds the rules, all of whose skills have a condition, to a specification. What defines their variables is guaranteed in any case.
+/// Adds the rules, all of whose skills have a condition, to a specification. What defines their
+/// variables is guaranteed in any case.
 fn add_rules(
     specification: &mut Specification,
     orders: &Orders,
@@ -349,8 +353,8 @@ fn is_never(expr: &Expr, specification: &Specification) -> bool {
     }
 }
 
-/// The skills that are called by asking for an operation, and when one has ended: then the next one is a call of its own, also where it is
-/// the same again. `None` where no skill is called so.
+/// The skills that are called by asking for an operation, and when one has ended: then the next one
+/// is a call of its own, also where it is the same again. `None` where no skill is called so.
 fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> {
     let mut plant = model.plant.iter();
     let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
@@ -446,7 +450,8 @@ pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Componen
     watching
 }
 
-/// Adds a component behind all others. The variables of the machine's own monitors stand behind the wires, and move on.
+/// Adds a component behind all others. The variables of the machine's own monitors stand behind the
+/// wires, and move on.
 pub(super) fn add(model: &mut Machine, component: Component) {
     let before = model.wire_count();
     let more = component.specification.outputs().count();

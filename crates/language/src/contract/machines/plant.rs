@@ -35,8 +35,8 @@ pub(super) fn operations(
     if declared.is_empty() {
         return (Vec::new(), Vec::new());
     }
-    // The type of the input that is bound to `operation` is the type of the wire; where several coordinators have jobs, the wire
-    // has those of all.
+    // The type of the input that is bound to `operation` is the type of the wire; where several
+    // coordinators have jobs, the wire has those of all.
     let mut bound: Vec<(Domain, Span)> = Vec::new();
     for (c, s) in &parts.components {
         let chosen = c.bindings.iter().filter(|b| is_operation(&b.value));

@@ -1,4 +1,5 @@
-//! What a machine promises as a whole: the contracts that it is said to refine, and guarantees of its own over all its wires.
+//! What a machine promises as a whole: the contracts that it is said to refine, and guarantees of
+//! its own over all its wires.
 
 use super::component::binding;
 use super::{Parts, instance};
@@ -67,7 +68,8 @@ fn known(findings: &mut Findings, decl: &ast::Component, specification: &Specifi
     }
 }
 
-/// What every variable is: what the file says, else the wire of its name. `None` when something is missing; it was reported.
+/// What every variable is: what the file says, else the wire of its name. `None` when something is
+/// missing; it was reported.
 fn bindings<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -128,7 +130,8 @@ fn bindings<'a>(
     complete.then_some(bound)
 }
 
-/// Whether an input of the contract is the plant's business here, too: what is assumed of it cannot be assumed of the machine.
+/// Whether an input of the contract is the plant's business here, too: what is assumed of it cannot
+/// be assumed of the machine.
 fn from_outside(
     findings: &mut Findings,
     parts: &Parts<'_>,
@@ -182,8 +185,8 @@ fn wire_names<'a>(parts: &'a Parts<'_>) -> Vec<Wire<'a>> {
     names
 }
 
-/// The wire that a variable's name speaks of: the plant's of that name, `pick_a_stage` for `stage` of `pick_a`, or the only component's output
-/// of that name.
+/// The wire that a variable's name speaks of: the plant's of that name, `pick_a_stage` for `stage`
+/// of `pick_a`, or the only component's output of that name.
 fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
     let only = |fits: &dyn Fn(&Wire<'_>) -> bool| -> Option<VarId> {
         let mut found = wires.iter().enumerate().filter(|(_, w)| fits(w));

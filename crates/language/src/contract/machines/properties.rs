@@ -213,8 +213,8 @@ pub(in crate::contract) fn element_names(name: &str, ty: &PropertyType) -> Vec<S
     }
 }
 
-/// A real expression assigned to a property: a value with a dimension is converted to the property's unit, a bare number is
-/// taken to be in it.
+/// A real expression assigned to a property: a value with a dimension is converted to the
+/// property's unit, a bare number is taken to be in it.
 pub(in crate::contract) fn assigned<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -225,7 +225,8 @@ pub(in crate::contract) fn assigned<'a>(
     converted(&mut e.findings, ty, term, &found, value)
 }
 
-/// Several values assigned to the elements of an array: `value` is an array of as many. What is wrong is reported.
+/// Several values assigned to the elements of an array: `value` is an array of as many. What is
+/// wrong is reported.
 pub(in crate::contract) fn assigned_array<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -271,7 +272,8 @@ fn converted(
     let expected = ty.domain.as_ref().map(Type::of);
     let (dimension, factor) = unit(&ty.unit);
     match (&expected, found) {
-        // A range with a unit: the plant rounds to nothing, so that what is no whole number is reported when it occurs.
+        // A range with a unit: the plant rounds to nothing, so that what is no whole number is
+        // reported when it occurs.
         (Some(Type::Int), Type::Number(d)) if dimension != Dimension::None => {
             if *d != dimension {
                 findings.mismatch(value.span, dimension.word(), found);

@@ -1,8 +1,9 @@
 //! Who may read whose answer within a step.
 //!
-//! What looks before it answers may read what stands on the wires by then: the plant's values, what Moore components said at the beginning of
-//! the step, and the answers of components that are declared earlier. An inner machine is looked at as a whole, but for two things: outputs
-//! that its own Moore components give are there from the beginning, and what only those read may come later.
+//! What looks before it answers may read what stands on the wires by then: the plant's values, what
+//! Moore components said at the beginning of the step, and the answers of components that are
+//! declared earlier. An inner machine is looked at as a whole, but for two things: outputs that its
+//! own Moore components give are there from the beginning, and what only those read may come later.
 
 use super::Parts;
 use crate::contract::elaborate::Findings;

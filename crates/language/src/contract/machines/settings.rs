@@ -113,7 +113,8 @@ pub(super) fn settings<'a>(
     e.findings.absorb(&mut both.findings);
 }
 
-/// A property that is written already, by itself or with its array, is a finding: the later value would win unseen.
+/// A property that is written already, by itself or with its array, is a finding: the later value
+/// would win unseen.
 fn written_once(
     findings: &mut Findings,
     name: &ast::Name,

@@ -1,7 +1,8 @@
-//! From a set of skills as it was written to [`order::Skills`](Skills): components, their situations, what each skill leads to.
+//! From a set of skills as it was written to [`order::Skills`](Skills): components, their
+//! situations, what each skill leads to.
 //!
-//! A set knows nothing of the file around it, so it is resolved once, and every machine that calls its skills shares it. Orders may speak of
-//! components that are declared behind them.
+//! A set knows nothing of the file around it, so it is resolved once, and every machine that calls
+//! its skills shares it. Orders may speak of components that are declared behind them.
 
 mod regex;
 mod rules;

@@ -1,4 +1,5 @@
-//! Regular expressions over skills: names looked up, and their size bounded, since whoever makes an automaton of one writes it out.
+//! Regular expressions over skills: names looked up, and their size bounded, since whoever makes an
+//! automaton of one writes it out.
 
 use super::Resolver;
 use linewright_automata::regex::Regex;

@@ -147,7 +147,8 @@ impl Resolver<'_> {
         self.at_once(&event.skills, separate).map(Event)
     }
 
-    /// Skills that are called at once, in ascending order: each once, and of a component one at most.
+    /// Skills that are called at once, in ascending order: each once, and of a component one at
+    /// most.
     pub(super) fn at_once(
         &mut self,
         names: &[ast::Name],
@@ -279,7 +280,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Reports a name that is not declared, unless what could not be understood may have declared it.
+    /// Reports a name that is not declared, unless what could not be understood may have declared
+    /// it.
     fn unknown(&mut self, name: &ast::Name, what: &str, known: impl Fn(&Self) -> Vec<&str>) {
         self.tainted = true;
         if self.set.broken {

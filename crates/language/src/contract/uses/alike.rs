@@ -1,10 +1,12 @@
-//! LW113: two variables of a contract that look like two names for one thing (`desired` and `desired_angle`).
+//! LW113: two variables of a contract that look like two names for one thing (`desired` and
+//! `desired_angle`).
 //!
-//! Names that share words are common and mostly right: `turn` and `turn_done`, `part` and `part_ok`, `low` and `low_limit`. So three
-//! things have to come together before anything is said. The two are of one side and one type. What one name has more than the other only
-//! says what kind of thing it is (`_angle`, `_value`, `_cmd`), or one shortens the other. And they are not both in use: no formula
-//! mentions one of them; or each formula keeps to one of the two, where nobody who knew both would leave out what
-//! tells them apart.
+//! Names that share words are common and mostly right: `turn` and `turn_done`, `part` and
+//! `part_ok`, `low` and `low_limit`. So three things have to come together before anything is said.
+//! The two are of one side and one type. What one name has more than the other only says what kind
+//! of thing it is (`_angle`, `_value`, `_cmd`), or one shortens the other. And they are not both in
+//! use: no formula mentions one of them; or each formula keeps to one of the two, where nobody who
+//! knew both would leave out what tells them apart.
 
 use super::mentions::Mentions;
 use linewright_core::diagnostics::{Diagnostic, codes, related, words};
@@ -45,7 +47,8 @@ const MERE: &[&str] = &[
     "variable",
 ];
 
-/// Of more variables than this no names are compared: a program has written them, and pairs grow with their square.
+/// Of more variables than this no names are compared: a program has written them, and pairs grow
+/// with their square.
 const MOST_VARIABLES: usize = 1_000;
 
 struct Variable<'a> {
@@ -55,8 +58,8 @@ struct Variable<'a> {
     domain: &'a Domain,
 }
 
-/// The pairs of a contract, each told at the name that nothing uses, or at the later one. `idle` says which nothing uses for
-/// sure.
+/// The pairs of a contract, each told at the name that nothing uses, or at the later one. `idle`
+/// says which nothing uses for sure.
 pub(super) fn find(
     contract: &Contract,
     sources: &SourceMap,

@@ -1,4 +1,5 @@
-//! The game as the environment sees it, and the steps in which its winning region grows; the formula stands above [`super`].
+//! The game as the environment sees it, and the steps in which its winning region grows; the
+//! formula stands above [`super`].
 
 use crate::game::arena::{Arena, Formulas, Selection};
 use crate::game::set_up::SPLIT;
@@ -31,8 +32,8 @@ pub(super) struct Stage<K: Kernel> {
 pub(super) struct Starve<K: Kernel> {
     /// Which goal.
     pub goal: usize,
-    /// For every assumption the Xs of its least fixpoint: from each, the environment comes into the one before, or meets
-    /// the assumption.
+    /// For every assumption the Xs of its least fixpoint: from each, the environment comes into the
+    /// one before, or meets the assumption.
     pub layers: Vec<Vec<K::Function>>,
 }
 
@@ -48,8 +49,8 @@ impl<K: Kernel> Board<K> {
         })
     }
 
-    /// The transitions (x, y, x′, y′) that the machine may take and that are not in `target`; for a machine that answers
-    /// second, whether it has one (x, y, x′).
+    /// The transitions (x, y, x′, y′) that the machine may take and that are not in `target`; for a
+    /// machine that answers second, whether it has one (x, y, x′).
     pub fn evasions(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         match self.timing {
@@ -58,7 +59,8 @@ impl<K: Kernel> Board<K> {
         }
     }
 
-    /// The environment's moves into `target`: (x, y, x′), or (x, y, y′, x′) where the machine answers first.
+    /// The environment's moves into `target`: (x, y, x′), or (x, y, y′, x′) where the machine
+    /// answers first.
     pub fn moves(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         m.and_not(&self.environment, &self.evasions(target)?)
@@ -76,7 +78,8 @@ impl<K: Kernel> Board<K> {
         m.and(&forced, &arena.states)
     }
 
-    /// The environment's choices in step 0 from which it wins in `region`: x, or (x, y) where the machine answers first.
+    /// The environment's choices in step 0 from which it wins in `region`: x, or (x, y) where the
+    /// machine answers first.
     pub fn beginnings(&self, region: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
         let lost = m.and_not(&arena.sys_initial, region)?;
@@ -138,7 +141,8 @@ impl<K: Kernel> Board<K> {
         }
     }
 
-    /// The states from which a goal can be kept from the machine for ever, or `region` be reached; with the layers by assumption.
+    /// The states from which a goal can be kept from the machine for ever, or `region` be reached;
+    /// with the layers by assumption.
     #[expect(clippy::type_complexity, reason = "a set and its layers")]
     fn starve(
         &self,

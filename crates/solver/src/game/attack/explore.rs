@@ -1,8 +1,9 @@
 //! A counterstrategy as explicit states with guards over the machine's outputs.
 //!
-//! As with strategies ([`crate::game::explore`]) a state is what will be done next: the residual of the strategy with the current
-//! step known, and what is still open of the assumption that is aimed at. So where the environment moves first there are
-//! at most as many states as inputs that it ever gives, times assumptions.
+//! As with strategies ([`crate::game::explore`]) a state is what will be done next: the residual of
+//! the strategy with the current step known, and what is still open of the assumption that is aimed
+//! at. So where the environment moves first there are at most as many states as inputs that it ever
+//! gives, times assumptions.
 
 use super::board::Board;
 use super::strategy::Strategy;
@@ -255,7 +256,8 @@ impl<K: Kernel> Explorer<'_, K> {
                 });
             }
         }
-        // Answers that break a guarantee: where the machine answers first, the environment has to say with what.
+        // Answers that break a guarantee: where the machine answers first, the environment has to
+        // say with what.
         let broken = m.and_not(&self.keys[state].given, &self.legal[state])?;
         let everything = m.is_false(&self.legal[state]);
         if everything || self.board.timing == Timing::Moore {

@@ -1,15 +1,18 @@
-//! How the environment wins a game that the machine loses: the dual of the three-nested fixpoint, with its record.
+//! How the environment wins a game that the machine loses: the dual of the three-nested fixpoint,
+//! with its record.
 //!
 //! ```text
 //! Z = μZ. ⋁ⱼ νY. ⋀ᵢ μX. EPre( Z′ ∨ (¬Gⱼ ∧ Y′ ∧ (Aᵢ ∨ X′)) )
 //! ```
 //!
-//! `EPre` holds the states in which the environment has a legal move after which every legal answer of the machine lies in
-//! its argument; none of them being legal counts. The set is the complement of the machine's winning region
-//! ([`super::fixpoint`]; after Könighofer, Hofferek and Bloem, "Debugging formal specifications: a practical approach using
-//! model-based diagnosis and counterstrategies", STTT 15, 2013). The steps of Z are kept as [`board::Stage`]s: either one more forced
-//! step, or a goal that can be kept from the machine for ever while every assumption's justice is met again and again.
-//! The search ends with the first stage from which the environment can begin, so the last stage is as low as can be.
+//! `EPre` holds the states in which the environment has a legal move after which every legal answer
+//! of the machine lies in its argument; none of them being legal counts. The set is the complement
+//! of the machine's winning region ([`super::fixpoint`]; after Könighofer, Hofferek and Bloem,
+//! "Debugging formal specifications: a practical approach using model-based diagnosis and
+//! counterstrategies", STTT 15, 2013). The steps of Z are kept as [`board::Stage`]s: either one
+//! more forced step, or a goal that can be kept from the machine for ever while every assumption's
+//! justice is met again and again. The search ends with the first stage from which the environment
+//! can begin, so the last stage is as low as can be.
 
 mod board;
 mod explore;
@@ -24,13 +27,16 @@ use board::Board;
 use linewright_core::gr1::{Formula, Specification};
 pub use play::{Ending, Play};
 
-/// A counterstrategy in plain data, and the play that it and a machine that resists as long as it can lead to.
+/// A counterstrategy in plain data, and the play that it and a machine that resists as long as it
+/// can lead to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attack {
-    /// The counterstrategy. Conditions are about the machine's outputs, by their place among them; the `output` of a row is
-    /// what the environment gives. Where the environment moves first, all rows of a state give the same.
+    /// The counterstrategy. Conditions are about the machine's outputs, by their place among them;
+    /// the `output` of a row is what the environment gives. Where the environment moves first, all
+    /// rows of a state give the same.
     pub explicit: Explicit,
-    /// A play in which the environment wins as early as it can, and the machine resists as long as it can.
+    /// A play in which the environment wins as early as it can, and the machine resists as long as
+    /// it can.
     pub play: Play,
 }
 

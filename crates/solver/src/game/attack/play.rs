@@ -1,9 +1,11 @@
-//! The play that shows why a game is lost: the environment wins as early as it can, the machine resists as long as it can.
+//! The play that shows why a game is lost: the environment wins as early as it can, the machine
+//! resists as long as it can.
 //!
-//! In every step the machine takes the legal answer that leads to the highest stage, so that no play that ends in a clash is
-//! shorter unless the machine makes it shorter; among equals it changes the fewest outputs. The play ends where no
-//! answer is legal, and names the guarantees that clash there; or it comes back to a step it has seen, and then a goal is
-//! kept from the machine for ever.
+//! In every step the machine takes the legal answer that leads to the highest stage, so that no
+//! play that ends in a clash is shorter unless the machine makes it shorter; among equals it
+//! changes the fewest outputs. The play ends where no answer is legal, and names the guarantees
+//! that clash there; or it comes back to a step it has seen, and then a goal is kept from the
+//! machine for ever.
 
 use super::board::{Board, Stage};
 use super::strategy::Strategy;
@@ -16,8 +18,9 @@ use serde::{Deserialize, Serialize};
 /// A play that the machine loses.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Play {
-    /// The valuations, step by step, with one value a variable of the specification. In the last step of a play that ends
-    /// in a clash, only the inputs mean something; for a machine that answers first, its outputs too.
+    /// The valuations, step by step, with one value a variable of the specification. In the last
+    /// step of a play that ends in a clash, only the inputs mean something; for a machine that
+    /// answers first, its outputs too.
     pub steps: Vec<Vec<i64>>,
     /// How it ends.
     pub ending: Ending,
@@ -26,7 +29,8 @@ pub struct Play {
 /// How a play ends that the machine loses.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
-    /// In the last step no answer keeps all of these guarantees, although some answer keeps any fewer of them.
+    /// In the last step no answer keeps all of these guarantees, although some answer keeps any
+    /// fewer of them.
     Clash(Vec<GuaranteeRef>),
     /// The play goes on at this step for ever, and never meets this guarantee.
     Starved {
@@ -38,8 +42,8 @@ pub enum Ending {
 }
 
 impl Play {
-    /// The same with the guarantees of a [reduced](super::reduced) specification as those of the whole; `core` are the ones
-    /// that were kept.
+    /// The same with the guarantees of a [reduced](super::reduced) specification as those of the
+    /// whole; `core` are the ones that were kept.
     #[must_use]
     pub fn within(mut self, core: &[GuaranteeRef]) -> Self {
         let whole = |guarantee: &mut GuaranteeRef| {
@@ -151,7 +155,8 @@ impl<K: Kernel> Player<'_, K> {
         Ok(Some(self.valuation(&bits)))
     }
 
-    /// Where some move does not change a variable, or else sets it to its smallest value, only such moves.
+    /// Where some move does not change a variable, or else sets it to its smallest value, only such
+    /// moves.
     fn quiet(
         &self,
         moves: K::Function,
@@ -177,7 +182,8 @@ impl<K: Kernel> Player<'_, K> {
         Ok(moves)
     }
 
-    /// What is given when no answer is legal; for a machine that answers first, its quietest answer with it.
+    /// What is given when no answer is legal; for a machine that answers first, its quietest answer
+    /// with it.
     fn offered(&self, given: &K::Function, before: Option<&Vec<i64>>) -> Result<Vec<bool>, Limit> {
         let m = self.m;
         let mut moves = m.and(given, &m.prime(&self.domains()?)?)?;

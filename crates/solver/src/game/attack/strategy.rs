@@ -1,8 +1,10 @@
-//! From the stages of a lost game to a function: what the environment gives, by the state and the assumption it aims at.
+//! From the stages of a lost game to a function: what the environment gives, by the state and the
+//! assumption it aims at.
 //!
-//! In a forced step it moves into the stage below. Where it keeps a goal from the machine, it moves into the layer below for
-//! the assumption aimed at; when that assumption's justice is met, it aims at the next one. Of several moves it takes the
-//! one that changes the fewest inputs, one input after the other; else the smallest values.
+//! In a forced step it moves into the stage below. Where it keeps a goal from the machine, it moves
+//! into the layer below for the assumption aimed at; when that assumption's justice is met, it aims
+//! at the next one. Of several moves it takes the one that changes the fewest inputs, one input
+//! after the other; else the smallest values.
 
 use super::board::{Board, Stage};
 use crate::symbolic::{BitSet, Kernel, Limit};
@@ -10,7 +12,8 @@ use linewright_core::gr1::{Specification, Time};
 
 /// A deterministic counterstrategy.
 pub struct Strategy<K: Kernel> {
-    /// For every assumption that may be aimed at, what is given: (x, y, x′), or (x, y, y′, x′) where the machine answers first.
+    /// For every assumption that may be aimed at, what is given: (x, y, x′), or (x, y, y′, x′)
+    /// where the machine answers first.
     pub moves: Vec<K::Function>,
     /// For each of them, the transitions after which the next one is aimed at.
     pub met: Vec<K::Function>,

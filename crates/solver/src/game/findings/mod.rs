@@ -1,11 +1,12 @@
-//! What is odd about the assumptions: contradictions, dead ends, and whether the machine can win by breaking them; and, in
-//! [`shape`], about guarantees that ask for less than they seem to.
+//! What is odd about the assumptions: contradictions, dead ends, and whether the machine can win by
+//! breaking them; and, in [`shape`], about guarantees that ask for less than they seem to.
 //!
-//! A specification is *well-separated* (Klein and Pnueli; Maoz and Ringert, "On well-separation of GR(1) specifications", FSE
-//! 2016) when the machine cannot force the environment to violate its assumptions. Only then does "safety first, strictly"
-//! equal the plain implication. The check is the same game with the machine's justice replaced by `false`, played from the
-//! states that can occur. It is made twice, as there: for a machine that keeps its own safety all the while, and for one
-//! that does as it likes, which says whether the assumptions make sense by themselves.
+//! A specification is *well-separated* (Klein and Pnueli; Maoz and Ringert, "On well-separation of
+//! GR(1) specifications", FSE 2016) when the machine cannot force the environment to violate its
+//! assumptions. Only then does "safety first, strictly" equal the plain implication. The check is
+//! the same game with the machine's justice replaced by `false`, played from the states that can
+//! occur. It is made twice, as there: for a machine that keeps its own safety all the while, and
+//! for one that does as it likes, which says whether the assumptions make sense by themselves.
 
 pub mod requests;
 pub mod shape;
@@ -20,27 +21,33 @@ use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
 use serde::{Deserialize, Serialize};
 
-/// What is odd about the environment's side. A valuation has one value a variable of the specification.
+/// What is odd about the environment's side. A valuation has one value a variable of the
+/// specification.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentFindings {
-    /// The environment's initial conditions and invariants contradict each other: every machine is right.
+    /// The environment's initial conditions and invariants contradict each other: every machine is
+    /// right.
     pub cannot_start: bool,
     /// A first valuation after which the environment has no move.
     pub stuck_at_start: Option<Vec<i64>>,
-    /// A valuation that can occur while both sides keep their safety, after which the environment has no move.
+    /// A valuation that can occur while both sides keep their safety, after which the environment
+    /// has no move.
     pub dead_end: Option<Vec<i64>>,
-    /// A valuation that can occur while both sides keep their safety, from which the machine can keep its safety and force
-    /// the environment to break an assumption. `None`: the specification is well-separated.
+    /// A valuation that can occur while both sides keep their safety, from which the machine can
+    /// keep its safety and force the environment to break an assumption. `None`: the specification
+    /// is well-separated.
     pub forced: Option<Vec<i64>>,
     /// From how many of the valuations that can occur it can, and how many can occur.
     pub forced_states: [f64; 2],
-    /// The same for a machine that need not keep its safety: a valuation that can occur then, and the numbers.
+    /// The same for a machine that need not keep its safety: a valuation that can occur then, and
+    /// the numbers.
     pub forced_recklessly: Option<Vec<i64>>,
     /// See [`Self::forced_recklessly`].
     pub forced_recklessly_states: [f64; 2],
     /// The assumptions that can be broken so, each by itself, where one alone is enough.
     pub broken: Vec<AssumptionRef>,
-    /// No play keeps all assumptions, not even with a machine that helps and forgets about its guarantees.
+    /// No play keeps all assumptions, not even with a machine that helps and forgets about its
+    /// guarantees.
     pub unsatisfiable: bool,
 }
 

@@ -1,8 +1,9 @@
 //! Whether an accepted request is always completed.
 //!
-//! A contract declares a request in one of two ways. It assumes that the request is held until it is done, `always (R and not D ->
-//! next R)`, where D is an output; or it has an output `turn_executed` or `turn_done` beside an input that has the value
-//! `turn`. What is asked is `always eventually (not R or D)`: does every controller ensure it, could one, or none?
+//! A contract declares a request in one of two ways. It assumes that the request is held until it
+//! is done, `always (R and not D -> next R)`, where D is an output; or it has an output
+//! `turn_executed` or `turn_done` beside an input that has the value `turn`. What is asked is
+//! `always eventually (not R or D)`: does every controller ensure it, could one, or none?
 
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
@@ -23,7 +24,8 @@ pub struct Request {
     pub output: VarId,
     /// The assumption that it is held, if that declares it.
     pub held_by: Option<AssumptionRef>,
-    /// Whether a controller could ensure that it is completed. If none can, it is completed by chance only.
+    /// Whether a controller could ensure that it is completed. If none can, it is completed by
+    /// chance only.
     pub enforceable: bool,
 }
 
@@ -136,7 +138,8 @@ fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
         }
     }
     let asked = after.conjuncts();
-    // All of it is held. If only a part were, that part would be something that stays while another thing is asked for.
+    // All of it is held. If only a part were, that part would be something that stays while another
+    // thing is asked for.
     let kept = |r: &Expr| {
         let mut of_inputs = true;
         r.for_each_var(&mut |v, t| {

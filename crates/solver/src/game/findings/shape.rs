@@ -1,7 +1,8 @@
 //! Where a realizable specification asks for less than it seems to.
 //!
-//! Everything is asked of the plays that can occur: those in which the environment keeps its safety and the machine stays in
-//! its winning region, as every controller does. What never occurs in them occurs under no controller.
+//! Everything is asked of the plays that can occur: those in which the environment keeps its safety
+//! and the machine stays in its winning region, as every controller does. What never occurs in them
+//! occurs under no controller.
 
 use super::requests::{self, Request};
 use crate::game::arena::Arena;
@@ -19,7 +20,8 @@ use serde::{Deserialize, Serialize};
 /// Where a specification asks for less than it seems to.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
-    /// Guarantees that nobody could break: the domains and the assumptions that hold from one step to the next ensure them.
+    /// Guarantees that nobody could break: the domains and the assumptions that hold from one step
+    /// to the next ensure them.
     pub unbreakable: Vec<GuaranteeRef>,
     /// Guarantees `P -> Q` whose P never holds.
     pub unreachable: Vec<GuaranteeRef>,
@@ -73,7 +75,8 @@ struct Look<'a, K: Kernel> {
     specification: &'a Specification,
     /// The states that can occur.
     reached: K::Function,
-    /// The steps that can occur from anywhere: the environment's moves and answers that stay in the winning region.
+    /// The steps that can occur from anywhere: the environment's moves and answers that stay in the
+    /// winning region.
     moves: K::Function,
 }
 
@@ -302,7 +305,8 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// Whether the machine still wins when an output stays wherever it is free. Where it cannot stay, the author wants a choice.
+    /// Whether the machine still wins when an output stays wherever it is free. Where it cannot
+    /// stay, the author wants a choice.
     fn wins_framed(&self, v: VarId, free: &K::Function) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut frame = m.or(&m.not(free)?, &arena.encoding.unchanged(m, v)?)?;
@@ -324,8 +328,9 @@ impl<'a, K: Kernel> Look<'a, K> {
         ruled.wins_initially(&winning_states(&ruled)?)
     }
 
-    /// A guarantee that leaves an output a single next value, and another one than it has, in some situation that can occur. One
-    /// that only says that it stays is a frame itself: where it does not hold, the author wants a choice.
+    /// A guarantee that leaves an output a single next value, and another one than it has, in some
+    /// situation that can occur. One that only says that it stays is a frame itself: where it does
+    /// not hold, the author wants a choice.
     fn fixer(
         &self,
         v: VarId,
@@ -355,7 +360,8 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(None)
     }
 
-    /// Whether a machine that never changes an output wins, where there is something to be done again and again.
+    /// Whether a machine that never changes an output wins, where there is something to be done
+    /// again and again.
     fn idle(&self) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let (a, g) = (
@@ -377,8 +383,8 @@ impl<'a, K: Kernel> Look<'a, K> {
     }
 }
 
-/// The states that can occur under some controller, and the steps that can be taken from anywhere: the environment's moves and
-/// answers that stay in the winning region.
+/// The states that can occur under some controller, and the steps that can be taken from anywhere:
+/// the environment's moves and answers that stay in the winning region.
 pub fn occurring<K: Kernel>(
     arena: &Arena<K>,
     region: &K::Function,

@@ -11,13 +11,16 @@ pub struct Advice {
     pub matters: Vec<AssumptionRef>,
     /// Not even a plant that helps could make all guarantees hold: no assumption mends it.
     pub contradictory: bool,
-    /// Then: guarantees that contradict each other even so, none of which can be left out. None, if the assumptions do by themselves.
+    /// Then: guarantees that contradict each other even so, none of which can be left out. None, if
+    /// the assumptions do by themselves.
     pub contradiction: Vec<GuaranteeRef>,
     /// Assumptions, any of which makes it realizable, the one that forbids least first.
     pub assumptions: Vec<NewAssumption>,
-    /// Where no single guarantee can be weakened: a minimal set of guarantees without which the rest can be kept.
+    /// Where no single guarantee can be weakened: a minimal set of guarantees without which the
+    /// rest can be kept.
     pub leave_out: Vec<GuaranteeRef>,
-    /// Guarantees of the core, any of which can be weakened to make it realizable, the one that gives up least first.
+    /// Guarantees of the core, any of which can be weakened to make it realizable, the one that
+    /// gives up least first.
     pub weakenings: Vec<Weakening>,
 }
 
@@ -28,7 +31,8 @@ pub struct NewAssumption {
     pub kind: GuaranteeKind,
     /// The formula.
     pub formula: Expr,
-    /// The share of the environment's steps that it forbids; of a justice assumption, in which its condition does not hold.
+    /// The share of the environment's steps that it forbids; of a justice assumption, in which its
+    /// condition does not hold.
     pub forbids: f64,
 }
 

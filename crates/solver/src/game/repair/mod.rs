@@ -1,15 +1,18 @@
 //! How an unrealizable specification could be mended: assumptions to add, guarantees to weaken.
 //!
-//! The search walks down a lattice of sentences made of the user's own conditions ([`vocabulary`]). The strongest sentence of
-//! a family ("the input is always false", "the input never changes", "this guarantee is left out") is tried first: where it
-//! does not help, no weaker one does. Where it helps, conditions are added to it as long as it goes on helping ("after the
-//! command it is false"), up to [`search::MOST_CONDITIONS`]; so what is suggested is *minimal*: with one more condition of the
-//! vocabulary it would not be enough. First the core alone is played, which is small; what mends that is tried on the whole
-//! specification, and has to leave an environment that can keep all assumptions: it has no dead end, cannot be forced to
-//! break one where it could not before, and some play keeps everything.
+//! The search walks down a lattice of sentences made of the user's own conditions ([`vocabulary`]).
+//! The strongest sentence of a family ("the input is always false", "the input never changes",
+//! "this guarantee is left out") is tried first: where it does not help, no weaker one does. Where
+//! it helps, conditions are added to it as long as it goes on helping ("after the command it is
+//! false"), up to [`search::MOST_CONDITIONS`]; so what is suggested is *minimal*: with one more
+//! condition of the vocabulary it would not be enough. First the core alone is played, which is
+//! small; what mends that is tried on the whole specification, and has to leave an environment that
+//! can keep all assumptions: it has no dead end, cannot be forced to break one where it could not
+//! before, and some play keeps everything.
 //!
-//! The idea to look for environments' restrictions in the user's terms is from Alur, Moarref and Topcu, "Counter-strategy
-//! guided refinement of GR(1) temporal logic specifications", FMCAD 2013; the ranking by what is forbidden is ours.
+//! The idea to look for environments' restrictions in the user's terms is from Alur, Moarref and
+//! Topcu, "Counter-strategy guided refinement of GR(1) temporal logic specifications", FMCAD 2013;
+//! the ranking by what is forbidden is ours.
 
 mod advice;
 mod search;

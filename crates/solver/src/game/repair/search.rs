@@ -21,7 +21,8 @@ struct Family {
     kind: Kind,
     /// What is asked for when all conditions hold.
     wanted: Expr,
-    /// Whether conditions may speak of outputs: those of the step before, not of the one in which the input is given.
+    /// Whether conditions may speak of outputs: those of the step before, not of the one in which
+    /// the input is given.
     before: bool,
 }
 
@@ -168,7 +169,8 @@ pub fn weakenings<K: Kernel>(
         if formula(*guarantee).defines || !trials.mends_without(*guarantee, None)? {
             continue;
         }
-        // What reads a monitor is not the author's own sentence: the guarantee can only be left out, as a whole.
+        // What reads a monitor is not the author's own sentence: the guarantee can only be left
+        // out, as a whole.
         if trials.is_of_monitor(*guarantee) {
             let name = &formula(*guarantee).name;
             if found.iter().all(|w| formula(w.guarantee).name != *name) {
@@ -181,7 +183,8 @@ pub fn weakenings<K: Kernel>(
             continue;
         }
         let mut best: Option<Weakening> = None;
-        // Conditions of the plant first: of its own outputs the machine could make every exception true.
+        // Conditions of the plant first: of its own outputs the machine could make every exception
+        // true.
         for inputs_only in [true, false] {
             let mut conditions: Vec<Word> = Vec::new();
             for word in words.iter().filter(|w| w.inputs || !inputs_only) {
@@ -233,8 +236,8 @@ pub fn weakenings<K: Kernel>(
     Ok(found)
 }
 
-/// A minimal set of guarantees without which the rest can be kept: they are taken in one after the other, as long as that
-/// works.
+/// A minimal set of guarantees without which the rest can be kept: they are taken in one after the
+/// other, as long as that works.
 pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>, Limit> {
     let (mut kept, asked) = definitions(&trials.specification.guarantees);
     let mut left = Vec::new();
@@ -248,8 +251,8 @@ pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>,
     Ok(left)
 }
 
-/// The sets of conditions, as large as can be, for which something helps; it helps without any. Sets that only repeat
-/// another's meaning are not told apart.
+/// The sets of conditions, as large as can be, for which something helps; it helps without any.
+/// Sets that only repeat another's meaning are not told apart.
 fn weaken<'w>(
     conditions: &[&'w Word],
     helps: &mut impl FnMut(&[&Word]) -> Result<bool, Limit>,

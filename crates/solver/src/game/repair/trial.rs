@@ -78,7 +78,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
         wins(&more, &Selection::Only(self.core))
     }
 
-    /// Whether the core can be kept when one of its guarantees is weakened by `unless`, or left out.
+    /// Whether the core can be kept when one of its guarantees is weakened by `unless`, or left
+    /// out.
     pub fn helps_core_without(
         &mut self,
         guarantee: GuaranteeRef,
@@ -120,7 +121,8 @@ impl<'a, K: Kernel> Trials<'a, K> {
         wins(self.formulas, &Selection::Only(guarantees))
     }
 
-    /// Whether all can be kept with one more assumption, by a plant that exists and is not worse off than before.
+    /// Whether all can be kept with one more assumption, by a plant that exists and is not worse
+    /// off than before.
     pub fn mends(&self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
         let more = self.formulas.assuming(kind, self.encode(expr)?);
         if !wins(&more, &Selection::All)? || !Self::possible(&more, &Selection::All)? {

@@ -1,7 +1,8 @@
-//! The words a repair is made of: conditions that the user's own formulas are made of, and their negations.
+//! The words a repair is made of: conditions that the user's own formulas are made of, and their
+//! negations.
 //!
-//! Only conditions about a single step are taken. Those of inputs that the play shows at some value are added, where the
-//! domain is small enough for that value to mean something.
+//! Only conditions about a single step are taken. Those of inputs that the play shows at some value
+//! are added, where the domain is small enough for that value to mean something.
 
 use crate::game::attack::Play;
 use linewright_core::gr1::text::truth;
@@ -101,7 +102,8 @@ pub fn negation(expr: Expr) -> Expr {
     }
 }
 
-/// Adds the conditions without connectives that an expression is made of, moved to the current step.
+/// Adds the conditions without connectives that an expression is made of, moved to the current
+/// step.
 fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
     use BinaryOp as B;
     let truth = |e: &Expr| truth(specification, e);

@@ -1,4 +1,5 @@
-//! The states from which some run stays within a set for ever and meets all justice again and again.
+//! The states from which some run stays within a set for ever and meets all justice again and
+//! again.
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z
@@ -20,9 +21,10 @@ pub fn fair<K: Kernel>(
     settle(steps, within, again, one, met)
 }
 
-/// The states with a past without a beginning in `within` that has met all justice again and again: none exactly where no run does so
-/// for ever, since both need a cycle. Steps forward from what can be reached stay within that, and are far cheaper than steps back,
-/// which come from everywhere; so whoever expects that there is no run asks here first.
+/// The states with a past without a beginning in `within` that has met all justice again and again:
+/// none exactly where no run does so for ever, since both need a cycle. Steps forward from what can
+/// be reached stay within that, and are far cheaper than steps back, which come from everywhere; so
+/// whoever expects that there is no run asks here first.
 pub fn past<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
@@ -33,7 +35,8 @@ pub fn past<K: Kernel>(
     settle(steps, within, again, one, met)
 }
 
-/// The fixpoint in either direction: `one` takes a step, `met(J, Z)` is a step that meets J, to or from Z.
+/// The fixpoint in either direction: `one` takes a step, `met(J, Z)` is a step that meets J, to or
+/// from Z.
 fn settle<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,

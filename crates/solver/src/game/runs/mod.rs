@@ -1,13 +1,17 @@
-//! What infinite behaviours a set of rules allows, and one of them to look at: the question behind every proof about contracts.
+//! What infinite behaviours a set of rules allows, and one of them to look at: the question behind
+//! every proof about contracts.
 //!
-//! Nobody plays against anybody here. Rules are put together as a question needs them, so that what a proof rests on can be
-//! found out by leaving rules away. Two questions are enough:
+//! Nobody plays against anybody here. Rules are put together as a question needs them, so that what
+//! a proof rests on can be found out by leaving rules away. Two questions are enough:
 //!
-//! - [`Runs::lasso`]: is there an infinite run that keeps these rules in every step, meets those again and again, and from some
-//!   step on breaks some others for ever? Language inclusion, equivalence and emptiness all come down to it. Fair states
-//!   are those of Emerson and Lei ("Efficient model checking in fragments of the propositional mu-calculus", LICS 1986), within what can be reached.
-//! - [`Runs::step`]: can a rule be broken in a step, although every step before it kept all rules, and this one keeps some? It is
-//!   the step of an induction over time, which is sound also where components rely on one another in a circle.
+//! - [`Runs::lasso`]: is there an infinite run that keeps these rules in every step, meets those
+//!   again and again, and from some step on breaks some others for ever? Language inclusion,
+//!   equivalence and emptiness all come down to it. Fair states are those of Emerson and Lei
+//!   ("Efficient model checking in fragments of the propositional mu-calculus", LICS 1986), within
+//!   what can be reached.
+//! - [`Runs::step`]: can a rule be broken in a step, although every step before it kept all rules,
+//!   and this one keeps some? It is the step of an induction over time, which is sound also where
+//!   components rely on one another in a circle.
 
 mod fair;
 mod path;
@@ -42,7 +46,8 @@ pub struct Rule {
     pub expr: Expr,
 }
 
-/// A run without an end: some steps, and then a cycle for ever. A step has a value for every variable.
+/// A run without an end: some steps, and then a cycle for ever. A step has a value for every
+/// variable.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Lasso {
     /// The steps before the cycle.
@@ -138,7 +143,8 @@ impl Runs {
         })
     }
 
-    /// The work that was done for all questions so far; see [`Kernel::work`]. It is counted where [`Limits::most_work`] is given.
+    /// The work that was done for all questions so far; see [`Kernel::work`]. It is counted where
+    /// [`Limits::most_work`] is given.
     pub fn work(&self) -> u64 {
         self.before + self.asked.work()
     }
@@ -171,8 +177,9 @@ impl Runs {
         self.rules.len() - 1
     }
 
-    /// The variables whose values in a step what these rules allow of `answer` in that step depends on, whatever came before. `own` are
-    /// set together with it and do not count. Kept rules are as in [`Wanted::keep`].
+    /// The variables whose values in a step what these rules allow of `answer` in that step depends
+    /// on, whatever came before. `own` are set together with it and do not count. Kept rules are as
+    /// in [`Wanted::keep`].
     ///
     /// # Errors
     /// When a limit was reached.
@@ -185,8 +192,9 @@ impl Runs {
         self.ask(|asked, rules| asked.depends(rules, keep, answer, own))
     }
 
-    /// A run as it is wanted, or `None` when there is none. The shortest way into a cycle is taken, the cycle itself need not be
-    /// the shortest. Variables that no rule of the question mentions have the smallest value of their domain.
+    /// A run as it is wanted, or `None` when there is none. The shortest way into a cycle is taken,
+    /// the cycle itself need not be the shortest. Variables that no rule of the question mentions
+    /// have the smallest value of their domain.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -202,7 +210,8 @@ impl Runs {
         self.ask(|asked, rules| asked.any_lasso(rules, wanted))
     }
 
-    /// The shortest run up to a step that breaks the rule, that step included; `None` when no step can break it.
+    /// The shortest run up to a step that breaks the rule, that step included; `None` when no step
+    /// can break it.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -210,7 +219,8 @@ impl Runs {
         self.ask(|asked, rules| asked.step(rules, slip))
     }
 
-    /// How many states can be reached under these rules, a state being a value for every variable that they mention. Exact below 2⁵³.
+    /// How many states can be reached under these rules, a state being a value for every variable
+    /// that they mention. Exact below 2⁵³.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -218,7 +228,8 @@ impl Runs {
         self.ask(|asked, rules| asked.count(rules, keep))
     }
 
-    /// Goes on with the large kernel, where that has not been done. Says whether there is any sense in asking again.
+    /// Goes on with the large kernel, where that has not been done. Says whether there is any sense
+    /// in asking again.
     fn grow(&mut self) -> Result<bool, Limit> {
         if self.order.pairs().len() > SMALL_PAIRS {
             return Ok(false);

@@ -1,7 +1,9 @@
-//! A run in plain values out of sets of states: back along the rings to the beginning, and round a cycle that meets everything.
+//! A run in plain values out of sets of states: back along the rings to the beginning, and round a
+//! cycle that meets everything.
 //!
-//! The cycle is looked for where no way out is left: from a fair state one goes on to what can be reached from it and does not lead
-//! back, as long as there is such a state. Then everything within reach leads back, and every justice is met on the way.
+//! The cycle is looked for where no way out is left: from a fair state one goes on to what can be
+//! reached from it and does not lead back, as long as there is such a state. Then everything within
+//! reach leads back, and every justice is met on the way.
 
 use super::Lasso;
 use super::rule_encoder::{Reached, Steps};
@@ -19,7 +21,8 @@ pub struct Path<'a> {
     pub smallest: &'a [i64],
 }
 
-/// A state: its values, and the function that holds there alone (as far as the variables that occur go).
+/// A state: its values, and the function that holds there alone (as far as the variables that occur
+/// go).
 pub type State<F> = (Vec<i64>, F);
 
 impl Path<'_> {
@@ -65,8 +68,8 @@ impl Path<'_> {
         Ok(run)
     }
 
-    /// A shortest way of at least one step from a state into `goal`, within a set of states; the state itself is left out. `None` when
-    /// there is no way.
+    /// A shortest way of at least one step from a state into `goal`, within a set of states; the
+    /// state itself is left out. `None` when there is no way.
     fn way<K: Kernel>(
         &self,
         steps: &Steps<K>,
@@ -100,7 +103,8 @@ impl Path<'_> {
         }
     }
 
-    /// Everything that can be reached from a state within a set, by steps of this direction; the state itself only if it comes again.
+    /// Everything that can be reached from a state within a set, by steps of this direction; the
+    /// state itself only if it comes again.
     fn closure<K: Kernel>(
         steps: &Steps<K>,
         from: &K::Function,

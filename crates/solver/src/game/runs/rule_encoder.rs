@@ -279,8 +279,9 @@ impl<K: Kernel> RuleEncoder<K> {
         })
     }
 
-    /// What can be reached under these rules, as far as it was looked at before; at least the initial states. `variables` are those of the
-    /// whole question. Whoever goes on with it gives it back ([`Self::remember`]).
+    /// What can be reached under these rules, as far as it was looked at before; at least the
+    /// initial states. `variables` are those of the whole question. Whoever goes on with it gives
+    /// it back ([`Self::remember`]).
     fn reach(
         &mut self,
         rules: &[Rule],
@@ -374,7 +375,8 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(found)
     }
 
-    /// See [`super::Runs::any_lasso`]. Whoever asks so mostly expects that there is none: so there is one early look, and then one at everything.
+    /// See [`super::Runs::any_lasso`]. Whoever asks so mostly expects that there is none: so there
+    /// is one early look, and then one at everything.
     pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
         let mut asked = self.question(rules, wanted)?;
         let mut past = self.m.constant(false);
@@ -420,7 +422,8 @@ impl<K: Kernel> RuleEncoder<K> {
                 bits.any(|bit| m.depends_on(f, bit))
             };
             let within = |time: Time| self.encoding.in_domain(&m, v, time);
-            // Compared where the variable has a value: the answers are the same for all of them, or they are not.
+            // Compared where the variable has a value: the answers are the same for all of them, or
+            // they are not.
             let differs = |f: &K::Function, time: Time| -> Result<bool, Limit> {
                 if !matters(f, time) {
                     return Ok(false);
@@ -464,7 +467,8 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(run)
     }
 
-    /// A shortest run to a state that breaks an invariant, where the last step keeps what all others do.
+    /// A shortest run to a state that breaks an invariant, where the last step keeps what all
+    /// others do.
     fn find_state(
         &self,
         variables: &BTreeSet<VarId>,

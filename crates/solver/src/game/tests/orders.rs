@@ -1,5 +1,6 @@
-//! Orders that change in the middle of a fixpoint. Games small enough for thousands of tests never reach the size at which a
-//! kernel looks for a better order by itself, so these are played on one that does so at every safe point.
+//! Orders that change in the middle of a fixpoint. Games small enough for thousands of tests never
+//! reach the size at which a kernel looks for a better order by itself, so these are played on one
+//! that does so at every safe point.
 
 use super::super::arena::{Arena, first_order};
 use super::super::fixpoint::{Iterations, layers, winning_region};

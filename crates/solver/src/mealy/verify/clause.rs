@@ -1,13 +1,16 @@
-//! The clauses of the definitions of a right machine and a right counterstrategy, by the way in which they can be broken.
+//! The clauses of the definitions of a right machine and a right counterstrategy, by the way in
+//! which they can be broken.
 
 use std::fmt;
 
-/// The clause that a machine or a counterstrategy breaks. Where a contract's formula is broken, its name stands with it.
+/// The clause that a machine or a counterstrategy breaks. Where a contract's formula is broken, its
+/// name stands with it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
     /// Its ports are those of the contract: names, domains, order.
     Ports,
-    /// A machine answers when the contract says, a counterstrategy when the contract's machine does not.
+    /// A machine answers when the contract says, a counterstrategy when the contract's machine does
+    /// not.
     Timing,
     /// Every transition leads to a state that exists.
     Target,
@@ -25,16 +28,18 @@ pub enum Clause {
     Gap,
     /// There is one only.
     Overlap,
-    /// A counterstrategy has a transition for every answer that keeps the guarantees, or, where the machine answers first, for
-    /// every answer.
+    /// A counterstrategy has a transition for every answer that keeps the guarantees, or, where the
+    /// machine answers first, for every answer.
     Unanswered,
     /// It has one only.
     AnsweredTwice,
     /// A machine keeps each initial condition, invariant and safety formula that it guarantees.
     Guarantee(String),
-    /// A machine meets each of its goals in every play that meets all justice assumptions again and again.
+    /// A machine meets each of its goals in every play that meets all justice assumptions again and
+    /// again.
     Justice(String),
-    /// A counterstrategy keeps each initial condition, invariant and safety formula that is assumed.
+    /// A counterstrategy keeps each initial condition, invariant and safety formula that is
+    /// assumed.
     Assumption(String),
     /// It meets each justice assumption again and again.
     Starved(String),

@@ -1,12 +1,15 @@
-//! Checks a counterstrategy against the specification without the solver: the environment keeps its safety whatever the
-//! machine answers, every legal answer is met, and no play satisfies the machine's goals or starves an assumption.
+//! Checks a counterstrategy against the specification without the solver: the environment keeps its
+//! safety whatever the machine answers, every legal answer is met, and no play satisfies the
+//! machine's goals or starves an assumption.
 //!
-//! The product of the counterstrategy with every machine is built explicitly, as [`super::verify`] does it with the roles the
-//! other way round: a node is a state and what the formulas still say once the current values are known. Answers are
-//! enumerated output by output, and a branch is left as soon as a guarantee is known to be broken. Outputs that neither a
-//! formula nor a guard mentions stay at their smallest value.
+//! The product of the counterstrategy with every machine is built explicitly, as [`super::verify`]
+//! does it with the roles the other way round: a node is a state and what the formulas still say
+//! once the current values are known. Answers are enumerated output by output, and a branch is left
+//! as soon as a guarantee is known to be broken. Outputs that neither a formula nor a guard
+//! mentions stay at their smallest value.
 //!
-//! Liveness: on every cycle each assumption's justice occurs, and in no strongly connected part do all goals.
+//! Liveness: on every cycle each assumption's justice occurs, and in no strongly connected part do
+//! all goals.
 
 use super::fair::fair_cycle;
 use super::form::{Rules, malformed};
@@ -19,8 +22,8 @@ use crate::mealy::{Machine, Transition};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 
-/// Checks a counterstrategy: whoever plays it against any machine keeps all assumptions of the specification, and the
-/// machine breaks one of its guarantees.
+/// Checks a counterstrategy: whoever plays it against any machine keeps all assumptions of the
+/// specification, and the machine breaks one of its guarantees.
 pub fn verify_counterstrategy(
     specification: &Specification,
     counterstrategy: &Machine,
@@ -173,7 +176,8 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// The transitions of a node that give the same. Where the environment moves first, all do and are looked at together.
+    /// The transitions of a node that give the same. Where the environment moves first, all do and
+    /// are looked at together.
     fn groups(&self, node: usize) -> Vec<&'a [Transition]> {
         let transitions = self.machine.transitions(self.product.node(node).0);
         match self.specification.timing {
@@ -301,7 +305,8 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Where the machine answers first, the environment has something to give whatever the answer is.
+    /// Where the machine answers first, the environment has something to give whatever the answer
+    /// is.
     fn answered_always(
         &mut self,
         node: usize,

@@ -1,10 +1,12 @@
-//! Fair cycles: strongly connected parts (Tarjan 1972, without recursion) in which every assumption's justice occurs.
+//! Fair cycles: strongly connected parts (Tarjan 1972, without recursion) in which every
+//! assumption's justice occurs.
 
 use super::product::Edge;
 use crate::game::{Limit, Limits};
 use std::collections::{HashMap, VecDeque};
 
-/// A cycle of `bad` edges on which every one of the `assumptions` is `fair` somewhere: its edges with the nodes they leave.
+/// A cycle of `bad` edges on which every one of the `assumptions` is `fair` somewhere: its edges
+/// with the nodes they leave.
 pub fn fair_cycle(
     edges: &[Vec<Edge>],
     assumptions: usize,

@@ -1,11 +1,13 @@
-//! What a machine and a counterstrategy have to look like before anybody plays them, and what the formulas say from step to step.
+//! What a machine and a counterstrategy have to look like before anybody plays them, and what the
+//! formulas say from step to step.
 
 use super::Clause;
 use super::residual::{Id, Pool};
 use crate::mealy::{Machine, Port};
 use linewright_core::gr1::{Formula, Specification, Time, Timing, VarId};
 
-/// The clause that the form of a machine breaks, if any: its ports, when it answers, its transitions.
+/// The clause that the form of a machine breaks, if any: its ports, when it answers, its
+/// transitions.
 pub(super) fn malformed(
     machine: &Machine,
     specification: &Specification,
@@ -51,8 +53,9 @@ pub(super) fn malformed(
     None
 }
 
-/// What the formulas of a specification say of the step to come: the initial conditions, invariants and safety of the environment, those of the
-/// machine, then the justice of both. What speaks of one step speaks of the step to come.
+/// What the formulas of a specification say of the step to come: the initial conditions, invariants
+/// and safety of the environment, those of the machine, then the justice of both. What speaks of
+/// one step speaks of the step to come.
 pub(super) struct Rules {
     /// In step 0, where safety and justice have nothing to say.
     pub(super) start: Vec<Id>,

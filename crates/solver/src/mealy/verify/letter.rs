@@ -1,10 +1,11 @@
-//! A letter being chosen, variable by variable, and the transitions whose guards it may still satisfy.
+//! A letter being chosen, variable by variable, and the transitions whose guards it may still
+//! satisfy.
 
 use crate::mealy::{Cube, Transition};
 use linewright_core::gr1::{Specification, VarId};
 
-/// A valuation of the next step, of which the first variables that guards ask for are chosen. The others have the smallest value of their
-/// domains.
+/// A valuation of the next step, of which the first variables that guards ask for are chosen. The
+/// others have the smallest value of their domains.
 #[derive(Debug)]
 pub(super) struct Letter<'a> {
     transitions: &'a [Transition],

@@ -1,14 +1,16 @@
-//! Checks a machine against its specification without the solver: every transition against safety, every fair cycle
-//! against justice.
+//! Checks a machine against its specification without the solver: every transition against safety,
+//! every fair cycle against justice.
 //!
-//! The product of the machine with its environment is built explicitly. A node is a state of the machine and a *context*: what
-//! the formulas that speak of two steps still say once the current values are known (`residual.rs`). So current inputs that no
-//! formula mentions, or that matter only while something else holds, do not multiply the nodes. Next inputs are enumerated
-//! variable by variable, and a branch is left as soon as an assumption is known to be broken.
+//! The product of the machine with its environment is built explicitly. A node is a state of the
+//! machine and a *context*: what the formulas that speak of two steps still say once the current
+//! values are known (`residual.rs`). So current inputs that no formula mentions, or that matter
+//! only while something else holds, do not multiply the nodes. Next inputs are enumerated variable
+//! by variable, and a branch is left as soon as an assumption is known to be broken.
 //!
-//! Justice: if the machine breaks goal `j`, some play stays for ever in transitions that do not satisfy it and yet sees every
-//! assumption again and again; that is a strongly connected part of the graph without the transitions that satisfy `j`, in
-//! which every assumption's justice occurs (`fair.rs`).
+//! Justice: if the machine breaks goal `j`, some play stays for ever in transitions that do not
+//! satisfy it and yet sees every assumption again and again; that is a strongly connected part of
+//! the graph without the transitions that satisfy `j`, in which every assumption's justice occurs
+//! (`fair.rs`).
 
 mod clause;
 mod counter;
@@ -40,15 +42,15 @@ pub const MOST_PAIRS: u64 = 50_000_000;
 pub struct Violation {
     /// What it breaks.
     pub clause: Clause,
-    /// The valuations of all variables, step by step, up to the violation. Without a transition, or with two, the outputs
-    /// of the last step are the smallest values of their domains.
+    /// The valuations of all variables, step by step, up to the violation. Without a transition, or
+    /// with two, the outputs of the last step are the smallest values of their domains.
     pub trace: Vec<Vec<i64>>,
     /// For a justice formula: the step to which the play returns for ever.
     pub repeats_from: Option<usize>,
 }
 
-/// Checks a machine. `Ok(Ok(()))` is: it keeps its contract. Beyond [`MOST_PAIRS`], or as many pairs as there may be nodes
-/// ([`Limits::most_nodes`]), it gives up with [`Limit::Size`].
+/// Checks a machine. `Ok(Ok(()))` is: it keeps its contract. Beyond [`MOST_PAIRS`], or as many
+/// pairs as there may be nodes ([`Limits::most_nodes`]), it gives up with [`Limit::Size`].
 pub fn verify(
     specification: &Specification,
     machine: &Machine,
@@ -217,9 +219,9 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Calls `visit` with the machine's transition and the valuation of the next step for all next inputs that keep the
-    /// assumptions. Stops when it gives a broken clause, or when there is no transition or more than one, and gives the
-    /// clause with the valuation.
+    /// Calls `visit` with the machine's transition and the valuation of the next step for all next
+    /// inputs that keep the assumptions. Stops when it gives a broken clause, or when there is no
+    /// transition or more than one, and gives the clause with the valuation.
     fn letters(
         &mut self,
         node: usize,

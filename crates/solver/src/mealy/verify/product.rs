@@ -1,4 +1,5 @@
-//! The product that both checkers build, node by node: what is checked, with all that may play against it.
+//! The product that both checkers build, node by node: what is checked, with all that may play
+//! against it.
 
 use super::residual::Place;
 use std::collections::HashMap;
@@ -21,7 +22,8 @@ struct Node {
     from: Option<(usize, Vec<i64>)>,
 }
 
-/// The nodes that were reached, and the steps between those that were looked at. Node 0 is where every play begins.
+/// The nodes that were reached, and the steps between those that were looked at. Node 0 is where
+/// every play begins.
 #[derive(Debug)]
 pub(super) struct Product {
     nodes: Vec<Node>,
@@ -68,7 +70,8 @@ impl Product {
         (state, context)
     }
 
-    /// The step with this valuation and label from one node to a state and a context, whose node is made where there is none yet.
+    /// The step with this valuation and label from one node to a state and a context, whose node is
+    /// made where there is none yet.
     pub(super) fn edge(
         &mut self,
         from: usize,

@@ -1,8 +1,9 @@
 //! What is left of formulas when some variables are known.
 //!
-//! Expressions are shared in a [`Pool`]; fixing a variable simplifies. A [`Tree`] asks for variables one after the other, and
-//! only for those that what is left still mentions. Two valuations that leave the same formulas end in the same place of
-//! the tree, and nothing that the formulas say can tell them apart. No diagrams of the solver are involved.
+//! Expressions are shared in a [`Pool`]; fixing a variable simplifies. A [`Tree`] asks for
+//! variables one after the other, and only for those that what is left still mentions. Two
+//! valuations that leave the same formulas end in the same place of the tree, and nothing that the
+//! formulas say can tell them apart. No diagrams of the solver are involved.
 
 use linewright_core::gr1::eval;
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
@@ -10,7 +11,8 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::rc::Rc;
 
-/// A quick hash for small keys of our own making; the default one guards against attackers, of which there are none here.
+/// A quick hash for small keys of our own making; the default one guards against attackers, of
+/// which there are none here.
 #[derive(Debug, Default)]
 pub struct Mixer(u64);
 
@@ -231,7 +233,8 @@ pub type Place = u32;
 #[derive(Debug)]
 struct Branch {
     formulas: Rc<[Id]>,
-    /// The place in [`Tree::order`] of what is asked for; none when nothing asked for is mentioned any more.
+    /// The place in [`Tree::order`] of what is asked for; none when nothing asked for is mentioned
+    /// any more.
     question: Option<u32>,
     /// By value, from the smallest; unknown yet where `u32::MAX`.
     children: Vec<Place>,
@@ -244,7 +247,8 @@ pub struct Tree {
     order: Vec<(Key, i64, i64)>,
     /// By key, its place in the order.
     ranks: Vec<u32>,
-    /// Whether the lists are conjunctions: then what is true is left out, and what is false leaves nothing else.
+    /// Whether the lists are conjunctions: then what is true is left out, and what is false leaves
+    /// nothing else.
     pub conjunction: bool,
     branches: Vec<Branch>,
     places: HashMap<Rc<[Id]>, Place, Mix>,
@@ -334,7 +338,8 @@ impl Tree {
         child
     }
 
-    /// Where the value of the variable at this place of the order leads: nowhere else, unless it is what is asked for.
+    /// Where the value of the variable at this place of the order leads: nowhere else, unless it is
+    /// what is asked for.
     pub fn follow(&mut self, pool: &mut Pool, place: Place, rank: usize, value: i64) -> Place {
         if self.question(place) == Some(rank) {
             self.answer(pool, place, value)
@@ -343,7 +348,8 @@ impl Tree {
         }
     }
 
-    /// Answers with the values of a valuation until nothing more is asked for. Keys are looked up by their variable.
+    /// Answers with the values of a valuation until nothing more is asked for. Keys are looked up
+    /// by their variable.
     pub fn descend(&mut self, pool: &mut Pool, mut place: Place, values: &[i64]) -> Place {
         while let Some(question) = self.question(place) {
             let variable = (self.order[question].0 / 2) as usize;

@@ -1,5 +1,5 @@
-//! The forms of the shapes that engineers and papers write, and that they mean what they say: formula and form are
-//! evaluated, by the textbook, on many runs that end in a loop.
+//! The forms of the shapes that engineers and papers write, and that they mean what they say:
+//! formula and form are evaluated, by the textbook, on many runs that end in a loop.
 
 use super::*;
 use Strength::{Assumed, Less, More, Same};
@@ -319,8 +319,9 @@ fn what_has_no_form_gets_none() {
     }
 }
 
-/// Every formula over an input and an output with up to four operators of the language of LTL, as an assumption and as a guarantee: what is
-/// offered for it compares with it as is said, on all short lassos.
+/// Every formula over an input and an output with up to four operators of the language of LTL, as
+/// an assumption and as a guarantee: what is offered for it compares with it as is said, on all
+/// short lassos.
 #[test]
 fn every_form_of_a_small_formula_means_what_is_said() {
     let mut formulas: Vec<Vec<String>> = vec![Vec::new(), vec!["p".to_owned(), "i".to_owned()]];
@@ -397,11 +398,12 @@ fn every_form_of_a_small_formula_means_what_is_said() {
     assert!(offered.iter().all(|n| *n > 5), "{offered:?}");
 }
 
-// ---- the meaning, directly ---------------------------------------------------------------------------------------------
+// ---- the meaning, directly ----------------------------------------------------------------------
 
 const NAMES: [&str; 6] = ["p", "q", "r", "i", "j", "settled"];
 
-/// The letters of a run, its last ones for ever again; written out so often that all of the past has settled.
+/// The letters of a run, its last ones for ever again; written out so often that all of the past
+/// has settled.
 #[derive(Debug)]
 struct Run {
     letters: Vec<u8>,
@@ -466,7 +468,8 @@ impl Run {
         found
     }
 
-    /// Whether all rules of a form hold, whosesoever they are; of an assumed premise, the guarantees if the assumptions do.
+    /// Whether all rules of a form hold, whosesoever they are; of an assumed premise, the
+    /// guarantees if the assumptions do.
     fn keeps(&self, form: &Form) -> bool {
         let all = |side: bool| {
             let mut rules = form

@@ -1,0 +1,62 @@
+//! How sources look, where no tool says it: the rules of CONTRIBUTING.md that a test can keep.
+
+use super::imports::files_below;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Maximum width of a comment, in characters and with its indentation.
+const WIDTH: usize = 100;
+
+/// The lines of a source whose comment is too wide, with their numbers. Tables, indented text and
+/// fenced text are as wide as they are.
+fn wide_comments(text: &str) -> Vec<(usize, &str)> {
+    let mut fenced = false;
+    let mut wide = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let Some(comment) = line.trim_start().strip_prefix("//") else {
+            fenced = false;
+            continue;
+        };
+        let words = comment.trim_start_matches(['/', '!']);
+        let fence = words.trim_start();
+        if fence.starts_with("```") && !fence.starts_with("````") {
+            fenced = !fenced;
+        }
+        let as_it_is = fenced || words.trim_start().starts_with('|') || words.starts_with("     ");
+        if !as_it_is && line.chars().count() > WIDTH {
+            wide.push((number, line));
+        }
+    }
+    wide
+}
+
+#[test]
+fn comments_wrap() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut wide = String::new();
+    for folder in ["src", "crates", "tests", "examples"] {
+        for path in files_below(&root.join(folder), &["rs", "pest"]) {
+            let text = std::fs::read_to_string(&path).expect("sources can be read");
+            for (number, line) in wide_comments(&text) {
+                let place = path.strip_prefix(root).unwrap_or(&path).display();
+                let _ = writeln!(wide, "{place}:{number}: {line}");
+            }
+        }
+    }
+    assert!(
+        wide.is_empty(),
+        "comments of more than {WIDTH} columns:\n{wide}"
+    );
+}
+
+#[test]
+fn wide_comments_are_found() {
+    let long = "word ".repeat(30);
+    let found = |text: &str| wide_comments(text).len();
+    assert_eq!(found(&format!("    // {long}")), 1);
+    assert_eq!(found(&format!("/// {long}\n//! {long}")), 2);
+    assert_eq!(found(&format!("let a = \"{long}\";")), 0);
+    assert_eq!(found(&format!("/// | {long} |")), 0);
+    assert_eq!(found(&format!("/// ```text\n/// {long}\n/// ```")), 0);
+    assert_eq!(found(&format!("/// ```\n/// a\n/// ```\n/// {long}")), 1);
+}
