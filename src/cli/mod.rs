@@ -84,7 +84,7 @@ pub enum Command {
     Merge(algebra::MergeArguments),
     /// Print another tool's specification as a contract
     Import(import::Arguments),
-    /// Say what a finding means, with a minimal contract that shows it
+    /// Explain a finding, a construct of the language or a command
     Explain(explain::Arguments),
     /// Say what skills may follow what: check programs, watch calls, print automata, by the rules
     /// of skill orders
@@ -233,7 +233,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Quotient(a) => algebra::quotient(a, options),
         Command::Merge(a) => algebra::merge(a, options),
         Command::Import(a) => import::run(a, options),
-        Command::Explain(a) => explain::run(a, options),
+        Command::Explain(a) => explain::run(a, options, &Arguments::command()),
         Command::Order(a) => order::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Doctor(a) => doctor::run(a, options),

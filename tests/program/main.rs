@@ -1,6 +1,7 @@
 //! The program from outside, the library as others use it, and the rules of the repository.
 
 mod algebra;
+mod book;
 mod cli;
 mod hostile;
 mod imports;
