@@ -23,15 +23,15 @@ use std::path::{Path, PathBuf};
 /// What `build` makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Target {
-    /// A shared library for this computer
+    /// Shared library for this computer
     Linux,
-    /// A 64-bit DLL, with MinGW or Zig
+    /// 64-bit DLL, compiled with MinGW or Zig
     Windows,
-    /// A 64-bit DLL, with Microsoft's compiler; on Windows only
+    /// 64-bit DLL, compiled with Microsoft's compiler; on Windows only
     Msvc,
-    /// Co-simulation units of FMI 2.0 and 3.0, with the binaries that there are compilers for
+    /// Co-simulation FMUs (FMI 2.0 and 3.0), with binaries for each available compiler
     Fmu,
-    /// The C sources, with all headers they need
+    /// C sources and headers
     Source,
 }
 
@@ -72,28 +72,27 @@ impl Target {
     linewright build examples/ice-lab/line.lw --target source --out sources
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
-`linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
-needs none. `fmu` takes what there is.")]
+`linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` needs none. `fmu` uses the compilers that it finds.")]
 pub struct Arguments {
-    /// A file with machines or lines, and the name of one of them; without a name, the machines of
-    /// all lines that the file declares, with the sizes that they have there, and the machines that
-    /// it declares beside, with their default sizes
+    /// File, and optionally one of its machines or lines. Without a name, all machines of its
+    /// lines, with the parameters they have there, and its other machines, with default parameters
     #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
     pub selection: Option<Selection>,
-    /// What to build; can be given several times
+    /// What to build (repeatable)
     #[arg(long, value_enum, default_value = "linux")]
     pub target: Vec<Target>,
-    /// The folder to write to [default: .linewright beside the file]
+    /// Output folder [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// The layout of Plant Simulation's UF_Value [default: an assumed, unverified one]
+    /// Profile file with the memory layout of Plant Simulation's UF_Value [default: an assumed,
+    /// unverified one]
     #[arg(long, value_name = "FILE")]
     pub profile: Option<PathBuf>,
-    /// Build the library that finds the layout of UF_Value, and the SimTalk that calls it; with a
-    /// profile, what confirms it
+    /// Build the probe that finds the layout of UF_Value, and its SimTalk; with --profile, the
+    /// probe that confirms it
     #[arg(long, conflicts_with = "selection")]
     pub probe: bool,
-    /// Compile again what is there already
+    /// Compile again even if nothing has changed
     #[arg(long)]
     pub rebuild: bool,
 }

@@ -17,7 +17,7 @@ static PRINTED: AtomicBool = AtomicBool::new(false);
 /// The two streams, and how to write to them.
 #[derive(Debug, Clone, Copy)]
 pub struct Console {
-    /// How results and findings look.
+    /// Output format.
     pub format: Format,
     color: ColorChoice,
 }

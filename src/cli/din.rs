@@ -26,7 +26,7 @@ pub enum Command {
     /// Show one process or function
     #[command(after_help = "Example:\n    linewright din show din:4.3.1")]
     Show {
-        /// A code with its standard: din:4.3.1, vdi:Drehen
+        /// Code with its standard, such as din:4.3.1 or vdi:Drehen
         code: String,
     },
     /// Find codes by a German or English word
@@ -35,13 +35,13 @@ pub enum Command {
         /// Part of a term; case and the spelling of umlauts do not matter
         word: String,
     },
-    /// Print a standard, or what stands below a code, as a tree
+    /// Print a standard, or the part below a code, as a tree
     #[command(after_help = "Example:\n    linewright din tree din:4.3")]
     Tree {
-        /// A code with its standard; without it, everything
+        /// Code with its standard; without it, everything
         code: Option<String>,
     },
-    /// Say which codes have contracts in the library
+    /// List the codes that have contracts in the library
     #[command(after_help = "Example:\n    linewright din coverage")]
     Coverage {
         /// Files or folders [default: ./contracts, or else the bundled library]

@@ -27,20 +27,21 @@ use std::path::PathBuf;
     linewright doctor
     linewright doctor --format json
 
-With the dump that the probe has left (`build --probe`), the layout of UF_Value is read from it:
+To infer the layout of UF_Value from the dump of a probe (`build --probe`):
 
     $ linewright doctor --probe linewright_probe.dll.dump.txt --out plant-simulation.toml
 
-Exit codes: 0 libraries for this computer can be built, or the layout was found; 1 the dump does not say the layout, \
-or refutes it; 2 there is no C compiler, or a file cannot be read.")]
+Exit codes: 0 libraries for this computer can be built, or the layout was found; 1 the dump \
+does not determine the layout, or contradicts the profile; 2 no C compiler, or an unreadable \
+file.")]
 pub struct Arguments {
-    /// Read the layout of UF_Value from this dump of the probe
+    /// Infer the layout of UF_Value from this dump of the probe
     #[arg(long, value_name = "FILE")]
     pub probe: Option<PathBuf>,
-    /// Write the profile to this file; one that is there and differs is kept
+    /// Write the profile to this file; a different profile there is kept
     #[arg(long, value_name = "FILE", requires = "probe")]
     pub out: Option<PathBuf>,
-    /// Show this profile of UF_Value instead of the assumed one
+    /// Show this profile of UF_Value instead of the built-in one
     #[arg(long, value_name = "FILE", conflicts_with = "probe")]
     pub profile: Option<PathBuf>,
 }

@@ -19,8 +19,8 @@ use topics::Topic;
     linewright explain 'order check'
     linewright explain --list")]
 pub struct Arguments {
-    /// The code of a finding (LW203), a construct of the language (buffer) or a command (check); all
-    /// are listed without it
+    /// The code of a finding (LW203), a construct of the language (buffer) or a command (check);
+    /// all are listed without it
     pub topic: Option<String>,
     /// List all findings, constructs and commands
     #[arg(long, conflicts_with = "topic")]

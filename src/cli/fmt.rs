@@ -31,14 +31,15 @@ const STANDARD_INPUT: &str = "<stdin>";
     linewright fmt --check examples
     linewright fmt - < contracts/handling/turn.lw
 
-Each file is written anew only where that changes it. Comments, the breaks of lines between operators, \
-single empty lines, line ends and a byte-order mark stay; operators are written as words. A file that does not \
-parse is left as it is (exit code 2). With --check, no file is written, and the exit code is 1 where one would be.")]
+A file is rewritten only if that changes it. Comments, line breaks between operators, single \
+empty lines, line endings and a byte-order mark are kept; operators become words. A file that \
+does not parse is left unchanged (exit code 2). With --check, no file is written, and the exit \
+code is 1 if one would be.")]
 pub struct Arguments {
-    /// Files, folders (every .lw file below them), or - alone for standard input to standard output
+    /// Files, folders (all .lw files in them), or `-` for standard input
     #[arg(value_name = "PATH", default_value = ".")]
     pub paths: Vec<String>,
-    /// Write nothing; show what would change
+    /// Show what would change, and write nothing
     #[arg(long)]
     pub check: bool,
 }

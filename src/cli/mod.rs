@@ -42,8 +42,8 @@ use std::ffi::OsString;
 #[derive(Debug, Parser)]
 #[command(name = "linewright", version, arg_required_else_help = true)]
 #[command(
-    after_help = "Exit codes: 0 all is well; 1 findings; 2 it could not run; 3 it gave up at a limit; 4 an internal error, \
-                  which is no verdict."
+    after_help = "Exit codes: 0 success; 1 findings; 2 the command could not run; 3 a limit was reached; 4 \
+internal error (no verdict)."
 )]
 pub struct Arguments {
     /// What to do.
@@ -57,43 +57,41 @@ pub struct Arguments {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Check every contract, machine and line found
+    /// Check contracts, machines and lines
     Check(check::Arguments),
     /// Synthesize a controller from a contract
     Synth(synth::Arguments),
-    /// Play a contract step by step: the plant against its controller, or the machine against the
-    /// counterstrategy
+    /// Play a contract step by step, against its controller or its counterstrategy
     Step(step::Arguments),
-    /// Build the station library of a machine
+    /// Build the station libraries of machines
     Build(build::Arguments),
-    /// Run a line in the bundled runner
+    /// Simulate a production line
     Run(run::Arguments),
-    /// Lay files out in the one way that all files are laid out
+    /// Format files
     Fmt(fmt::Arguments),
-    /// Prove that contracts discharge one another's assumptions
+    /// Prove which guarantees discharge which assumptions
     Compose(algebra::ComposeArguments),
-    /// Say whether one contract, or a whole library, can stand in for another
+    /// Check whether one contract, or a library, refines another
     Refine(algebra::RefineArguments),
-    /// Say whether some environment fits contracts
+    /// Check whether contracts are compatible
     Compat(algebra::CompatArguments),
-    /// Two viewpoints of one component as one contract
+    /// Compute the conjunction of contracts (views of one component)
     Conjoin(algebra::ConjoinArguments),
-    /// What is missing beside one contract to keep another
+    /// Compute the quotient (missing component)
     Quotient(algebra::QuotientArguments),
-    /// Requirements that hold at once
+    /// Merge contracts (requirements that hold at the same time)
     Merge(algebra::MergeArguments),
-    /// Print another tool's specification as a contract
+    /// Convert another tool's specification to a contract
     Import(import::Arguments),
     /// Explain a finding, a construct of the language or a command
     Explain(explain::Arguments),
-    /// Say what skills may follow what: check programs, watch calls, print automata, by the rules
-    /// of skill orders
+    /// Check and monitor calls of skills against skill orders
     Order(order::Arguments),
-    /// Look things up in DIN 8580 and VDI 2860
+    /// Look up codes of DIN 8580 and VDI 2860
     Din(din::Arguments),
-    /// Say what there is for building station libraries, and what a probe has found
+    /// Report available compilers, and the layout that a probe found
     Doctor(doctor::Arguments),
-    /// Print a script that completes commands and options in a shell
+    /// Print a shell completion script
     Completions(completions::Arguments),
 }
 

@@ -29,21 +29,20 @@ const MOST_NESTED: usize = 8;
 #[command(after_help = "Example:
     linewright step contracts/handling/turn.lw --script examples/step/turn.txt
 
-Without a script, commands are read from the terminal or from a pipe; `help` lists them. Of a realizable contract you are \
-the plant, and its verified controller answers. Of one that is not, you are the machine, and the plant shows you why no \
-controller exists.
+Without a script, commands are read from the terminal or a pipe; `help` lists them. If the \
+contract is realizable, you play the plant against its verified controller. Otherwise you play \
+the machine, and the plant plays the counterstrategy.
 
-In a script and in a pipe, what is wrong with a command is said on standard error, the next one is run, and the exit code is 1 \
-in the end.")]
+In a script or a pipe, a wrong command is reported on standard error, the next one is run, and \
+the exit code is 1.")]
 pub struct Arguments {
-    /// A file with contracts, and the name of one of them; it may be left out where there is only
-    /// one
+    /// File, and the name of a contract if there are several
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
-    /// Run the commands in this file, one a line
+    /// Run the commands in this file, one per line
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
-    /// What chance begins with: the same number gives the same moves
+    /// Random seed of the command `random`
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }

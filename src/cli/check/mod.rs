@@ -37,38 +37,38 @@ use view::{FileView, view};
 
     $ linewright check --watch contracts/
 
-A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
-keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
-not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
-that has not changed is not worked out again (see --no-cache).
+A contract is realizable if some controller keeps its guarantees as long as the plant keeps its \
+assumptions (strict semantics, safety first). The controller is synthesized and verified, but \
+not written; for a large contract that no machine uses, only the verdict is given. Results for \
+unchanged contracts are read from the cache (see --no-cache).
 
-Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are read by their ending; for these the \
-verdict is given, why it is unrealizable, and what is odd about the assumptions.")]
+Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are recognized by their extension; check reports the verdict, the reason if it is unrealizable, and \
+suspicious assumptions.")]
 pub struct Arguments {
-    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders that are searched
-    /// for .lw files [default: ./contracts, or else the bundled library]
+    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders with .lw files
+    /// [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
-    /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the
-    /// variables
+    /// Show how each verdict was found: BDD kernel, time by phase, nodes, iterations, variable
+    /// order
     #[arg(long)]
     pub stats: bool,
     /// Write down why the contract is realizable, in a form that others can check
     #[arg(
         long,
         value_name = "FILE",
-        long_help = "Write down why the contract is realizable: the ranking of the winning region, as JSON that others \
-                     can check; docs/proof.md says how. There must be exactly one contract"
+        long_help = "Write a certificate of realizability as JSON: the ranking of the winning region (see \
+docs/proof.md). Exactly one contract must be given"
     )]
     pub proof: Option<PathBuf>,
     /// Check again whenever a file has changed, until Ctrl-C
     #[arg(
         long,
         conflicts_with = "proof",
-        long_help = "Check again whenever one of the files has changed, or one that they import, until Ctrl-C; the exit code is \
-                     that of the last check. Contracts that have not changed are not solved again. With `--format json` each \
-                     check is one document in one line, which also says what has changed (`changes`, `unix_seconds`); SARIF \
-                     is refused"
+        long_help = "Check again whenever a file or one of its imports changes, until Ctrl-C; the exit code is that \
+of the last check. Unchanged contracts are not solved again. With `--format json` each check is \
+one document on one line, with the changes since the last one (`changes`, `unix_seconds`); \
+SARIF is refused"
     )]
     pub watch: bool,
 }

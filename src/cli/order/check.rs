@@ -25,22 +25,22 @@ use std::path::Path;
 
     $ linewright order check examples/pick-and-place/crash.csv
 
-A program is a text file with a call a line: a skill, or `Left & Down` for skills that are called at once. What follows # or // \
-is a comment.
+A program is a text file with one call per line: a skill, or `Left & Down` for skills called at \
+once. # and // begin a comment.
 
-In a .csv file the skills of a row stand in its cells and are called at once. Where other columns stand beside them, the first row is \
-a header with a column `skill`, and a column `step` where rows with the same step, one behind the other, are one call. Steps do not \
-come again, and their numbers do not go back.
+In a .csv file, each row is one call, and its cells are skills called at once. If there are \
+other columns, the first row must be a header with a column `skill`. With a column `step`, \
+consecutive rows with the same step are one call; steps must be in ascending order.
 
-Exit code 1 where a program is refused, 2 where one cannot be read.")]
+The exit code is 1 if a program is refused, 2 if one cannot be read.")]
 pub struct Arguments {
     /// Programs to check
     #[arg(required = true, value_name = "PROGRAM")]
     pub programs: Vec<String>,
-    /// The rules [default: the one file beside the program that declares skills]
+    /// Rules [default: the only file beside the program that declares skills]
     #[arg(long, value_name = "FILE[::NAME]")]
     pub rules: Option<Selection>,
-    /// Refuse a program that ends in the middle of a sequence
+    /// Also refuse programs that end in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
     /// Which rules are kept.

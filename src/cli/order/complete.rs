@@ -23,10 +23,10 @@ pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// What has been called, in order: a skill, or `Left & Down`
+    /// Calls so far, in order: a skill, or `Left & Down`
     #[arg(value_name = "CALL")]
     pub calls: Vec<String>,
-    /// Also say which skills may be called at once, up to so many
+    /// Maximum number of skills called at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
     /// Which rules are kept.

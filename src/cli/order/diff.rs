@@ -24,8 +24,9 @@ use serde::Serialize;
     $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --level valid --other-level reasonable
     $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --paper --at-once 2
 
-The two need the same skills; components and situations may differ. What is said of rules holds for A; B has the level of A \
-where nothing else is said, and all its rules. Exit code 0 where they allow the same calls, 1 where they do not.")]
+Both sets need the same skills; components and situations may differ. --rule and --no-rule \
+select rules of A. B has all its rules unless --other-rule is given, and the level of A unless \
+--other-level is given. The exit code is 0 if both allow the same calls, 1 otherwise.")]
 pub struct Arguments {
     /// One set of rules
     #[arg(value_name = "A")]
@@ -33,19 +34,19 @@ pub struct Arguments {
     /// The other one
     #[arg(value_name = "B")]
     pub second: Selection,
-    /// The level of B, where it is another one than that of A
+    /// Level of B [default: that of A]
     #[arg(long, value_enum, value_name = "LEVEL")]
     pub other_level: Option<LevelName>,
-    /// Also tell apart programs that the one lets end and the other does not
+    /// Also compare where programs may end
     #[arg(long)]
     pub whole: bool,
-    /// Only find what A allows and B refuses
+    /// Only find calls that A allows and B refuses
     #[arg(long)]
     pub one_way: bool,
-    /// Also call several skills at once, up to so many
+    /// Maximum number of skills called at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// Keep only this rule of B (may be given several times)
+    /// Keep only this rule of B (repeatable)
     #[arg(long = "other-rule", value_name = "NAME")]
     pub other_rules: Vec<String>,
     /// Which rules of A are kept, and how.

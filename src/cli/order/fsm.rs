@@ -26,22 +26,22 @@ const ALL_AT_ONCE: u8 = 64;
     linewright order fsm examples/pick-and-place/unit.lw --rule trays --paper
     linewright order fsm examples/pick-and-place/unit.lw --by-component --emit svg --out unit.svg
 
-There is one transition between two states, however many calls lead from the one to the other. A call of several skills at once is left \
-out where some of them alone lead to the same state.")]
+Two states have one transition between them, however many calls lead from one to the other. A \
+call of several skills at once is omitted if some of them alone lead to the same state.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// How it is printed [default: table, or json with --format json]
+    /// Output form [default: table, or json with --format json]
     #[arg(long, value_enum, value_name = "FORM")]
     pub emit: Option<Emit>,
-    /// Each component and each rule by itself, side by side, and not all of them together
+    /// One automaton for each component and each rule, instead of their product
     #[arg(long)]
     pub by_component: bool,
-    /// Call so many skills at once at most [default: one of each component]
+    /// Maximum number of skills called at once [default: one of each component]
     #[arg(long, value_name = "N", default_value_t = ALL_AT_ONCE, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// The file to write; without it, standard output
+    /// Output file; without it, standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Which rules are kept.
@@ -52,13 +52,13 @@ pub struct Arguments {
 /// How an automaton is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// A table for a person.
+    /// Table.
     Table,
-    /// A document with a schema.
+    /// JSON document.
     Json,
     /// Graphviz.
     Dot,
-    /// A picture.
+    /// SVG drawing.
     Svg,
 }
 

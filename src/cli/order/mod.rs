@@ -30,30 +30,30 @@ pub struct Arguments {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Check a program before it is loaded: a skill, or several called at once, a line
+    /// Check programs of skill calls, one call per line
     Check(check::Arguments),
-    /// Watch calls as they come on standard input, or emit a monitor as C or Structured Text
+    /// Monitor calls on standard input, or write a monitor as C or Structured Text
     Monitor(monitor::Arguments),
-    /// Print the automaton: all situations, and what may be called in them
+    /// Print the automaton of allowed calls
     Fsm(fsm::Arguments),
-    /// Print a regular expression of what may be called
+    /// Print the allowed calls as a regular expression
     Regex(regex::Arguments),
-    /// Find the shortest calls that tell two sets of rules apart
+    /// Find the shortest calls that distinguish two sets of rules
     Diff(diff::Arguments),
-    /// Say what may come next
+    /// List the calls that are allowed next
     Complete(complete::Arguments),
-    /// Find the recalls and detours that can be left out, each as a rule to keep or to drop
+    /// Find recalls and detours that rules may forbid without losing a situation
     Strongest(strongest::Arguments),
 }
 
 /// A level, as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LevelName {
-    /// Every call is allowed.
+    /// None.
     Arbitrary,
-    /// The rules are kept.
+    /// Calls that break a rule.
     Valid,
-    /// No recall, and the rules that are `at reasonable` are kept as well.
+    /// Also recalls (calls that change nothing), and calls that break rules `at reasonable`.
     Reasonable,
 }
 
@@ -72,20 +72,19 @@ impl LevelName {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Which rules")]
 pub struct Choice {
-    /// How much is forbidden
+    /// Which calls are refused
     #[arg(long, value_enum, default_value = "valid", value_name = "LEVEL")]
     pub level: LevelName,
-    /// Keep only this rule (may be given several times)
+    /// Keep only this rule (repeatable)
     #[arg(id = "rule", long = "rule", value_name = "NAME")]
     pub rules: Vec<String>,
-    /// Leave this rule out (may be given several times)
+    /// Ignore this rule (repeatable)
     #[arg(id = "no_rule", long = "no-rule", value_name = "NAME")]
     pub no_rules: Vec<String>,
-    /// Allow several skills at once where some order of them is allowed, and not only where every
-    /// order is
+    /// Allow skills at once if some order of them is allowed, instead of every order
     #[arg(long)]
     pub some_order: bool,
-    /// Where a rule lists the transitions that a published model deletes, delete just these
+    /// Delete exactly the transitions that a rule lists under `deletes`
     #[arg(long)]
     pub paper: bool,
 }

@@ -32,24 +32,24 @@ const LONGEST_CALL: usize = 1 << 12;
     linewright order monitor examples/pick-and-place/unit.lw < examples/pick-and-place/intended.txt
     linewright order monitor examples/pick-and-place/unit.lw --emit c --out monitor
 
-Every line of standard input is a call: a skill, or `Left & Down` for skills that are called at once. What follows # or // is a \
-comment. Each call is answered at once, in a line of its own: the call, and `ok` or why it is refused; with --format json \
-`{\"line\":3,\"allowed\":true}`. A call that is refused counts as not made, and so does a line that is no call: it is refused, and the \
-next one is read. Exit code 1 where one was refused.")]
+Every line of standard input is a call: a skill, or `Left & Down` for skills called at once. # \
+and // begin a comment. Each call is answered with one line: the call, and `ok` or the reason for the refusal; with --format json \
+`{\"line\":3,\"allowed\":true}`. A refused call has no effect. A line that is not a call is refused, too. The exit code is 1 if \
+any call was refused.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Write a monitor to be loaded on the cell, and watch nothing
+    /// Write a monitor instead of monitoring
     #[arg(long, value_enum, value_name = "FORM")]
     pub emit: Option<Emit>,
-    /// The folder for what is emitted; without it, standard output
+    /// Output folder; without it, standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Know so many skills at once at most [default: one of each component]
+    /// Maximum number of skills called at once [default: one of each component]
     #[arg(long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// End at the first line that is refused
+    /// Stop at the first refused call
     #[arg(long)]
     pub stop: bool,
     /// Which rules are kept.
@@ -60,9 +60,9 @@ pub struct Arguments {
 /// A monitor to be loaded on the cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// C99: a header and a source file.
+    /// Header and source file in C99.
     C,
-    /// IEC 61131-3 Structured Text: a function block.
+    /// Function block in IEC 61131-3 Structured Text.
     St,
     /// The same function block as `PLCopen` XML.
     Plcopen,

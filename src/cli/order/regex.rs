@@ -20,17 +20,17 @@ use serde::Serialize;
     linewright order regex examples/pick-and-place/unit.lw
     linewright order regex examples/pick-and-place/printed/grammars.lw::Reasonable --whole
 
-The expression is over single skills, one after the other, as `sequence` takes it in a file: `sequence (...)`. Where it is too long \
-or nested too deep for that, a remark says so.
+The expression is over single skills, one after the other, as `sequence` takes it in a file: `sequence (...)`. If it is too long or too deeply nested for that, a remark says so.
 
-Every beginning of a program that it describes is described by it, too, so that a monitor can use it. With --whole it describes \
-programs that may end where they do. Where there are none, since every program is left in the middle of a sequence, `not (...)` with \
-all skills is printed, which nothing that is called fits, a remark says so, and the exit code is 1.")]
+The expression also matches every prefix of a program that it matches, so a monitor can use it. \
+With --whole it matches only complete programs. If there are none, because every program ends \
+in the middle of a sequence, `not (...)` with all skills is printed, which matches no call; a \
+remark says so, and the exit code is 1.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Only programs that may end where they do: none is left in the middle of a sequence
+    /// Only programs that do not end in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
     /// Which rules are kept.

@@ -19,20 +19,21 @@ use std::fmt::Write as _;
     linewright order strongest examples/pick-and-place/unit.lw
     linewright order strongest examples/pick-and-place/unit.lw --longest 3 --useful 'left & open' --drop detour_Left_Right
 
-What is kept is printed as rules to be put into the file. A rule that is needed stands in a comment, with what would be lost. \
-Which ones are kept depends on the order of the skills; --drop takes one back, and the others are found anew.")]
+Recalls and detours that can be forbidden are printed as rules for the file. Those that are \
+needed are printed as comments, with the situations that would be lost. The choice depends on \
+the order of the skills; --drop rejects a rule, and the others are computed again.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Look for detours of so many skills at most; 1 looks for recalls only
+    /// Maximum length of detours, in skills; 1 finds recalls only
     #[arg(long, default_value_t = 2, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
     pub longest: u8,
-    /// A situation that must stay within reach, `left & down` (may be given several times)
+    /// Situation that must stay reachable, such as `left & down` (repeatable)
     /// [default: all of them]
     #[arg(long, value_name = "SITUATION")]
     pub useful: Vec<String>,
-    /// A rule that is not wanted (may be given several times)
+    /// Reject this proposed rule (repeatable)
     #[arg(long, value_name = "NAME")]
     pub drop: Vec<String>,
     /// Which rules are kept.
