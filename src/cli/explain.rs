@@ -56,16 +56,16 @@ pub fn run(
             let topics = topics.into_iter().map(Topic::without_page).collect();
             show(options, codes::ALL, topics, true)
         }
-        Some(name) => match codes::find(name.trim()) {
-            Some(code) => show(options, &[code], Vec::new(), false),
-            None => {
-                let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
-                let unknown = unknown(&name, &topics);
-                let found = topics::find(topics, &name);
-                anyhow::ensure!(!found.is_empty(), unknown);
-                show(options, &[], found, false)
+        Some(name) => {
+            if let Some(code) = codes::find(name.trim()) {
+                return show(options, &[code], Vec::new(), false);
             }
-        },
+            let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
+            let unknown = unknown(&name, &topics);
+            let found = topics::find(topics, &name);
+            anyhow::ensure!(!found.is_empty(), unknown);
+            show(options, &[], found, false)
+        }
     }
 }
 

@@ -40,12 +40,13 @@ pub enum Subset<'a> {
 }
 
 /// What the real `examine_environment` is compared with.
-#[expect(clippy::struct_excessive_bools, reason = "four yes-or-no questions")]
 pub struct Environment {
     pub cannot_start: bool,
-    pub stuck_at_start: bool,
-    pub dead_end: bool,
-    pub forced: bool,
+    /// Sets of valuations, each with the larger one that it is part of.
+    pub stuck_at_start: [Set; 2],
+    pub dead_end: [Set; 2],
+    pub forced: [Set; 2],
+    pub forced_recklessly: [Set; 2],
     /// From how many of the valuations that can occur, and how many can; then for a machine without
     /// guarantees.
     pub forced_states: [u32; 2],
@@ -326,6 +327,16 @@ impl<'a> Board<'a> {
         }
     }
 
+    /// The valuations that have these values; where there is none, any value will do.
+    pub fn having(&self, situation: &[Option<i64>]) -> Set {
+        let fits = |valuation: &[i64]| {
+            let mut values = valuation.iter().zip(situation);
+            values.all(|(value, wanted)| wanted.is_none_or(|wanted| *value == wanted))
+        };
+        let fitting = (0..self.valuations.len()).filter(|s| fits(&self.valuations[*s]));
+        fitting.fold(0, |set: Set, s| set | 1 << s)
+    }
+
     pub fn environment(&self) -> Environment {
         let mut rules = self.rules(&Subset::All);
         let start = rules.env_start & rules.sys_start;
@@ -345,14 +356,16 @@ impl<'a> Board<'a> {
         reckless.goals = vec![vec![0; self.valuations.len()]];
         let recklessly = self.winning(&reckless) & anywhere;
         let count = |set: Set| if started { set.count_ones() } else { 0 };
+        let within = |set: Set, all: Set| if started { [set & all, all] } else { [0, 0] };
         Environment {
             forced_states: [count(forced), count(reachable)],
             forced_recklessly_states: [count(recklessly), count(anywhere)],
             unsatisfiable: started && lasting & first == 0,
             cannot_start: !started,
-            stuck_at_start: started && stuck & start != 0,
-            dead_end: started && stuck & reachable != 0,
-            forced: started && forced != 0,
+            stuck_at_start: within(stuck, start),
+            dead_end: within(stuck, reachable),
+            forced: within(forced, reachable),
+            forced_recklessly: within(recklessly, anywhere),
         }
     }
 

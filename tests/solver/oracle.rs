@@ -99,28 +99,33 @@ fn verdicts_machines_mutants_and_cores() {
 #[test]
 fn findings_about_the_environment() {
     let limits = Limits::default();
-    let (mut stuck, mut forced, mut separated, mut hopeless) = (0, 0, 0, 0);
+    let (mut stuck, mut forced, mut separated, mut hopeless, mut partial) = (0, 0, 0, 0, 0);
     for seed in 0..1_000 {
         let spec = specification(&mut Random::new(1_000_000 + seed));
         let board = Board::new(&spec);
         let found = examine_environment(&spec, &limits).expect("no limit");
         let expected = board.environment();
         assert_eq!(found.cannot_start, expected.cannot_start, "seed {seed}");
-        assert_eq!(
-            found.dead_end.is_some(),
-            expected.dead_end,
-            "seed {seed}\n{spec:#?}"
-        );
-        assert_eq!(
-            found.stuck_at_start.is_some(),
-            expected.stuck_at_start,
-            "seed {seed}"
-        );
-        assert_eq!(
-            found.forced.is_some(),
-            expected.forced,
-            "seed {seed}\n{spec:#?}"
-        );
+        for (situation, [set, all]) in [
+            (&found.stuck_at_start, expected.stuck_at_start),
+            (&found.dead_end, expected.dead_end),
+            (&found.forced, expected.forced),
+            (&found.forced_recklessly, expected.forced_recklessly),
+        ] {
+            let Some(situation) = situation else {
+                assert_eq!(set, 0, "seed {seed}\n{spec:#?}");
+                continue;
+            };
+            // A prime implicant: it leads into the set, and no value can be left out.
+            let shown = board.having(situation) & all;
+            assert!(shown != 0 && shown & !set == 0, "seed {seed}\n{spec:#?}");
+            for known in (0..situation.len()).filter(|v| situation[*v].is_some()) {
+                let mut fewer = situation.clone();
+                fewer[known] = None;
+                assert!(board.having(&fewer) & all & !set != 0, "seed {seed}");
+            }
+            partial += u32::from(situation.contains(&None));
+        }
         assert_eq!(
             found.unsatisfiable, expected.unsatisfiable,
             "seed {seed}\n{spec:#?}"
@@ -137,14 +142,15 @@ fn findings_about_the_environment() {
             "seed {seed}\n{spec:#?}"
         );
         hopeless += u32::from(expected.unsatisfiable);
-        stuck += u32::from(expected.dead_end);
-        forced += u32::from(expected.forced && !expected.dead_end);
+        let [dead_end, can_force] = [expected.dead_end[0] != 0, expected.forced[0] != 0];
+        stuck += u32::from(dead_end);
+        forced += u32::from(can_force && !dead_end);
         separated += u32::from(found.well_separated());
     }
     println!(
         "dead ends {stuck}, forced otherwise {forced}, well-separated {separated}, unsatisfiable {hopeless}"
     );
-    assert!(stuck >= 20 && forced >= 20 && separated >= 20 && hopeless >= 20);
+    assert!(stuck >= 20 && forced >= 20 && separated >= 20 && hopeless >= 20 && partial >= 100);
 }
 
 /// Where a realizable specification asks for less than it seems to.

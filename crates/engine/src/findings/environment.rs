@@ -1,6 +1,7 @@
 //! What is odd about the plant's side of a contract that is realizable: LW205 and LW206.
 
-use super::situation;
+use super::lost::percent;
+use super::shown;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Specification;
 use linewright_core::source::Span;
@@ -50,7 +51,7 @@ fn empty(
         format!("the assumptions of `{name}` leave the plant no next step in some situations"),
         format!(
             "one of them is {}; weaken an assumption there, or keep the machine from bringing the plant there",
-            situation(specification, values)
+            shown(specification, values)
         ),
     )
 }
@@ -67,7 +68,7 @@ fn forced(
         if from >= all {
             "every situation that can occur".to_owned()
         } else {
-            format!("{from} of the {all} situations that can occur")
+            format!("{} of the situations that can occur", percent(from / all))
         }
     };
     let mut note = format!("it can force that from {}", share(found.forced_states));
@@ -85,7 +86,7 @@ fn forced(
     }
     Some(finding.with_help(format!(
         "one such situation is {}: from there the machine can bring it about that the plant cannot keep {}; ask for that only as long as the machine lets the plant keep it",
-        situation(specification, values),
+        shown(specification, values),
         if found.broken.is_empty() { "all assumptions" } else { "the marked assumption" }
     )))
 }

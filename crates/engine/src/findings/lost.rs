@@ -274,7 +274,7 @@ fn operand_of_always(s: &Specification, expr: &Expr) -> String {
 }
 
 /// `25 %`, `0.3 %`
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent >= 10.0 {
         format!("{percent:.0} %")

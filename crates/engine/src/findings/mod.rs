@@ -6,17 +6,22 @@ pub mod play;
 pub mod shape;
 
 use linewright_core::gr1::Specification;
+use linewright_solver::game::Situation;
 
-/// A valuation in words: what the variables are that any formula mentions.
-fn situation(specification: &Specification, values: &[i64]) -> String {
-    let shown: Vec<String> = specification
+/// A situation in words: the values that matter of the variables that the author declared.
+fn shown(specification: &Specification, situation: &Situation) -> String {
+    let values: Vec<String> = specification
         .variables
         .iter()
-        .zip(values)
+        .zip(situation)
         .filter(|(v, _)| !v.internal)
-        .map(|(v, x)| format!("{} = {}", v.name, v.show(*x)))
+        .filter_map(|(v, x)| x.map(|x| format!("{} = {}", v.name, v.show(x))))
         .collect();
-    shown.join(", ")
+    if values.is_empty() {
+        "any that can occur".to_owned()
+    } else {
+        values.join(", ")
+    }
 }
 
 /// `a`, `a` and `b`, `a`, `b` and `c`

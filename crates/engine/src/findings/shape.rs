@@ -1,6 +1,6 @@
 //! Where a realizable contract asks for less than it seems to: LW212 to LW219.
 
-use super::situation;
+use super::shown;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::text::{operand, text};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
@@ -112,7 +112,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
             .with_label(fixer.span, "elsewhere this fixes its next value")
             .with_note(format!(
                 "one such situation is {}",
-                situation(s, &unframed.situation)
+                shown(s, &unframed.situation)
             ))
             .with_help(frame(s, unframed.variable)),
         );

@@ -5,6 +5,7 @@
 //! occurs under no controller.
 
 use super::requests::{self, Request};
+use super::{Situation, prime_implicant};
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
 use crate::game::reachable::reachable;
@@ -45,7 +46,7 @@ pub struct Unframed {
     /// The output.
     pub variable: VarId,
     /// Current values after which its next one is free.
-    pub situation: Vec<i64>,
+    pub situation: Situation,
     /// A guarantee that says what its next value is, elsewhere.
     pub fixed_by: GuaranteeRef,
 }
@@ -285,19 +286,16 @@ impl<'a, K: Kernel> Look<'a, K> {
             let answered = m.exists(&answers, &others)?;
             let missing = m.exists(&m.and_not(&within, &answered)?, &own)?;
             let free = m.and_not(&m.and_not(&here, &bound)?, &missing)?;
-            let Some(bits) = m.witness(&free) else {
+            let Some(situation) = prime_implicant(arena, self.specification, &free, &here)? else {
                 continue;
             };
             let fixer = self.fixer(v, &setting, &here)?;
             if let Some(fixed_by) = fixer
                 && self.wins_framed(v, &free)?
             {
-                let ids = (0..self.specification.variables.len()).map(|i| VarId(i as u32));
                 found.push(Unframed {
                     variable: v,
-                    situation: ids
-                        .map(|w| arena.encoding.value(w, Time::Now, &bits))
-                        .collect(),
+                    situation,
                     fixed_by,
                 });
             }
