@@ -234,7 +234,7 @@ fn build_probe(
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     if arguments.target.contains(&Target::Fmu) {
-        anyhow::bail!("the probe is no FMI unit: build it with --target windows");
+        anyhow::bail!("the probe is not an FMU: build it with --target windows");
     }
     let mut findings = Vec::new();
     let profile = arguments.profile.as_ref().map(|_| profile);

@@ -108,7 +108,7 @@ fn is_json(options: &GlobalOptions) -> bool {
 
 fn find(code: &str) -> anyhow::Result<&'static Entry> {
     taxonomy::lookup(code)
-        .map_err(|help| anyhow::anyhow!("`{code}` is no code of DIN 8580 or VDI 2860: {help}"))
+        .map_err(|help| anyhow::anyhow!("`{code}` is not a code of DIN 8580 or VDI 2860: {help}"))
 }
 
 fn show(taxonomy: &Taxonomy, entry: &Entry) -> String {

@@ -4,7 +4,7 @@
 /// order.
 pub fn seconds(text: &str) -> Result<f64, String> {
     parse(text.trim()).ok_or_else(|| {
-        format!("`{text}` is no time: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
+        format!("`{text}` is not a valid duration: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
     })
 }
 

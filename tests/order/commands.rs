@@ -499,7 +499,7 @@ fn a_monitor_goes_on_behind_what_it_cannot_read() {
     let found = documents(b"Down\n\nL\xffft\nLfet\nUp\n", &[]);
     let wanted = serde_json::json!([
         { "line": 1, "allowed": true },
-        { "line": 3, "allowed": false, "why": "this is no text in UTF-8: send the names of skills in UTF-8" },
+        { "line": 3, "allowed": false, "why": "this is not UTF-8 text: send the names of skills in UTF-8" },
         { "line": 4, "allowed": false, "why": "there is no skill `Lfet`: did you mean `Left`?" },
         { "line": 5, "allowed": true },
     ]);

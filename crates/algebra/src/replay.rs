@@ -186,7 +186,7 @@ fn lasso(
     run: &Lasso,
 ) -> Result<(), String> {
     if !is_run(system, run) {
-        return Err("it is no run".to_owned());
+        return Err("it is not a run".to_owned());
     }
     let waiting: BTreeSet<usize> = proof
         .open

@@ -242,7 +242,7 @@ impl<'a> ProofPrinter<'a> {
             .map(|at| self.formula(*at).text.as_str())
             .collect();
         let message = format!(
-            "{} wait for one another: each comes true again and again only if the others do",
+            "{} depend on one another: each holds infinitely often only if the others do",
             list(&members)
         );
         let help = format!(

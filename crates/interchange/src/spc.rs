@@ -164,7 +164,7 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
             names.syntax(
                 range.clone(),
                 format!("expected a variable, found `{found}`"),
-                "names are separated by blanks, a domain `[0,n]` stands behind its variable",
+                "names are separated by spaces, a domain `[0,n]` stands behind its variable",
             );
             // A domain that is written wrongly is said once.
             while body.get(i).is_some_and(|t| t.0 != Word::Name) {

@@ -106,7 +106,7 @@ impl Check<'_> {
                 });
                 if let Supply::Every { seconds, .. } = supply {
                     self.require(is_duration(*seconds), node.span, || {
-                        format!("{name} makes a part every {seconds} seconds, which is no duration")
+                        format!("{name} makes a part every {seconds} seconds, which is not a valid duration")
                     });
                 }
             }
@@ -139,7 +139,7 @@ impl Check<'_> {
                 });
                 self.require(is_duration(*setup_seconds), node.span, || {
                     format!(
-                        "the setup of {name} takes {setup_seconds} seconds, which is no duration"
+                        "the setup of {name} takes {setup_seconds} seconds, which is not a valid duration"
                     )
                 });
                 if let Some(f) = failures {

@@ -58,7 +58,7 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
         row(
             "lead time",
             format!(
-                "mean {}, half within {}, 95 % within {}, longest {}",
+                "mean {}, median {}, 95th percentile {}, maximum {}",
                 clock(t.mean),
                 clock(t.p50),
                 clock(t.p95),

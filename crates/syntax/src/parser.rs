@@ -231,7 +231,11 @@ pub(super) fn begins_with_operator(text: &str) -> bool {
     text.starts_with([
         ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',
     ]) || text.starts_with('/') && !text.starts_with("//") && !text.starts_with("/*")
-        || ["and", "or", "xor", "implies", "iff", "mod"].contains(&word_at(text).as_str())
+        || [
+            "and", "or", "xor", "implies", "iff", "mod", "since", "until", "unless", "precedes",
+            "responds", "within", "before", "between", "after",
+        ]
+        .contains(&word_at(text).as_str())
 }
 
 /// What the place that a `bad_*` rule stands for is called, and the words that begin an item in it.

@@ -102,8 +102,8 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
             },
             match proof.circles.len() {
                 0 => String::new(),
-                1 => "; 1 circle".to_owned(),
-                n => format!("; {n} circles"),
+                1 => "; 1 cycle".to_owned(),
+                n => format!("; {n} cycles"),
             },
             if synth {
                 ": there is no GR(1) contract of the whole, so nothing is synthesized."

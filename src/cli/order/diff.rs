@@ -204,7 +204,7 @@ fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
         let missing = missing(a, b);
         anyhow::ensure!(
             missing.is_empty(),
-            "`{}` has skills that `{}` has not: {}; only rules over the same skills can be told apart",
+            "`{}` has skills that `{}` has not: {}; only rules over the same skills can be compared",
             a.name,
             b.name,
             missing.join(", ")

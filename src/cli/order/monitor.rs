@@ -275,7 +275,7 @@ fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
         return Err(format!("{longer}: write each call on a line of its own"));
     }
     let Ok(text) = str::from_utf8(call) else {
-        return Err("this is no text in UTF-8: send the names of skills in UTF-8".to_owned());
+        return Err("this is not UTF-8 text: send the names of skills in UTF-8".to_owned());
     };
     match program::call(text, skills) {
         Ok(call) => Ok(call.0),

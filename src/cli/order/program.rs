@@ -86,7 +86,7 @@ fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> Wrong {
     } else if name.contains([',', ';', ' ', '\t']) {
         (
             codes::SYNTAX,
-            format!("`{name}` is no skill"),
+            format!("`{name}` is not a skill"),
             "write each call on a line of its own, and `&` between skills that are called at once"
                 .to_owned(),
         )

@@ -233,7 +233,7 @@ fn a_circle_beside_a_way_that_is_open_is_found() {
     assert_eq!(found.len(), 1, "{found:#?}");
     assert_eq!(
         found[0].message,
-        "parts can wait for one another for ever, while others go on: first has a Brick that waits for room on second, \
+        "some parts can deadlock (circular wait) while others go on: first has a Brick that waits for room on second, \
          second has a Brick that waits for room on first"
     );
 }

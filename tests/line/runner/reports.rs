@@ -65,7 +65,7 @@ fn as_text() {
     products     6 Product stored
     makespan     0:03:26
     throughput   104.85 an hour
-    lead time    mean 0:01:01, half within 0:01:00, 95 % within 0:01:06, longest 0:01:06
+    lead time    mean 0:01:01, median 0:01:00, 95th percentile 0:01:06, maximum 0:01:06
     bottleneck   assembly_cell_1 (busy, set up or failed 87.4 % of the time)
     energy       0.003 kWh
     parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line

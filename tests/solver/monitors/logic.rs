@@ -239,7 +239,7 @@ impl Reader<'_> {
             ("O", Some(n)) => L::OnceWithin(n, a),
             ("H", None) => L::Historically(a),
             ("H", Some(n)) => L::HistoricallyWithin(n, a),
-            other => panic!("{other:?} is no operator"),
+            other => panic!("{other:?} is not an operator"),
         }
     }
 }

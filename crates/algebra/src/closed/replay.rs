@@ -136,7 +136,7 @@ impl Closed<'_> {
     fn surroundings(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
         let values = self.system.variables.iter().zip(&steps[at]);
         if let Some((v, value)) = values.into_iter().find(|(v, x)| !v.domain.contains(**x)) {
-            return Err(format!("{value} is no value of {}", v.name));
+            return Err(format!("{value} is not a value of {}", v.name));
         }
         let beside = &self.system.parts[self.taking.len()..];
         let sides = beside.iter().map(|p| &p.definitions);

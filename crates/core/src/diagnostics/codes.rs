@@ -72,7 +72,7 @@ macro_rules! codes {
 codes! {
     FILE_UNREADABLE = "LW001", "a file cannot be read";
     SYNTAX = "LW002", "a declaration or formula does not follow the grammar";
-    IMPORT_CIRCULAR = "LW003", "files import each other in a circle";
+    IMPORT_CIRCULAR = "LW003", "files import each other (circular import)";
     IMPORT_MISSING = "LW004", "an imported file does not exist";
     NOTATION = "LW005", "another tool's notation means something unusual";
     OWN_TOOL = "LW006", "a specification's own tool answers otherwise";
@@ -121,7 +121,7 @@ codes! {
     OPERATION = "LW306", "an operation does not fit its coordinator";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";
-    JUSTICE_CIRCLE = "LW309", "assumptions of justice wait for one another";
+    JUSTICE_CIRCLE = "LW309", "justice assumptions depend on one another";
     PROMISE_BROKEN = "LW310", "what is promised as a whole is not kept";
     PORTS = "LW311", "the ports of contracts do not fit together";
     INCOMPATIBLE = "LW312", "no environment fits the contracts";
@@ -138,7 +138,7 @@ codes! {
     LINE_VIOLATION = "LW405", "a contract was violated while the line ran";
     LINE_REQUIREMENT = "LW406", "a requirement does not hold";
     LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";
-    LINE_CIRCLE = "LW408", "parts can wait for one another for ever";
+    LINE_CIRCLE = "LW408", "parts can deadlock (circular wait)";
     LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
     LINE_UNDECIDED = "LW410", "a line is too large to be proved";
     LINE_ASKS = "LW411", "a line may ask a station for what its machine forbids";

@@ -106,7 +106,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 codes::UNFRAMED,
                 span,
                 format!(
-                    "in some situations nothing says what becomes of `{name}`: the machine may give it any value"
+                    "in some situations nothing restricts the next value of `{name}`: the machine may give it any value"
                 ),
             )
             .with_label(fixer.span, "elsewhere this fixes its next value")

@@ -71,7 +71,7 @@ fn unknown_word(word: &str, names: &[&str]) -> String {
         None => "`help` lists the commands".to_owned(),
     };
     format!(
-        "`{word}` is no command, and a move needs values for {}; {meant}",
+        "`{word}` is not a command, and a move needs values for {}; {meant}",
         names.join(", ")
     )
 }

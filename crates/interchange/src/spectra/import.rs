@@ -109,7 +109,7 @@ impl Sources {
         if !path.ends_with(ENDING) {
             self.refuse(
                 span,
-                format!("`{path}` is no file of Spectra's language"),
+                format!("`{path}` is not a Spectra file"),
                 format!("name a file that ends with `{ENDING}`"),
             );
             return None;

@@ -35,7 +35,7 @@ impl Reader {
             self.error(
                 codes::DOMAIN_EMPTY,
                 of.span,
-                "a name cannot run through so many values",
+                "a quantifier cannot range over this many values",
                 format!("use a type of at most {MAX_VALUES} values that is no array"),
             );
             return None;

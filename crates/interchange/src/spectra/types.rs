@@ -114,7 +114,7 @@ impl Reader {
         self.error(
             codes::NOT_CONSTANT,
             node.span,
-            "this is no number that is known when the file is read",
+            "this is not a number that is known when the file is read",
             "write a number, or a define of one",
         );
         None

@@ -217,7 +217,7 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
                             codes::NAME_DOUBLE,
                             name.span,
                             format!("`{}` is defined by itself", name.text),
-                            "break the circle: one of these needs a value of its own",
+                            "break the cycle: one of these needs a value of its own",
                         );
                     }
                 }

@@ -57,7 +57,7 @@ fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnost
         state: last,
     };
     let chain = view.chain(0..abstraction.shape.places.len());
-    let mut message = "parts can wait for one another for ever".to_owned();
+    let mut message = "parts can deadlock (circular wait)".to_owned();
     if !chain.texts.is_empty() {
         message = format!("{message}: {}", chain.texts.join(", "));
     }
@@ -103,7 +103,7 @@ fn unfinished(
     let (code, mut message) = if chain.circle {
         (
             codes::LINE_CIRCLE,
-            "parts can wait for one another for ever, while others go on".to_owned(),
+            "some parts can deadlock (circular wait) while others go on".to_owned(),
         )
     } else if goal.name == ORDERS_ARE_FINISHED {
         let product = &abstraction.shape.types[abstraction.shape.product];
@@ -196,14 +196,14 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     let fewer = fewer(line, shape, chain);
     let way_out = "give parts in it a way out by another station";
     match (has_room, fewer.is_empty()) {
-        (true, true) => format!("Make room for more parts in the circle {names}, or {way_out}."),
+        (true, true) => format!("Make room for more parts in the cycle {names}, or {way_out}."),
         (true, false) => format!(
-            "Let fewer parts in than fill the circle {names}: {}. Or {way_out}.",
+            "Let fewer parts in than fill the cycle {names}: {}. Or {way_out}.",
             fewer.join(" or ")
         ),
-        (false, true) => format!("Put a buffer into the circle {names}, or {way_out}."),
+        (false, true) => format!("Put a buffer into the cycle {names}, or {way_out}."),
         (false, false) => format!(
-            "Put a buffer into the circle, or let fewer parts in: {}. Or {way_out}.",
+            "Put a buffer into the cycle, or let fewer parts in: {}. Or {way_out}.",
             fewer.join(" or ")
         ),
     }

@@ -106,7 +106,7 @@ impl Vocabulary {
         }
         if slots > MOST_SLOTS {
             return Err(Undecided::because(format!(
-                "its queues have {slots} places for parts of different types, and at most {MOST_SLOTS} are told apart"
+                "its queues have {slots} places for parts of different types, and at most {MOST_SLOTS} are distinguished"
             )));
         }
         for (place, declared) in shape.places.iter().enumerate() {
@@ -229,7 +229,7 @@ impl Vocabulary {
                     labels.extend(types.iter().map(|t| shape.types[*t].clone()));
                     if *capacity as usize > MOST_SLOTS {
                         return Err(Undecided::because(format!(
-                            "{} has {capacity} places for parts of different types, and at most {MOST_SLOTS} are told apart",
+                            "{} has {capacity} places for parts of different types, and at most {MOST_SLOTS} are distinguished",
                             declared.name
                         )));
                     }
@@ -249,7 +249,7 @@ impl Vocabulary {
             let waiting = takers.len() - 1;
             if turns && waiting > MOST_WAITING {
                 return Err(Undecided::because(format!(
-                    "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are told apart",
+                    "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are distinguished",
                     declared.name
                 )));
             }

@@ -126,12 +126,12 @@ impl Run<'_> {
         }
         match (chain.circle, roomy) {
             (true, Some(node)) => format!(
-                "Keep the circle from filling up: more room in {}, fewer parts let in at a time, or a way out by another \
+                "Keep the cycle from filling up: more room in {}, fewer parts let in at a time, or a way out by another \
                  route.",
                 self.name(node)
             ),
             (true, None) => {
-                "Put a buffer into the circle, or give a part in it a way out by another route.".to_owned()
+                "Put a buffer into the cycle, or give a part in it a way out by another route.".to_owned()
             }
             (false, _) => {
                 "See that what is missing is made or stocked in sufficient number, that rejected parts are ordered \

@@ -159,7 +159,7 @@ impl Plant {
                     codes::LINE_LIMIT,
                     line.span,
                     format!(
-                        "the time after which a run of {} ends is no time",
+                        "the time after which a run of {} ends is not a valid time",
                         line.name
                     ),
                 )

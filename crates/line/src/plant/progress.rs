@@ -82,7 +82,7 @@ impl Run<'_> {
             );
             self.journal.findings.push(
                 Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
-                    "Look for a source without a time, a circle of routes without a station, or a station whose \
+                    "Look for a source without a time, a cycle of routes without a station, or a station whose \
                      every part breaks a rule and is ordered again.",
                 ),
             );

@@ -281,7 +281,7 @@ fn integer_bits(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> u32 
             Sureness::Likely
         },
         why: if certain {
-            "so many bits are those of each integer, its sign included".to_owned()
+            "width of an integer, including its sign".to_owned()
         } else {
             "run the probe again with all its integers: no negative or no large one was passed"
                 .to_owned()

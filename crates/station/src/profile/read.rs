@@ -152,7 +152,7 @@ impl Reader {
                 };
                 self.report(
                     given.span(),
-                    format!("\"{}\" is no encoding of strings", given.get_ref()),
+                    format!("\"{}\" is not a string encoding", given.get_ref()),
                     help,
                 );
             }
@@ -278,7 +278,7 @@ impl Reader {
             if of % unit != 0 {
                 self.report(
                     place,
-                    format!("{what} {of}, which is no multiple of {unit} as `packing = {packing}` wants it"),
+                    format!("{what} {of}, which is not a multiple of {unit} as `packing = {packing}` wants it"),
                     "make the packing smaller, or correct the number",
                 );
             }

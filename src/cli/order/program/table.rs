@@ -85,7 +85,7 @@ impl Program {
             let Ok(row) = row else {
                 let span = Span::new(file, 0, first.len());
                 let help = "save it as CSV in UTF-8, or as text with one call a line";
-                reader.finding(codes::SYNTAX, span, "this is no CSV in UTF-8", help);
+                reader.finding(codes::SYNTAX, span, "this is not CSV in UTF-8", help);
                 return;
             };
             let start = row.position().map_or(0, |p| p.byte() as usize);

@@ -62,8 +62,8 @@ impl Elaborator<'_> {
                 self.findings.error_with(
                     codes::NAME_DOUBLE,
                     span,
-                    format!("the counter `{full}` is told by itself when to count"),
-                    "break the circle; a value that depends on itself needs an internal variable and `next`",
+                    format!("the counter `{full}` depends on itself"),
+                    "break the cycle; a value that depends on itself needs an internal variable and `next`",
                 );
                 return None;
             }

@@ -116,7 +116,7 @@ impl<'a> Elaborator<'a> {
                 codes::NAME_DOUBLE,
                 span,
                 format!("`{name}` is defined by itself"),
-                "break the circle; a value that depends on itself needs an internal variable and `next`",
+                "break the cycle; a value that depends on itself needs an internal variable and `next`",
             );
             return None;
         }

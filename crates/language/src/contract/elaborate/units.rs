@@ -148,7 +148,7 @@ fn counted(
         findings.error_with(
             codes::TYPE_MISMATCH,
             span,
-            format!("this is no whole number of `{}`", unit.name()),
+            format!("this is not a whole number of `{}`", unit.name()),
             "a contract counts in whole numbers: round it, or declare the variable in a finer unit",
         );
     }

@@ -158,7 +158,7 @@ pub(in crate::contract) fn property_values<'a>(
                 e.findings.error_with(
                     codes::PROPERTY,
                     value.span,
-                    format!("{number} is no whole number of `{}`", ty.unit),
+                    format!("{number} is not a whole number of `{}`", ty.unit),
                     "round it, or declare the property in a finer unit",
                 );
                 return None;

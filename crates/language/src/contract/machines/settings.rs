@@ -195,7 +195,7 @@ pub(in crate::contract) fn positive<'a>(
     }
     let unmeasured = match dimension {
         Dimension::Time if !is_duration(value) => Some((
-            format!("{value:e} s is no duration that a run can measure"),
+            format!("{value:e} s is not a valid duration"),
             format!("write 0 s, or a time from {SHORTEST_SECONDS:e} s to {LONGEST_SECONDS:e} s"),
         )),
         Dimension::Power if value > GREATEST_WATTS => Some((
