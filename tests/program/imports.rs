@@ -482,10 +482,12 @@ fn what_is_allowed_is_not_found() {
     }
 }
 
-/// Whatever lies at the root is named in the README, so that no scratch file stays there.
+/// Whatever lies at the root is named in README.md or CONTRIBUTING.md, so that no scratch file
+/// stays there.
 #[test]
-fn the_readme_names_what_lies_at_the_root() {
-    let readme = std::fs::read_to_string(root().join("README.md")).expect("a text");
+fn what_lies_at_the_root_is_named() {
+    let read = |name: &str| std::fs::read_to_string(root().join(name)).expect("a text");
+    let texts = [read("README.md"), read("CONTRIBUTING.md")];
     let entries = std::fs::read_dir(root()).expect("a folder");
     let mut unnamed = Vec::new();
     for entry in entries.map(|e| e.expect("an entry")) {
@@ -498,9 +500,13 @@ fn the_readme_names_what_lies_at_the_root() {
         ];
         // Folders that are not in the repository come and go: `target`, an editor's, a user's.
         let is_ours = !name.starts_with('.') && !is_folder && name != "README.md";
-        if is_ours && !named.iter().any(|n| readme.contains(n)) {
+        let is_named = |text: &String| named.iter().any(|n| text.contains(n));
+        if is_ours && !texts.iter().any(is_named) {
             unnamed.push(name);
         }
     }
-    assert!(unnamed.is_empty(), "README.md does not name {unnamed:?}");
+    assert!(
+        unnamed.is_empty(),
+        "neither README.md nor CONTRIBUTING.md names {unnamed:?}"
+    );
 }
