@@ -199,7 +199,8 @@ fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnosti
         codes::OPERATION,
         operation.span,
         format!(
-            "after {before} action(s) of `{}` the coordinator {does}, but the operation names {}",
+            "after {} of `{}` the coordinator {does}, but the operation names {}",
+            messages::actions(before),
             operation.name,
             named(before)
         ),

@@ -336,6 +336,14 @@ impl CallError {
     }
 }
 
+/// A number of actions in words.
+pub fn actions(count: usize) -> String {
+    match count {
+        1 => "1 action".to_owned(),
+        _ => format!("{count} actions"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::real;

@@ -7,6 +7,7 @@
 use super::over_wires;
 use super::query::{Answer, Question};
 use super::walk::{Node, Step, Walk};
+use crate::messages;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Expr, Time, VarId};
 use linewright_language::contract::machine::Operation;
@@ -164,7 +165,8 @@ fn wrong(
         codes::OPERATION,
         operation.span,
         format!(
-            "after {position} action(s) of `{}` the coordinator may {does}, but the operation names {expected}",
+            "after {} of `{}` the coordinator may {does}, but the operation names {expected}",
+            messages::actions(position),
             operation.name
         ),
     )
