@@ -6,9 +6,9 @@
 //! not 0, and the rest is what it prints, both streams together. In the output `[..]` stands for
 //! any text within a line, and a line `...` for any lines. `cargo run --release --` is the built
 //! program; `cargo test` and what installs something is not run. A block fenced with a file's name
-//! (```` ```lw cell.lw ````) is written to that file first; a block fenced with ```` ```lw ```` alone
-//! is a whole file in which `check` finds nothing. trycmd does none of: shells, cargo, files, so this
-//! is a small runner of our own.
+//! (```` ```lw cell.lw ````) is written to that file first; a block fenced with ```` ```lw ````
+//! alone is a whole file in which `check` finds nothing. trycmd does none of: shells, cargo, files,
+//! so this is a small runner of our own.
 
 use crate::imports::files_below;
 use crate::support;
