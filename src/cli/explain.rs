@@ -3,8 +3,11 @@
 use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::diagnostics::{Code, codes, explanations, sarif};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -21,17 +24,31 @@ pub struct Arguments {
     pub list: bool,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "explain",
+    "The codes of findings and what they mean",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The codes.
     codes: Vec<Entry>,
 }
 
-#[derive(Serialize)]
+/// What a code means.
+#[derive(JsonSchema, Serialize)]
 struct Entry {
+    /// The code, such as `LW203`.
     code: &'static str,
+    /// What it is about.
     title: &'static str,
+    /// The title of its group.
     group: &'static str,
+    /// The explanation, in Markdown; left out in a list of all codes.
     #[serde(skip_serializing_if = "Option::is_none")]
     page: Option<&'static str>,
 }

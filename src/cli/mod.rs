@@ -23,6 +23,7 @@ pub mod picked;
 pub mod profiles;
 pub mod proof;
 pub mod run;
+pub mod schema;
 pub mod select;
 pub mod step;
 pub mod synth;
@@ -93,6 +94,8 @@ pub enum Command {
     Din(din::Arguments),
     /// Say what there is for building station libraries, and what a probe has found
     Doctor(doctor::Arguments),
+    /// Print the JSON Schema of a document that this program writes
+    Schema(schema::Arguments),
     /// Print a script that completes commands and options in a shell
     Completions(completions::Arguments),
 }
@@ -187,6 +190,7 @@ impl Command {
             | Self::Explain(_)
             | Self::Din(_)
             | Self::Doctor(_)
+            | Self::Schema(_)
             | Self::Completions(_) => false,
         }
     }
@@ -211,6 +215,7 @@ impl Command {
             Self::Order(_) => "order",
             Self::Din(_) => "din",
             Self::Doctor(_) => "doctor",
+            Self::Schema(_) => "schema",
             Self::Completions(_) => "completions",
         }
     }
@@ -237,6 +242,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Order(a) => order::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Doctor(a) => doctor::run(a, options),
+        Command::Schema(a) => schema::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),
     }
 }
