@@ -123,6 +123,7 @@ fn spans(side: &Side, names: &[String]) -> Vec<Span> {
 /// What a suggestion changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "SuggestionKind")]
 pub enum Change {
     /// An assumption is added.
     Assume,
