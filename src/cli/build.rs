@@ -5,6 +5,8 @@ use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::{picked, profiles};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::contract::machine::Machine;
 use crate::deadline::Deadline;
 use crate::diagnostics::{Diagnostic, has_errors, json};
@@ -16,6 +18,7 @@ use crate::source::SourceMap;
 use crate::station::profile::Profile;
 use crate::station::{Toolchain, fmi};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -97,17 +100,32 @@ pub struct Arguments {
     pub rebuild: bool,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "build",
+    "The station libraries that were built",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The libraries that were built, one for each machine and target.
     libraries: Vec<Built>,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
+/// A library that was built.
+#[derive(JsonSchema, Serialize)]
 struct Built {
+    /// The machine.
     machine: String,
+    /// The target.
+    #[schemars(extend("enum" = ["linux", "windows", "msvc", "fmu", "source"]))]
     target: &'static str,
+    /// The files that were written, or that were up to date.
     files: Vec<String>,
 }
 

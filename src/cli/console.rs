@@ -7,6 +7,7 @@ use crate::source::SourceMap;
 use anstream::{AutoStream, ColorChoice};
 use anyhow::Context as _;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -23,9 +24,10 @@ pub struct Console {
 }
 
 /// The JSON document of a command that ended before it had a result.
-#[derive(Serialize)]
-struct Failed {
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Failed {
     schema: String,
+    /// What kept the command from a result.
     findings: Vec<json::Finding>,
 }
 

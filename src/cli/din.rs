@@ -3,11 +3,14 @@
 use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::contract::Library;
 use crate::diagnostics::has_errors;
 use crate::engine::files::{self, StandardLibrary};
 use crate::taxonomy::{self, Entry, Standard, Taxonomy, taxonomy};
 use clap::{Args, Subcommand};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -171,22 +174,45 @@ fn below<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a Ent
     }
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "din",
+    "Entries of DIN 8580 and VDI 2860, or what of them has contracts",
+    &[
+        form::<Entries<'_>>,
+        form::<CoverageDocument>,
+        form::<Failed>,
+    ],
+);
+
+/// The JSON document of `din show`, `din search` and `din tree`.
+#[derive(JsonSchema, Serialize)]
 struct Entries<'a> {
     schema: String,
+    /// The entries.
     entries: Vec<EntryDocument<'a>>,
 }
 
-#[derive(Serialize)]
+/// An entry of a taxonomy.
+#[derive(JsonSchema, Serialize)]
 struct EntryDocument<'a> {
+    /// The code with its prefix, such as `din:3.2.1` or `vdi:Drehen`.
     code: String,
+    /// The title of the standard.
     standard: &'a str,
+    /// The German term.
     german: &'a str,
+    /// The English term.
     english: &'a str,
+    /// The code of the entry above it; null at the top.
     parent: Option<String>,
+    /// The edition of the standard; empty where the table has none.
     edition: &'a str,
+    /// How sure the entry is.
     confidence: &'a str,
+    /// Where the entry comes from.
     source: &'a str,
+    /// A remark; may be empty.
     note: &'a str,
 }
 
@@ -213,24 +239,35 @@ impl<'a> Entries<'a> {
     }
 }
 
-#[derive(Serialize)]
+/// The JSON document of `din coverage`.
+#[derive(JsonSchema, Serialize)]
 struct CoverageDocument {
     schema: String,
+    /// The standards.
     standards: Vec<StandardCoverage>,
 }
 
-#[derive(Serialize)]
+/// How much of a standard has contracts.
+#[derive(JsonSchema, Serialize)]
 struct StandardCoverage {
+    /// The title of the standard.
     standard: &'static str,
+    /// The number of its codes.
     codes: usize,
+    /// The codes that something implements.
     covered: Vec<CoveredCode>,
 }
 
-#[derive(Serialize)]
+/// A code that something implements.
+#[derive(JsonSchema, Serialize)]
 struct CoveredCode {
+    /// The code with its prefix.
     code: String,
+    /// The German term.
     german: String,
+    /// The English term.
     english: String,
+    /// The contracts, machines and operations that implement it.
     implemented_by: Vec<String>,
 }
 

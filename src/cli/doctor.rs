@@ -11,12 +11,15 @@ use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::profiles;
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::cache::Cache;
 use crate::source::SourceMap;
-use crate::station::profile::Profile;
+use crate::station::profile::{Profile, ProfileEntry};
 use crate::station::toolchain::survey::{self, Found, Survey};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -46,24 +49,49 @@ pub struct Arguments {
     pub profile: Option<PathBuf>,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "doctor",
+    "What there is for building station libraries, or what a probe has found",
+    &[
+        form::<Document<'_>>,
+        form::<probe::Document>,
+        form::<Failed>,
+    ],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document<'a> {
     schema: String,
+    /// The C compiler for this computer.
     c_compiler: Option<&'a Found>,
+    /// The compilers for 64-bit Windows, in the order of preference.
     windows_compilers: Vec<Entry<'a>>,
+    /// Whether libraries for Windows can be built.
     windows: bool,
+    /// Wine, which runs Windows programs.
     wine: Option<&'a Found>,
+    /// Python 3.
     python: Option<&'a Found>,
+    /// The packages of Python that tests use and that are installed.
     python_packages: &'a [&'static str],
-    profile: Option<serde_json::Value>,
+    /// The profile of `UF_Value`; null where it cannot be read.
+    profile: Option<ProfileEntry>,
+    /// The folder of the cache; null where there is none.
     cache: Option<String>,
+    /// Where `build` and `run` put libraries.
     libraries: &'static str,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
+/// A compiler that was looked for.
+#[derive(JsonSchema, Serialize)]
 struct Entry<'a> {
+    /// Its kind.
     name: &'static str,
+    /// What was found; null where it is not installed.
     found: Option<&'a Found>,
 }
 

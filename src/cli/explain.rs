@@ -5,8 +5,11 @@ mod topics;
 use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::diagnostics::{Code, codes, explanations, nearest, sarif};
 use clap::{Args, Command};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use topics::Topic;
@@ -27,19 +30,34 @@ pub struct Arguments {
     pub list: bool,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "explain",
+    "Findings, constructs of the language and commands, and what they mean",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The codes.
     codes: Vec<Entry>,
+    /// Constructs of the language and commands; left out where only codes are explained.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     topics: Vec<Topic>,
 }
 
-#[derive(Serialize)]
+/// What a code means.
+#[derive(JsonSchema, Serialize)]
 struct Entry {
+    /// The code, such as `LW203`.
     code: &'static str,
+    /// What it is about.
     title: &'static str,
+    /// The title of its group.
     group: &'static str,
+    /// The explanation, in Markdown; left out in a list of all codes.
     #[serde(skip_serializing_if = "Option::is_none")]
     page: Option<&'static str>,
 }

@@ -8,6 +8,8 @@ use super::console;
 use super::console::Console;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::deadline::{Deadline, Late};
 use crate::diagnostics::{Diagnostic, json};
 use crate::engine::files;
@@ -16,6 +18,7 @@ use crate::source::SourceMap;
 use crate::syntax::{format, parse};
 use anyhow::Context as _;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Read as _;
@@ -44,18 +47,29 @@ pub struct Arguments {
     pub check: bool,
 }
 
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "fmt",
+    "Which files were laid out anew",
+    &[form::<Document>, form::<Failed>],
+);
+
 /// The JSON document of the command.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The files that could be parsed.
     files: Vec<Entry>,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
 /// A file in it.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Entry {
+    /// The name of the file.
     file: String,
+    /// Whether its layout changes, or would change with `--check`.
     changed: bool,
 }
 

@@ -23,6 +23,7 @@ pub mod picked;
 pub mod profiles;
 pub mod proof;
 pub mod run;
+pub mod schema;
 pub mod select;
 pub mod step;
 pub mod synth;
@@ -91,6 +92,8 @@ pub enum Command {
     Din(din::Arguments),
     /// Report available compilers, and the layout that a probe found
     Doctor(doctor::Arguments),
+    /// Print the JSON Schema of a document
+    Schema(schema::Arguments),
     /// Print a shell completion script
     Completions(completions::Arguments),
 }
@@ -185,6 +188,7 @@ impl Command {
             | Self::Explain(_)
             | Self::Din(_)
             | Self::Doctor(_)
+            | Self::Schema(_)
             | Self::Completions(_) => false,
         }
     }
@@ -209,6 +213,7 @@ impl Command {
             Self::Order(_) => "order",
             Self::Din(_) => "din",
             Self::Doctor(_) => "doctor",
+            Self::Schema(_) => "schema",
             Self::Completions(_) => "completions",
         }
     }
@@ -235,6 +240,7 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Order(a) => order::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Doctor(a) => doctor::run(a, options),
+        Command::Schema(a) => schema::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),
     }
 }

@@ -167,12 +167,14 @@ fn only(specification: &Specification, core: &[GuaranteeRef]) -> Specification {
 fn environment(board: &Board<'_>, found: &EnvironmentFindings) {
     let expected = board.environment();
     assert_eq!(found.cannot_start, expected.cannot_start);
-    assert_eq!(found.dead_end.is_some(), expected.dead_end[0] != 0);
-    assert_eq!(
-        found.stuck_at_start.is_some(),
-        expected.stuck_at_start[0] != 0
-    );
-    assert_eq!(found.forced.is_some(), expected.forced[0] != 0);
+    for (situation, set) in [
+        (&found.stuck_at_start, expected.stuck_at_start),
+        (&found.dead_end, expected.dead_end),
+        (&found.forced, expected.forced),
+        (&found.forced_recklessly, expected.forced_recklessly),
+    ] {
+        assert!(board.is_prime_implicant(situation.as_ref(), set));
+    }
     assert_eq!(found.unsatisfiable, expected.unsatisfiable);
     let counted = |[from, all]: [f64; 2]| [from as u32, all as u32];
     assert_eq!(counted(found.forced_states), expected.forced_states);

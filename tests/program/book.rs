@@ -188,6 +188,70 @@ fn the_findings_are_up_to_date() {
     is_up_to_date("findings.md", &index);
 }
 
+/// The type of a schema in a few words.
+fn type_of(schema: &serde_json::Value) -> String {
+    let alternatives = schema["anyOf"].as_array().or(schema["oneOf"].as_array());
+    if let Some(reference) = schema["$ref"].as_str() {
+        let name = reference.rsplit('/').next().unwrap_or_default();
+        format!("`{name}`")
+    } else if let Some(value) = schema.get("const") {
+        format!("`{value}`")
+    } else if let Some(alternatives) = alternatives {
+        let types: BTreeSet<String> = alternatives.iter().map(type_of).collect();
+        types.into_iter().collect::<Vec<_>>().join(" or ")
+    } else if schema["type"] == "array" {
+        format!("array of {}", type_of(&schema["items"]))
+    } else if let Some(types) = schema["type"].as_array() {
+        let types: Vec<&str> = types.iter().filter_map(|t| t.as_str()).collect();
+        types.join(" or ")
+    } else {
+        schema["type"].as_str().unwrap_or("any value").to_owned()
+    }
+}
+
+#[test]
+fn the_documents_are_up_to_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let document = |arguments: &[&str]| -> serde_json::Value {
+        let output = support::linewright(folder.path(), arguments);
+        serde_json::from_slice(&output.stdout).expect("a document")
+    };
+    let mut text = "# JSON documents\n\nGenerated from the program. `linewright schema check` prints \
+                    the whole JSON Schema (draft 2020-12) of a document; here are the fields of its \
+                    outermost object.\n"
+        .to_owned();
+    let list = document(&["schema", "--format", "json"]);
+    for entry in list["schemas"].as_array().expect("schemas") {
+        let name = entry["name"].as_str().expect("a name");
+        let schema = document(&["schema", name]);
+        let _ = write!(
+            text,
+            "\n## `{name}`\n\n{}.\n",
+            entry["title"].as_str().expect("a title")
+        );
+        let single = [schema.clone()];
+        let forms = schema["anyOf"]
+            .as_array()
+            .map_or(&single[..], Vec::as_slice);
+        for form in forms {
+            let form = match form["$ref"].as_str() {
+                Some(reference) => schema.pointer(&reference[1..]).expect("a definition"),
+                None => form,
+            };
+            let Some(fields) = form["properties"].as_object() else {
+                continue;
+            };
+            text.push_str("\n| field | type | meaning |\n|---|---|---|\n");
+            for (field, schema) in fields {
+                let meaning = schema["description"].as_str().unwrap_or_default();
+                let meaning = meaning.replace('\n', " ").replace('|', "\\|");
+                let _ = writeln!(text, "| `{field}` | {} | {meaning} |", type_of(schema));
+            }
+        }
+    }
+    is_up_to_date("json.md", &text);
+}
+
 /// The rules of a grammar in pest, each as its text without blanks and comments.
 fn rules(grammar: &str) -> BTreeMap<String, String> {
     let mut rules: Vec<(String, String)> = Vec::new();

@@ -7,6 +7,7 @@ mod hostile;
 mod imports;
 mod project;
 mod readme;
+mod schema;
 mod step;
 mod style;
 #[path = "../support/mod.rs"]

@@ -135,6 +135,7 @@ fn shell(folder: &Path, command: &str) -> (i32, String) {
         .env_remove("CLICOLOR_FORCE")
         .output()
         .expect("sh starts");
+    support::documents::assert_valid(&output.stdout);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     (output.status.code().unwrap_or(-1), text)
 }

@@ -89,7 +89,9 @@ fn piped(folder: &Path, arguments: &[&str], commands: &str) -> Output {
     let mut input = child.stdin.take().expect("its input");
     input.write_all(commands.as_bytes()).expect("commands");
     drop(input);
-    child.wait_with_output().expect("it ends")
+    let output = child.wait_with_output().expect("it ends");
+    support::documents::assert_valid(&output.stdout);
+    output
 }
 
 #[test]

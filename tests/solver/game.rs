@@ -327,14 +327,34 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// The valuations that have these values; where there is none, any value will do.
-    pub fn having(&self, situation: &[Option<i64>]) -> Set {
-        let fits = |valuation: &[i64]| {
-            let mut values = valuation.iter().zip(situation);
-            values.all(|(value, wanted)| wanted.is_none_or(|wanted| *value == wanted))
+    /// Whether these values ensure that a valuation of the second set belongs to the first, some
+    /// valuation has them, and none of them can be left out. Without any, whether the first set is
+    /// empty.
+    pub fn is_prime_implicant(
+        &self,
+        situation: Option<&Vec<Option<i64>>>,
+        [set, all]: [Set; 2],
+    ) -> bool {
+        let Some(situation) = situation else {
+            return set == 0;
         };
-        let fitting = (0..self.valuations.len()).filter(|s| fits(&self.valuations[*s]));
-        fitting.fold(0, |set: Set, s| set | 1 << s)
+        let having = |situation: &[Option<i64>]| {
+            let fits = |valuation: &[i64]| {
+                let mut values = valuation.iter().zip(situation);
+                values.all(|(value, wanted)| wanted.is_none_or(|wanted| *value == wanted))
+            };
+            let fitting = (0..self.valuations.len()).filter(|s| fits(&self.valuations[*s]));
+            fitting.fold(0, |set: Set, s| set | 1 << s) & all
+        };
+        let mut kept = (0..situation.len()).filter(|v| situation[*v].is_some());
+        let shown = having(situation);
+        shown != 0
+            && shown & !set == 0
+            && kept.all(|known| {
+                let mut fewer = situation.clone();
+                fewer[known] = None;
+                having(&fewer) & !set != 0
+            })
     }
 
     pub fn environment(&self) -> Environment {

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 pub mod assumed;
+pub mod documents;
 pub mod games;
 pub mod programs;
 pub mod wine;
@@ -35,7 +36,8 @@ pub fn skip(what: &str, why: &str) {
     let _ = writeln!(std::io::stderr(), "\nskipped: {test}: {what}: {why}");
 }
 
-/// Runs the program in a folder, without colours.
+/// Runs the program in a folder, without colours. Documents that it prints have to be as their
+/// schemas say.
 pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
     linewright_with_cache(Path::new("off"), folder, arguments)
 }
@@ -43,14 +45,16 @@ pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
 /// The same with a cache, for tests that do not ask how controllers are found: `off`, or its
 /// folder.
 pub fn linewright_with_cache(cache: &Path, folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(PROGRAM)
+    let output = Command::new(PROGRAM)
         .args(arguments)
         .current_dir(folder)
         .env_remove("CLICOLOR_FORCE")
         .env("LINEWRIGHT_CACHE", cache)
         .env("NO_COLOR", "1")
         .output()
-        .expect("the program starts")
+        .expect("the program starts");
+    documents::assert_valid(&output.stdout);
+    output
 }
 
 /// A new folder with copies of `contracts` and `examples`, without what was built there.

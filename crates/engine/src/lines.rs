@@ -13,6 +13,7 @@ use linewright_line::Undecided;
 use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Of lines with more variables it is not asked whether everything goes on.
@@ -25,7 +26,7 @@ const CALLS: Bounds = Bounds {
 };
 
 /// Whether parts move on in a line, whatever the plant does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LineVerdict {
     /// They do.

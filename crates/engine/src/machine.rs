@@ -17,6 +17,7 @@ use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, Promised};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
 use linewright_station::composition::{By, Composition};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Where a machine works.
@@ -42,7 +43,7 @@ pub struct Proved {
 }
 
 /// What the controllers of a machine do together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClosedVerdict {
     /// All that is to be shown of them.
@@ -56,7 +57,7 @@ pub enum ClosedVerdict {
 }
 
 /// Whether a machine keeps a contract that it is said to refine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RefinementVerdict {
     /// It does.
@@ -68,7 +69,7 @@ pub enum RefinementVerdict {
 }
 
 /// The closed composition: all components are their controllers.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct ClosedEntry {
     /// What they do together.
     pub verdict: ClosedVerdict,
@@ -81,7 +82,7 @@ pub struct ClosedEntry {
 }
 
 /// How a component took part in the closed composition.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct TakenEntry {
     /// The component.
     pub name: String,
@@ -91,7 +92,7 @@ pub struct TakenEntry {
 }
 
 /// A contract that a machine is said to refine.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct RefinesEntry {
     /// The contract.
     pub contract: String,

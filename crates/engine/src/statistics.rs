@@ -2,11 +2,12 @@
 
 use linewright_core::gr1::{Specification, VarId};
 use linewright_solver::game;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
 /// What a verdict took.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each says one thing that is known of a solve"
@@ -41,7 +42,7 @@ pub struct Statistics {
 }
 
 /// Seconds of the clock by phase.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Seconds {
     /// Formulas become functions.
     pub encode: f64,
@@ -58,7 +59,7 @@ pub struct Seconds {
 }
 
 /// Steps of the fixpoints.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 pub struct Iterations {
     /// Once a goal and round.
     pub outer: u64,

@@ -10,6 +10,7 @@ use linewright_algebra::replay;
 use linewright_algebra::system::{FormulaRef, System, formulas};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, VarId};
 use linewright_solver::game::{Lasso, RuleKind};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::{self, Write as _};
@@ -294,7 +295,7 @@ pub fn how(rule: Discharged) -> String {
 }
 
 /// The rule by which an obligation is met, for the documents.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MetBy {
     /// The whole assumes it of its environment.
@@ -389,7 +390,7 @@ fn same_truth(a: &Expr, b: &Expr) -> bool {
 }
 
 /// How an obligation is met, for the documents of `check`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct DischargeEntry {
     /// The component, or the machine or contract whose guarantee it is.
     pub component: String,
@@ -399,6 +400,7 @@ pub struct DischargeEntry {
     pub rule: MetBy,
     /// Of justice: the turn, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
     pub turn: Option<usize>,
     /// By what.
     pub by: String,

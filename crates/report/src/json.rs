@@ -9,6 +9,9 @@ use linewright_line::trace::{End, Shares};
 use linewright_line::{Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
+/// The JSON Schema of the document, beside the definition of a finding.
+pub const RUN_SCHEMA: &str = include_str!("run.schema.json");
+
 /// The document of a run. `wall_seconds` is left out where there is none (`--no-timing`);
 /// `replications` is there where several seeds were run: it has its figures, the requirements are
 /// judged over all of them, and the rest shows the run of the first.

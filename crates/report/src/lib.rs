@@ -7,7 +7,7 @@
 mod json;
 mod table;
 
-pub use json::json;
+pub use json::{RUN_SCHEMA, json};
 pub use table::table;
 
 const JOULES_PER_KWH: f64 = 3.6e6;

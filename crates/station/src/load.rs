@@ -135,8 +135,8 @@ impl Library {
         let library = Self::bind(path, library).map_err(damaged)?;
         // Nothing but its description has been called yet, and that takes no `UF_Value`.
         let profile = &library.description["profile"];
-        let own = Profile::assumed().describe();
-        if profile["layout"] != own["layout"] {
+        let own = serde_json::json!(Profile::assumed().layout);
+        if profile["layout"] != own {
             return Err(Error::ProfileForeign {
                 path: path.to_owned(),
                 profile: format!("profile {}", profile["name"]),

@@ -5,12 +5,13 @@ use crate::algebra::system::{FormulaRef, System, formulas};
 use crate::diagnostics::json;
 use crate::engine::words::{MetBy, ProofPrinter};
 use crate::game::Lasso;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// Points at a formula.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Named {
     /// The contract or component it belongs to.
     pub of: String,
@@ -21,7 +22,7 @@ pub struct Named {
 }
 
 /// How an obligation is met.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct DischargeEntry {
     /// What.
     #[serde(flatten)]
@@ -30,13 +31,14 @@ pub struct DischargeEntry {
     pub rule: MetBy,
     /// Of justice: the turn, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
     pub turn: Option<usize>,
     /// On what it rests.
     pub by: Vec<Named>,
 }
 
 /// An obligation that is not met.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct OpenEntry {
     /// What.
     #[serde(flatten)]
@@ -48,9 +50,10 @@ pub struct OpenEntry {
 }
 
 /// A counterexample, with a value for every variable by its name.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Counterexample {
     /// `trace`, whose last step breaks something, or `lasso`.
+    #[schemars(extend("enum" = ["trace", "lasso"]))]
     pub kind: &'static str,
     /// The steps.
     pub steps: Vec<BTreeMap<String, String>>,
@@ -60,7 +63,7 @@ pub struct Counterexample {
 }
 
 /// A proof.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct ProofEntry {
     /// What is met.
     pub discharges: Vec<DischargeEntry>,
@@ -73,7 +76,7 @@ pub struct ProofEntry {
 }
 
 /// One contract among those that a result is made of.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Pair {
     /// What it is called.
     pub name: String,
@@ -84,7 +87,7 @@ pub struct Pair {
 }
 
 /// A formula as it was written.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Text {
     /// Its name.
     pub name: String,
@@ -93,7 +96,7 @@ pub struct Text {
 }
 
 /// The answer of a command.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Every assumption of a part is met.
@@ -115,7 +118,7 @@ pub enum Verdict {
 }
 
 /// What two contracts are compared by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Semantics {
     /// Safety first, step by step.
@@ -125,7 +128,7 @@ pub enum Semantics {
 }
 
 /// What became of a contract from one library to the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fate {
     /// It says the same.
@@ -149,7 +152,7 @@ impl fmt::Display for Fate {
 }
 
 /// The document of a command.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Document {
     /// Which command's.
     pub schema: String,
@@ -162,6 +165,7 @@ pub struct Document {
     pub pairs: Vec<Pair>,
     /// Proofs, by what they show.
     #[serde(flatten)]
+    #[schemars(with = "Proofs")]
     pub proofs: BTreeMap<&'static str, ProofEntry>,
     /// A run or play that shows why not, where it belongs to no single formula.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -173,8 +177,20 @@ pub struct Document {
     pub findings: Vec<json::Finding>,
 }
 
+/// The proofs that there can be, for the schema.
+#[derive(JsonSchema)]
+#[expect(dead_code, reason = "it only describes what `proofs` can hold")]
+struct Proofs {
+    /// Of `compose`, and of `refine` with several contracts.
+    proof: Option<ProofEntry>,
+    /// Of `refine`: the assumptions of the old contract imply those of the new one.
+    assumptions: Option<ProofEntry>,
+    /// Of `refine`: the guarantees of the new contract imply those of the old one.
+    guarantees: Option<ProofEntry>,
+}
+
 /// What became of a contract from one library to the other.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Compared {
     /// Its name.
     pub name: String,

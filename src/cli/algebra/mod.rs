@@ -8,8 +8,10 @@ mod operand;
 mod refine;
 mod views;
 
+use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use super::schema::{Described, form};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::{Sharing, join};
 use crate::algebra::system::System;
@@ -19,6 +21,29 @@ use crate::source::Span;
 use clap::Args;
 use document::Document;
 use operand::{Members, Operand, Operation, Rename};
+
+/// The documents of the commands: all have the same form.
+pub const DOCUMENTS: [Described; 6] = [
+    of_command(
+        "compose",
+        "Whether contracts discharge one another's assumptions",
+    ),
+    of_command(
+        "refine",
+        "Whether one contract, or a whole library, can stand in for another",
+    ),
+    of_command("compat", "Whether some environment fits contracts"),
+    of_command("conjoin", "Two viewpoints of one component as one contract"),
+    of_command(
+        "quotient",
+        "What is missing beside one contract to keep another",
+    ),
+    of_command("merge", "Requirements that hold at once"),
+];
+
+const fn of_command(name: &'static str, title: &'static str) -> Described {
+    Described::new(name, title, &[form::<Document>, form::<Failed>])
+}
 
 /// The arguments of `refine`.
 #[derive(Debug, Args)]

@@ -8,9 +8,11 @@ mod view;
 mod watch;
 
 use super::console::Console;
+use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::proof;
+use super::schema::{Described, form};
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
@@ -26,6 +28,13 @@ use document::Document;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use view::{FileView, view};
+
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "check",
+    "What is known of contracts, machines and lines",
+    &[form::<Document>, form::<Failed>],
+);
 
 /// The arguments of `check`.
 #[derive(Debug, Args)]

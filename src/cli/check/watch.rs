@@ -17,17 +17,19 @@ use crate::engine::pipeline::Memory;
 use crate::source::SourceMap;
 use anyhow::Context as _;
 use file_watcher::{Change, FileWatcher};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// Why there was another check: a part of its JSON document.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct Trigger {
     /// Empty for the first check.
     changes: Vec<Change>,
     /// When it began, in seconds since 1970 (UTC).
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
     unix_seconds: Option<f64>,
 }
 

@@ -10,7 +10,8 @@ use crate::engine::output;
 use crate::source::SourceMap;
 use crate::station::probe::dump::{self, Dump};
 use crate::station::probe::infer::{self, Fact, Sureness};
-use crate::station::profile::Profile;
+use crate::station::profile::{Profile, ProfileEntry};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -20,19 +21,28 @@ const ELSEWHERE: &str = "name another file with --out, or move that one away fir
 /// No dump is larger.
 const LARGEST_FILE: u64 = 16 << 20;
 
-#[derive(Serialize)]
-struct Document {
+/// The JSON document of `doctor --probe`.
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Document {
     schema: String,
+    /// What the dump tells; null where it is not understood.
     probe: Option<Found>,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
+/// What a dump tells.
+#[derive(JsonSchema, Serialize)]
 struct Found {
+    /// The platform on which the probe ran.
     platform: String,
+    /// The number of calls in the dump.
     calls: usize,
-    profile: serde_json::Value,
+    /// The profile that was found.
+    profile: ProfileEntry,
+    /// The answers, and how sure they are.
     facts: Vec<Fact>,
+    /// The file that the profile was written to; null where it was not.
     written: Option<String>,
 }
 

@@ -3,15 +3,17 @@
 
 use clap::Command;
 use include_dir::{Dir, include_dir};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 static REFERENCE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/reference/language");
 
 /// A construct or a command.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Topic {
     /// What it is called: a heading of the reference, or a command as it is typed.
     name: String,
+    /// Whether it is a construct or a command.
     kind: Kind,
     /// The names under which it is found.
     #[serde(skip)]
@@ -21,7 +23,7 @@ pub struct Topic {
     pub page: String,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Kind {
     Construct,

@@ -3,8 +3,10 @@
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
 use super::{Choice, program, words};
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, json, sarif};
 use crate::engine::files;
@@ -13,6 +15,7 @@ use crate::order::program::{Checked, Violation, check};
 use crate::order::supervisor::Supervisor;
 use crate::source::SourceMap;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -48,15 +51,24 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-check",
+    "What is known of programs: `order check`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// The programs.
     programs: Vec<Entry>,
 }
 
 /// What is known of a program.
-#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum ProgramVerdict {
     /// It keeps the orders.
@@ -67,27 +79,42 @@ enum ProgramVerdict {
     Invalid,
 }
 
-#[derive(Serialize)]
+/// What is known of a program.
+#[derive(JsonSchema, Serialize)]
 struct Entry {
+    /// The file of the program.
     file: String,
+    /// Whether it keeps the orders.
     verdict: ProgramVerdict,
+    /// The number of its calls.
     calls: usize,
+    /// The first call that breaks an order.
     #[serde(skip_serializing_if = "Option::is_none")]
     violation: Option<ViolationEntry>,
+    /// The shortest calls that complete a program that ends too early.
     #[serde(skip_serializing_if = "Option::is_none")]
     completion: Option<Vec<Vec<String>>>,
+    /// Its findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
+/// A call that breaks an order.
+#[derive(JsonSchema, Serialize)]
 struct ViolationEntry {
+    /// The number of the call, from 1.
+    #[schemars(range(min = 1))]
     step: usize,
+    /// The skills that are called at once.
     call: Vec<String>,
+    /// The rule that it breaks.
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
+    /// Why it is refused.
     why: String,
+    /// The shortest calls after which it is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     detour: Option<Vec<Vec<String>>>,
+    /// The calls that are allowed in its place.
     instead: Vec<Vec<String>>,
 }
 

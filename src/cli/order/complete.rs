@@ -3,14 +3,17 @@
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, program, rules, words};
 use crate::automata::bound::TooLarge;
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
 use crate::order::program::{MOST_SOUGHT, detour};
 use crate::order::supervisor::{Call, State, Supervisor};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -34,21 +37,37 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-complete",
+    "What may come next: `order complete`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// Pairs of a component and its situation.
     situation: Vec<(String, String)>,
+    /// Whether a program may end here.
     complete: bool,
+    /// The calls that may come next.
     allowed: Vec<Vec<String>>,
+    /// The calls that may not.
     refused: Vec<RefusedEntry>,
 }
 
-#[derive(Serialize)]
+/// A call that may not come next.
+#[derive(JsonSchema, Serialize)]
 struct RefusedEntry {
+    /// The skills that are called at once.
     call: Vec<String>,
+    /// The rule that refuses it.
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
+    /// Why it is refused.
     why: String,
     /// The shortest calls after which it is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]

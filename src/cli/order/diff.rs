@@ -3,9 +3,11 @@
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
 use super::{Choice, LevelName, answer, words};
+use crate::cli::console::Failed;
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::calls;
@@ -13,6 +15,7 @@ use crate::order::picture::names;
 use crate::order::program::{Apart, Difference, difference};
 use crate::order::supervisor::{Call, Refusal, Supervisor};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The arguments of `order diff`.
@@ -54,16 +57,31 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-diff",
+    "The shortest calls that tell two sets of rules apart: `order diff`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The first set of rules, and how it is kept.
     first: String,
+    /// The second set of rules, and how it is kept.
     second: String,
+    /// Whether both allow the same programs.
     equal: bool,
+    /// The shortest calls that tell them apart.
     #[serde(skip_serializing_if = "Option::is_none")]
     calls: Option<Vec<Vec<String>>>,
+    /// Which set allows these calls.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("enum" = ["first", "second"]))]
     allowed_by: Option<&'static str>,
+    /// Why the other one refuses them.
     #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<String>,
 }

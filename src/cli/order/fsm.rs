@@ -2,8 +2,10 @@
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, rules};
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::drawing::{Region, dot, svg};
 use crate::engine::output;
@@ -12,6 +14,7 @@ use crate::order::fsm::{self, Fsm};
 use crate::order::picture::{graph, names, regions};
 use crate::order::supervisor::Options;
 use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -62,68 +65,111 @@ pub enum Emit {
     Svg,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-fsm",
+    "The automaton of the rules: `order fsm`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// Whether some order or every order of skills called at once has to be allowed.
+    #[schemars(extend("enum" = ["some", "every"]))]
     serialisation: &'static str,
+    /// Whether just the transitions are deleted that a published model deletes.
     paper: bool,
+    /// The names of the rules that are kept.
     rules: Vec<String>,
+    /// The components.
     components: Vec<ComponentEntry>,
+    /// The automaton of all rules; left out with `--by-component`.
     #[serde(skip_serializing_if = "Option::is_none")]
     automaton: Option<AutomatonEntry>,
+    /// An automaton for each component and each rule, with `--by-component`.
     #[serde(skip_serializing_if = "Option::is_none")]
     regions: Option<Vec<RegionEntry>>,
 }
 
-#[derive(Serialize)]
+/// A component.
+#[derive(JsonSchema, Serialize)]
 struct ComponentEntry {
+    /// The name of the component.
     name: String,
+    /// Its situations.
     situations: Vec<String>,
+    /// The situation at the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     initial: Option<String>,
+    /// Its skills.
     skills: Vec<SkillEntry>,
 }
 
-#[derive(Serialize)]
+/// A skill.
+#[derive(JsonSchema, Serialize)]
 struct SkillEntry {
+    /// The name of the skill.
     name: String,
+    /// The situation that it leads to.
     #[serde(skip_serializing_if = "Option::is_none")]
     effect: Option<String>,
 }
 
-#[derive(Serialize)]
+/// An automaton.
+#[derive(JsonSchema, Serialize)]
 struct AutomatonEntry {
+    /// The index of the initial state.
     initial: usize,
+    /// The states.
     states: Vec<StateEntry>,
+    /// The transitions, one between two states.
     transitions: Vec<TransitionEntry>,
 }
 
-#[derive(Serialize)]
+/// A state.
+#[derive(JsonSchema, Serialize)]
 struct StateEntry {
+    /// The situation of each component.
     situation: Vec<String>,
+    /// Whether a program may end here.
     complete: bool,
 }
 
-#[derive(Serialize)]
+/// A transition.
+#[derive(JsonSchema, Serialize)]
 struct TransitionEntry {
+    /// The index of the state that it leaves.
     from: usize,
+    /// The index of the state that it enters.
     to: usize,
+    /// The calls that take it, each as the skills called at once.
     calls: Vec<Vec<String>>,
 }
 
-#[derive(Serialize)]
+/// The automaton of a component or a rule.
+#[derive(JsonSchema, Serialize)]
 struct RegionEntry {
+    /// The name of the component or the rule.
     name: String,
+    /// The labels of the states.
     states: Vec<Vec<String>>,
+    /// The indices of the initial states.
     initial: Vec<usize>,
+    /// The transitions.
     transitions: Vec<RegionTransition>,
 }
 
-#[derive(Serialize)]
+/// A transition of a region.
+#[derive(JsonSchema, Serialize)]
 struct RegionTransition {
+    /// The index of the state that it leaves.
     from: usize,
+    /// The index of the state that it enters.
     to: usize,
+    /// The skills that take it.
     label: Vec<String>,
 }
 

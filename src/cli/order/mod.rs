@@ -12,8 +12,10 @@ mod rules;
 mod strongest;
 mod words;
 
+use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use super::schema::{Described, form};
 use crate::order::supervisor::Options;
 use crate::order::{Level, Serialisation};
 use clap::{Args, Subcommand, ValueEnum};
@@ -121,6 +123,18 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     outcome.or_else(|early| early.report(options))
 }
+
+/// The documents of its commands, and what is told of a fault in one of them.
+pub const DOCUMENTS: [Described; 8] = [
+    check::DOCUMENT,
+    complete::DOCUMENT,
+    diff::DOCUMENT,
+    fsm::DOCUMENT,
+    monitor::DOCUMENT,
+    regex::DOCUMENT,
+    strongest::DOCUMENT,
+    Described::new("order", "Why `order` has no result", &[form::<Failed>]),
+];
 
 /// Prints an answer: its document with `--format json`, else its text.
 fn answer(

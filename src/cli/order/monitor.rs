@@ -4,8 +4,10 @@ use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
 use super::{Choice, program};
 use crate::automata::bound::TooLarge;
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::schema::{Described, by_hand, form};
 use crate::cli::select::Selection;
 use crate::engine::output;
 use crate::order::Skills;
@@ -21,6 +23,16 @@ use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// What its documents and findings name it.
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-monitor",
+    "The answer to a call, a line each: `order monitor`",
+    &[
+        |generator| by_hand(include_str!("monitor.schema.json"), generator),
+        form::<Failed>,
+    ],
+);
+
 const COMMAND: &str = "order-monitor";
 
 /// A line that is no call is looked at and answered with up to this.

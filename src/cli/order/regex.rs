@@ -4,14 +4,17 @@ use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, rules};
 use crate::automata::eliminate;
 use crate::automata::regex::Regex;
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::contract;
 use crate::diagnostics::Severity;
 use crate::order::Skills;
 use crate::order::fsm::Fsm;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The arguments of `order regex`.
@@ -38,12 +41,23 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-regex",
+    "What may be called, as a regular expression: `order regex`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// Whether only programs are meant that may end where they do.
     whole: bool,
+    /// The regular expression.
     regex: String,
+    /// The number of states of the smallest automaton.
     states: usize,
 }
 

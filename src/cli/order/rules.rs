@@ -10,6 +10,7 @@ use crate::engine::files::{self, Loaded};
 use crate::order::fsm::MOST_CALLS;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Skills};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
@@ -25,10 +26,13 @@ pub struct Chosen {
 }
 
 /// What the documents of these commands begin with.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Head {
     schema: String,
+    /// The name of the set of skills.
     skills: String,
+    /// How much is forbidden.
+    #[schemars(extend("enum" = ["arbitrary", "valid", "reasonable"]))]
     level: &'static str,
 }
 

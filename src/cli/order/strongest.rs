@@ -2,14 +2,17 @@
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, rules, words};
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::Fsm;
 use crate::order::picture::names;
 use crate::order::strongest::{Pattern, Request, Strongest, Verdict, strongest};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -41,17 +44,28 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-strongest",
+    "The recalls and detours that can be left out: `order strongest`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// The number of states of the automaton with the rules that are kept.
     states: usize,
+    /// The number of its transitions.
     transitions: usize,
+    /// The rules that were tried.
     candidates: Vec<CandidateEntry>,
 }
 
 /// What became of a rule.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum CandidateVerdict {
     /// It stays at the stronger level.
@@ -62,17 +76,24 @@ enum CandidateVerdict {
     Dropped,
 }
 
-#[derive(Serialize)]
+/// A rule that was tried.
+#[derive(JsonSchema, Serialize)]
 struct CandidateEntry {
+    /// The name of the rule.
     rule: String,
+    /// The rule as it is written.
     text: String,
+    /// What became of it.
     verdict: CandidateVerdict,
+    /// Of a rule that is needed: what it would forbid.
     #[serde(skip_serializing_if = "Option::is_none")]
     lost: Option<LostEntry>,
 }
 
-#[derive(Serialize)]
+/// What a rule would forbid.
+#[derive(JsonSchema, Serialize)]
 struct LostEntry {
+    /// The calls that lead there.
     after: Vec<Vec<String>>,
     /// Left out where no program could be completed any more.
     #[serde(skip_serializing_if = "Option::is_none")]

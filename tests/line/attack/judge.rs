@@ -1,7 +1,7 @@
 //! What the program says of lines before they run. Everything else here knows judgements by
 //! [`Judged`] alone.
 
-use crate::support::PROGRAM;
+use crate::support::{PROGRAM, documents};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -52,6 +52,7 @@ pub fn judge(file: &Path, cache: &Path) -> Report {
         .env("RUST_BACKTRACE", "0")
         .output()
         .expect("the program starts");
+    documents::assert_valid(&output.stdout);
     let Ok(document) = serde_json::from_slice::<Value>(&output.stdout) else {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         return Report {
@@ -134,6 +135,7 @@ pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Op
         .env("LINEWRIGHT_CACHE", cache)
         .output()
         .expect("the program starts");
+    documents::assert_valid(&output.stdout);
     let document: Value = serde_json::from_slice(&output.stdout).ok()?;
     let count = |key: &str| match &document[key] {
         Value::Array(list) => Some(list.len() as u64),

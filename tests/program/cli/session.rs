@@ -1,6 +1,6 @@
 //! A folder with copies of the cases, and the program run in it.
 
-use crate::support::{PROGRAM, root};
+use crate::support::{PROGRAM, documents, root};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -80,11 +80,13 @@ impl Session {
         self.run_with(line, &[])
     }
 
-    /// Runs the program with environment variables.
+    /// Runs the program with environment variables. Documents that it prints have to be as their
+    /// schemas say.
     pub fn run_with(&self, line: &str, environment: &[(&str, &str)]) -> Printed {
         let mut command = self.command(line);
         command.envs(environment.iter().copied());
         let output = command.output().expect("the program starts");
+        documents::assert_valid(&output.stdout);
         let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
         let variables = environment.iter().map(|(n, v)| format!("{n}={v} "));
         Printed {

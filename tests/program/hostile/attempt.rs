@@ -1,6 +1,6 @@
 //! One command on one file, and what is wrong with how it went.
 
-use crate::support::PROGRAM;
+use crate::support::{PROGRAM, documents};
 use linewright::line::random::Stream;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -140,6 +140,11 @@ impl Attempt {
         let Some(code @ 0..=3) = status.code() else {
             return fault(format!("{} ends with {status}", self.arguments[0]));
         };
+        if let Some(faults) = place.faulty_document() {
+            let first = faults.lines().next().unwrap_or_default();
+            let key = format!("not as its schema says: {}", general(first));
+            return Err(Fault { key, said: faults });
+        }
         if took > patience {
             return fault(format!(
                 "overrun: {} takes longer than --timeout allows",
@@ -267,6 +272,14 @@ impl Place {
             output: folder.join("output"),
             errors: folder.join("errors"),
         }
+    }
+
+    /// What is wrong with a document on standard output, by its schema.
+    fn faulty_document(&self) -> Option<String> {
+        let output = std::fs::read(&self.output).unwrap_or_default();
+        let documents = documents::documents(&output);
+        let mut faults = documents.iter().map(documents::faults);
+        faults.find(|f| !f.is_empty())
     }
 
     fn said(&self) -> String {

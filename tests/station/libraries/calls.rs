@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "codes and copied values are exact")]
 
 use crate::fixtures;
+use crate::support::documents;
 use linewright::contract::machine::Machine;
 use linewright::mealy;
 use linewright::station::load::Library;
@@ -307,7 +308,7 @@ fn arguments_are_checked() {
     let text = unsafe { CStr::from_ptr(description.bits as *const c_char) }
         .to_str()
         .unwrap();
-    let json: serde_json::Value = serde_json::from_str(text).unwrap();
+    let json = documents::assert_valid(text.as_bytes()).remove(0);
     assert_eq!(json["schema"], "linewright/station/1");
     assert_eq!(json["exports"]["simulate"], 5);
     assert_eq!(json["plant"][0]["labels"][2], "pick");

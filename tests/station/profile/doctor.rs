@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn doctor(arguments: &[&str], path: &Path) -> Output {
-    Command::new(support::PROGRAM)
+    let output = Command::new(support::PROGRAM)
         .arg("doctor")
         .args(arguments)
         .env("PATH", path)
@@ -17,7 +17,9 @@ fn doctor(arguments: &[&str], path: &Path) -> Output {
         .env("LINEWRIGHT_CACHE", "off")
         .env("NO_COLOR", "1")
         .output()
-        .expect("the program starts")
+        .expect("the program starts");
+    support::documents::assert_valid(&output.stdout);
+    output
 }
 
 /// A folder with links to these programs and no others.

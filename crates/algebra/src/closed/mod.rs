@@ -38,11 +38,12 @@ use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, Promised};
 use linewright_solver::game::{Lasso, Limit, Limits, RuleKind};
 use linewright_solver::mealy::Controller;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// How a component takes part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
     /// As the table of its controller.

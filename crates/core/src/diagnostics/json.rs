@@ -2,15 +2,18 @@
 
 use super::{Diagnostic, render};
 use crate::source::{SourceMap, Span};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A finding in JSON. Positions count from 1, columns count characters, and the end is one past the
 /// last character.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Finding {
-    /// `LW101`
+    /// Its code, such as `LW101`.
+    #[schemars(regex(pattern = "^LW[0-9]{3}$"))]
     pub code: &'static str,
-    /// `error`, `warning` or `note`
+    /// How much it matters.
+    #[schemars(extend("enum" = ["error", "warning", "note"]))]
     pub severity: &'static str,
     /// One sentence.
     pub message: String,
@@ -29,22 +32,26 @@ pub struct Finding {
 }
 
 /// A range of a file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Place {
     /// The file's name.
     pub file: String,
     /// First line.
+    #[schemars(range(min = 1))]
     pub line: usize,
     /// First column.
+    #[schemars(range(min = 1))]
     pub column: usize,
     /// Last line.
+    #[schemars(range(min = 1))]
     pub end_line: usize,
     /// One past the last column.
+    #[schemars(range(min = 1))]
     pub end_column: usize,
 }
 
 /// A further place of a finding.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Label {
     /// Where.
     pub span: Place,

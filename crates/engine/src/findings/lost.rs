@@ -9,6 +9,7 @@ use linewright_core::source::Span;
 use linewright_solver::game::{
     Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening, negation,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The finding. `core` are the names of the guarantees that clash.
@@ -120,8 +121,9 @@ fn spans(side: &Side, names: &[String]) -> Vec<Span> {
 }
 
 /// What a suggestion changes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "SuggestionKind")]
 pub enum Change {
     /// An assumption is added.
     Assume,
@@ -130,7 +132,7 @@ pub enum Change {
 }
 
 /// A change that makes the contract realizable.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize)]
 pub struct Suggestion {
     /// What it changes.
     pub kind: Change,
@@ -140,6 +142,7 @@ pub struct Suggestion {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replaces: Option<String>,
     /// The share of steps that it forbids the plant, or in which the guarantee need not hold.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub share: f64,
     /// The same in words.
     #[serde(skip)]

@@ -25,13 +25,14 @@ use linewright_interchange::{Inquiry, Reading, inquiries};
 use linewright_solver::game::{EnvironmentFindings, Heuristics, KernelChoice, Limits, Ranking};
 use linewright_solver::mealy;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
 use task::Task;
 
 /// What is known of a contract.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// There is a controller.

@@ -16,3 +16,4 @@ mod why;
 
 pub use opponent::Opponent;
 pub use session::{Effect, Reply, Session};
+pub use show::LINE_SCHEMA;

@@ -8,6 +8,9 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
+/// The JSON Schema of a line.
+pub const LINE_SCHEMA: &str = include_str!("step.schema.json");
+
 /// The schema of a line.
 pub(super) const SCHEMA: &str = "linewright/step/1";
 

@@ -18,6 +18,9 @@ use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+/// The JSON Schema of the document of functions.
+pub const SCHEMA: &str = include_str!("functions.schema.json");
+
 /// A controller as functions.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Functions {

@@ -8,6 +8,9 @@ use super::{Cube, Guard, Machine, Port, Transition};
 use linewright_core::gr1::{Domain, Timing};
 use serde_json::{Map, Value, json};
 
+/// The JSON Schema of the document.
+pub const SCHEMA: &str = include_str!("machine.schema.json");
+
 /// The document. `verified` says whether [`super::verify::verify`] has accepted the machine.
 pub fn to_json(machine: &Machine, verified: bool) -> Value {
     let ports = |ports: &[Port]| -> Vec<Value> { ports.iter().map(port).collect() };

@@ -19,6 +19,7 @@ pub(super) mod words;
 use crate::profile::Profile;
 use crate::template::render;
 use component::Emitter;
+pub use describe::SCHEMA as DESCRIPTION_SCHEMA;
 use linewright_core::gr1::Timing;
 use linewright_language::contract::machine::Machine;
 use linewright_solver::mealy;

@@ -12,11 +12,12 @@ use super::{Kind, SEEN, Value, returned};
 use crate::profile::{Encoding, LARGEST_SIZE, Layout, Profile, Tag, VALUE_BYTES, read};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
 /// How sure an answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sureness {
     /// Nothing else explains the dump.
@@ -28,7 +29,7 @@ pub enum Sureness {
 }
 
 /// One answer.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Fact {
     /// What was asked: `tag width`.
     pub what: &'static str,

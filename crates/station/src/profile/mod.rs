@@ -11,11 +11,15 @@ pub mod header;
 mod print;
 pub mod read;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 /// The schema of a profile's file.
 pub const SCHEMA: &str = "linewright/uf-profile/1";
+
+/// The JSON Schema of a profile's file, as the value that its TOML has.
+pub const FILE_SCHEMA: &str = include_str!("uf-profile.schema.json");
 
 /// How many bytes a value of the union takes: a real number or a pointer.
 pub const VALUE_BYTES: u32 = 8;
@@ -38,7 +42,7 @@ pub struct Profile {
 
 /// Where the fields of a `UF_Value` lie, and what they hold. Little-endian, with pointers of 64
 /// bits.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Layout {
     /// Bytes from one argument to the next.
     pub size: u32,
@@ -54,8 +58,21 @@ pub struct Layout {
     pub tag: Tag,
 }
 
+/// What `station_describe` and `doctor` say of a profile.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct ProfileEntry {
+    /// The name of the profile.
+    name: String,
+    /// Whether the layout was confirmed in the program that it is for.
+    verified: bool,
+    /// Where it comes from.
+    found: String,
+    /// The layout; null where the vendor's header decides it.
+    layout: Option<Layout>,
+}
+
 /// The field that says what a value is.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Tag {
     /// Where it begins.
     pub offset: u32,
@@ -76,7 +93,7 @@ pub struct Tag {
 }
 
 /// How a text is written. All end with a zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 pub enum Encoding {
     /// UTF-8.
     #[serde(rename = "utf-8")]
@@ -164,24 +181,24 @@ impl Profile {
     }
 
     /// What `station_describe` says of it.
-    pub fn describe(&self) -> serde_json::Value {
-        serde_json::json!({
-            "name": self.name,
-            "verified": self.verified(),
-            "found": self.found,
-            "layout": self.layout,
-        })
+    pub fn describe(&self) -> ProfileEntry {
+        ProfileEntry {
+            name: self.name.clone(),
+            verified: self.verified(),
+            found: self.found.clone(),
+            layout: Some(self.layout.clone()),
+        }
     }
 
     /// The same for a library that is compiled with the vendor's own header: its layout is not
     /// known here.
-    pub fn describe_vendors() -> serde_json::Value {
-        serde_json::json!({
-            "name": "vendor header",
-            "verified": true,
-            "found": "compiled with the vendor's cwinfunc.h",
-            "layout": null,
-        })
+    pub fn describe_vendors() -> ProfileEntry {
+        ProfileEntry {
+            name: "vendor header".to_owned(),
+            verified: true,
+            found: "compiled with the vendor's cwinfunc.h".to_owned(),
+            layout: None,
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is written down beside a library: whose it is, and what its bytes are.
 
 use crate::{Error, Package, disk, emit};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -8,13 +9,22 @@ use std::path::{Path, PathBuf};
 const SCHEMA: &str = "linewright/library/1";
 
 /// The manifest of a library.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 pub(crate) struct Manifest {
     schema: String,
+    /// The machine that the library is of.
     machine: String,
+    /// The hash of the machine and its contracts, in hexadecimal digits.
     contract_hash: String,
+    /// The size of the library in bytes.
     length: u64,
+    /// The SHA-256 sum of the library, in hexadecimal digits.
     sha256: String,
+}
+
+/// The JSON Schema of a manifest.
+pub fn schema(generator: &mut SchemaGenerator) -> Schema {
+    Manifest::json_schema(generator)
 }
 
 impl Manifest {

@@ -29,6 +29,7 @@ use super::{Error, disk, emit};
 pub use compiler::{Compiler, CrossCompiler, Platform};
 use linewright_core::deadline::Deadline;
 pub(super) use manifest::Manifest;
+pub use manifest::schema as manifest_schema;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::ffi::OsString;

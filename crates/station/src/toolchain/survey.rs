@@ -5,6 +5,7 @@ use super::compiler::on_path;
 use super::trial::{self, Answer};
 use super::{Compiler, CrossCompiler};
 use crate::Error;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ const WINE_PLACES: [&str; 8] = [
 const PACKAGES: [&str; 3] = ["fmpy", "blark", "ziglang"];
 
 /// A program that was found.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Found {
     /// As it is started.
     pub command: String,

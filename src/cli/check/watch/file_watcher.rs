@@ -8,6 +8,7 @@
 use super::SLOWEST;
 use crate::engine::files::{self, StandardLibrary};
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -33,7 +34,7 @@ const PATIENCE: Duration = Duration::from_millis(200);
 const COARSE: Duration = Duration::from_secs(2);
 
 /// What happened to a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(in crate::cli::check) enum What {
     /// Its text is another one.
@@ -45,7 +46,7 @@ pub(in crate::cli::check) enum What {
 }
 
 /// A file that something happened to.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub(in crate::cli::check) struct Change {
     /// The file as findings name it.
     pub(in crate::cli::check) file: String,
