@@ -1,6 +1,7 @@
 //! JSON documents that the program wrote, each against the schema that `linewright schema` prints.
 
 use jsonschema::Validator;
+use jsonschema::error::ValidationErrorKind;
 use linewright::cli::schema;
 use serde_json::{Deserializer, Value};
 use std::collections::BTreeMap;
@@ -34,7 +35,15 @@ pub fn faults_by(id: &str, document: &Value) -> String {
     let mut faults = String::new();
     if !validator.is_valid(document) {
         for error in validator.iter_errors(document) {
-            let _ = writeln!(faults, "{id}, at `{}`: {error}", error.instance_path());
+            // Of several forms the first is the one that is meant: the others are of failures.
+            let inner = match error.kind() {
+                ValidationErrorKind::AnyOf { context } => context.first(),
+                _ => None,
+            };
+            for error in inner.map_or(std::slice::from_ref(&error), Vec::as_slice) {
+                let (place, error) = (error.instance_path(), error.masked());
+                let _ = writeln!(faults, "{id}, at `{place}`: {error}");
+            }
         }
     }
     faults

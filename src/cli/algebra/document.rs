@@ -182,10 +182,13 @@ pub struct Document {
 #[expect(dead_code, reason = "it only describes what `proofs` can hold")]
 struct Proofs {
     /// Of `compose`, and of `refine` with several contracts.
+    #[schemars(skip_serializing_if = "Option::is_none")]
     proof: Option<ProofEntry>,
     /// Of `refine`: the assumptions of the old contract imply those of the new one.
+    #[schemars(skip_serializing_if = "Option::is_none")]
     assumptions: Option<ProofEntry>,
     /// Of `refine`: the guarantees of the new contract imply those of the old one.
+    #[schemars(skip_serializing_if = "Option::is_none")]
     guarantees: Option<ProofEntry>,
 }
 
