@@ -60,15 +60,18 @@ pub fn all(program: &Command) -> Vec<Topic> {
     topics
 }
 
-/// The topics of a name: those that have exactly this name, or else those with this word in a name.
-pub fn find(topics: Vec<Topic>, name: &str) -> Vec<Topic> {
+/// The topics of a name: those that have exactly this name; or else the constructs with this word
+/// in a name, or with this keyword in their grammar.
+pub fn find(mut topics: Vec<Topic>, name: &str) -> Vec<Topic> {
+    let keyword = format!("k_{name}");
     let is_name = |topic: &Topic| topic.keys.iter().any(|key| key == name);
     let has_word = |topic: &Topic| {
         let mut words = topic.keys.iter().flat_map(|key| key.split_whitespace());
-        topic.kind == Kind::Construct && words.any(|word| word == name)
+        let mut rules = topic.page.split(|c: char| !c.is_alphanumeric() && c != '_');
+        topic.kind == Kind::Construct
+            && (words.any(|word| word == name) || rules.any(|rule| rule == keyword))
     };
     let by_name = topics.iter().any(is_name);
-    let mut topics = topics;
     topics.retain(|topic| {
         if by_name {
             is_name(topic)

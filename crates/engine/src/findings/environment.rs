@@ -49,10 +49,12 @@ fn empty(
     let values = found.stuck_at_start.as_ref().or(found.dead_end.as_ref())?;
     warning(
         format!("the assumptions of `{name}` leave the plant no next step in some situations"),
-        format!(
-            "one of them is {}; weaken an assumption there, or keep the machine from bringing the plant there",
-            shown(specification, values)
-        ),
+        match shown(specification, values) {
+            Some(values) => format!(
+                "one of them is {values}; weaken an assumption there, or keep the machine from bringing the plant there"
+            ),
+            None => "in fact in every situation that can occur: weaken an assumption".to_owned(),
+        },
     )
 }
 
@@ -84,9 +86,12 @@ fn forced(
         let formula = assumption.formula(&specification.assumptions);
         finding = finding.with_label(formula.span, "the plant can be made to break this");
     }
+    let from = match shown(specification, values) {
+        Some(values) => format!("one such situation is {values}: from there"),
+        None => "from every situation that can occur,".to_owned(),
+    };
     Some(finding.with_help(format!(
-        "one such situation is {}: from there the machine can bring it about that the plant cannot keep {}; ask for that only as long as the machine lets the plant keep it",
-        shown(specification, values),
+        "{from} the machine can bring it about that the plant cannot keep {}; ask for that only as long as the machine lets the plant keep it",
         if found.broken.is_empty() { "all assumptions" } else { "the marked assumption" }
     )))
 }

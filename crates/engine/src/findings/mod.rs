@@ -8,8 +8,9 @@ pub mod shape;
 use linewright_core::gr1::Specification;
 use linewright_solver::game::Situation;
 
-/// A situation in words: the values that matter of the variables that the author declared.
-fn shown(specification: &Specification, situation: &Situation) -> String {
+/// A situation in words: the values that matter of the variables that the author declared; none if
+/// that is every situation that can occur.
+fn shown(specification: &Specification, situation: &Situation) -> Option<String> {
     let values: Vec<String> = specification
         .variables
         .iter()
@@ -17,11 +18,7 @@ fn shown(specification: &Specification, situation: &Situation) -> String {
         .filter(|(v, _)| !v.internal)
         .filter_map(|(v, x)| x.map(|x| format!("{} = {}", v.name, v.show(x))))
         .collect();
-    if values.is_empty() {
-        "any that can occur".to_owned()
-    } else {
-        values.join(", ")
-    }
+    (!values.is_empty()).then(|| values.join(", "))
 }
 
 /// `a`, `a` and `b`, `a`, `b` and `c`

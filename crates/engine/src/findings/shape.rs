@@ -110,10 +110,10 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 ),
             )
             .with_label(fixer.span, "elsewhere this fixes its next value")
-            .with_note(format!(
-                "one such situation is {}",
-                shown(s, &unframed.situation)
-            ))
+            .with_note(match shown(s, &unframed.situation) {
+                Some(values) => format!("one such situation is {values}"),
+                None => "this is so in every situation that can occur".to_owned(),
+            })
             .with_help(frame(s, unframed.variable)),
         );
     }
