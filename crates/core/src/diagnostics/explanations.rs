@@ -6,10 +6,6 @@
 //! in other tools' files have an example in that format, fenced with the file extension:
 //! ```` ```spc LW209 ````. A plain ```` ```lw ```` block is the repaired contract and must have no
 //! findings. Examples that need a plant, a compiler or a folder are fenced as plain `console` text.
-//! ```` ```lw LW103 ````: a test checks it and wants that very code. What only other tools' files
-//! show stands in one of those, fenced with its ending: ```` ```spc LW209 ````. A plain
-//! ```` ```lw ```` block is the repaired contract, in which nothing may be found. What needs a
-//! plant, a compiler or a folder to happen is fenced as plain `console` text instead.
 
 use super::Code;
 use include_dir::{Dir, include_dir};
@@ -68,7 +64,6 @@ pub struct Example {
 
 /// Returns the examples of a page: its blocks fenced with a file extension and a code,
 /// ```` ```lw CODE ````.
-/// ```lw CODE ````.
 pub fn examples(page: &str) -> Vec<Example> {
     let mut examples = Vec::new();
     let mut lines = page.lines();
