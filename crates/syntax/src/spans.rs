@@ -1,4 +1,4 @@
-//! Trees without their places, for comparing what two texts mean.
+//! Trees without places, for comparing the meaning of two texts.
 
 mod skills;
 
@@ -10,8 +10,7 @@ use super::ast::{
 use linewright_core::source::Span;
 
 impl File {
-    /// The tree with all its spans empty, and no places: equal for two texts that say the same in
-    /// the same words.
+    /// Clears all spans and places: equal for two texts with the same content in the same words.
     #[must_use]
     pub fn without_spans(mut self) -> Self {
         self.places.clear();

@@ -1,8 +1,8 @@
 //! The questions about a closed composition.
 //!
-//! Safety is asked at once: is there a step, after steps in which all went well, in which anything
-//! goes wrong? Only where there is one each duty is asked for by itself, in the order of a step.
-//! What comes again and again is asked of the runs on which all goes well.
+//! Safety is asked in one query: is there a step, after steps without errors, in which any error
+//! occurs? Only then is each duty asked separately, in the order of a step. Justice is asked about
+//! the runs without errors.
 
 use super::rules::{Book, Duty, Owed};
 use super::{Closed, FailureKind, Form, Met, OperationFailure, Stuck, Verdict, replay};
@@ -17,16 +17,16 @@ use linewright_solver::game::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A composition with more bits than this is not looked at: what it takes grows too fast, and a
-/// proof from contracts does without.
+/// Maximum size of a composition in bits. The cost of larger ones grows too fast; a proof from
+/// contracts does not need them.
 const MOST_BITS: u32 = 90;
 
-/// So many bits hold so many values.
+/// Returns the number of bits needed for this many values.
 fn bits(values: u64) -> u32 {
     u64::BITS - values.saturating_sub(1).leading_zeros()
 }
 
-/// Decides everything that is claimed.
+/// Decides the whole claim.
 pub(super) fn decide(closed: &Closed<'_>, limits: &Limits) -> Result<Verdict, Limit> {
     let mut book = Book::new(closed);
     let all_owed = book.all_owed();
@@ -58,7 +58,7 @@ struct Asked<'a> {
     closed: &'a Closed<'a>,
     book: Book,
     runs: Runs,
-    /// Components that went in as contracts whose justice can be relied on.
+    /// Components used as contracts whose justice can be relied on.
     reliable: BTreeSet<usize>,
     verdict: Verdict,
 }
@@ -68,7 +68,7 @@ impl Asked<'_> {
         self.runs.add(Rule { kind, expr })
     }
 
-    // ---- what may go wrong in a step ------------------------------------------------------------
+    // ---- errors in a step -----------------------------------------------------------------------
 
     fn safety(&mut self, all: [usize; 2]) -> Result<(), Limit> {
         let mut sound = true;
@@ -89,7 +89,7 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// A run up to a step in which a duty is the first that is not met.
+    /// Returns a run up to a step in which this duty is the first not to be met.
     fn broken(&mut self, owed: &[Owed], place: usize) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let duty = &owed[place];
         if duty.both.is_true() {
@@ -120,7 +120,8 @@ impl Asked<'_> {
 
     fn conclude(&mut self, owed: &Owed, broken: Option<Vec<Vec<i64>>>) {
         match (owed.duty, broken) {
-            // What a component without outputs assumes is not met in the step in which it has none.
+            // The assumptions of a component without outputs are not met in the step in which it
+            // has none.
             (Duty::Assumed(_), None) if self.is_silent(owed.component) => {}
             (Duty::Assumed(at), None) => self.met(at),
             (Duty::Assumed(at), Some(trace)) => self.open(at, Broken::Trace(trace)),
@@ -152,7 +153,7 @@ impl Asked<'_> {
         self.verdict.met.push((at, met));
     }
 
-    /// Something is not met, as a run shows.
+    /// Records that something is not met, as a run shows.
     fn open(&mut self, what: FormulaRef, why: Broken) {
         let open = Open { what, why };
         if self.is_real(replay::open(self.closed, &open)) {
@@ -162,8 +163,8 @@ impl Asked<'_> {
         }
     }
 
-    /// Whether the controllers make a run that was found. Where one of them went in as its
-    /// contract, it need not be so.
+    /// Returns whether the controllers can make the run that was found. They may not if one of them
+    /// was used as its contract.
     fn is_real(&self, played: Result<(), String>) -> bool {
         let exact = self.closed.taking.iter().all(|t| t.form == Form::Table);
         match played {
@@ -173,10 +174,10 @@ impl Asked<'_> {
         }
     }
 
-    // ---- what comes again and again -------------------------------------------------------------
+    // ---- justice --------------------------------------------------------------------------------
 
-    /// Justice that components assume, turn by turn: a contract's own justice is relied on once
-    /// what it assumes comes true.
+    /// Decides the justice that components assume, turn by turn: a contract's own justice is relied
+    /// on once its assumed justice is met.
     fn justice(&mut self) -> Result<(), Limit> {
         for at in self.book.exported.clone() {
             if at.kind == RuleKind::Justice {
@@ -219,7 +220,7 @@ impl Asked<'_> {
         }
     }
 
-    /// A run on which all goes well, and from some step on a justice is never met.
+    /// Returns a run without errors on which, from some step on, a justice is never met.
     fn starved(&mut self, rule: usize) -> Result<Option<Lasso>, Limit> {
         let wanted = Wanted {
             keep: self.book.keep.clone(),
@@ -229,7 +230,7 @@ impl Asked<'_> {
         self.runs.lasso(&wanted)
     }
 
-    /// Justice that can be relied on.
+    /// Returns the justice that can be relied on.
     fn again(&self) -> Vec<usize> {
         let owed = self
             .reliable
@@ -238,7 +239,7 @@ impl Asked<'_> {
         self.book.again.iter().chain(owed).copied().collect()
     }
 
-    // ---- what is kept together ------------------------------------------------------------------
+    // ---- goals ----------------------------------------------------------------------------------
 
     fn goals(&mut self) -> Result<(), Limit> {
         for (at, rule) in self.book.goals.clone() {
@@ -257,9 +258,8 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// Whether a broken rule counts: not where the step leads to one after which the environment
-    /// that is assumed has no way to go on, as for a contract that is refined only runs without an
-    /// end matter.
+    /// Returns whether a broken rule counts. For a refined contract only infinite runs count, so a
+    /// step does not count if it leads to a state in which the assumed environment cannot go on.
     fn goes_on(&mut self, rule: usize) -> Result<bool, Limit> {
         let Some(slipped) = self
             .closed
@@ -324,7 +324,7 @@ impl Asked<'_> {
         if let Some(trace) = self.slip(keep, in_order)? {
             return Ok(Some(FailureKind::Order(trace)));
         }
-        // Where all requests complete, so does each.
+        // If all requests complete, so does each operation.
         let mut goals = self.closed.claim.goals();
         let completes = goals.find(|(_, f)| f.name == COMPLETES);
         if completes.is_some_and(|(at, _)| self.verdict.is_met(at).is_some()) {
@@ -336,7 +336,8 @@ impl Asked<'_> {
         Ok(self.starved(ends)?.map(FailureKind::Endless))
     }
 
-    /// Whether some call, while these rules are kept, is not what two rules say of every call.
+    /// Returns whether some call that keeps these rules breaks one of the two rules of
+    /// [`never_begins`](super::watch::Watch::never_begins).
     fn begins(&mut self, keep: &[usize], never: [usize; 2]) -> Result<bool, Limit> {
         for broken in never {
             let slip = SafetyViolationQuery {
@@ -351,9 +352,9 @@ impl Asked<'_> {
         Ok(false)
     }
 
-    /// What keeps an operation from ever beginning: assumptions without one of which it could, or,
-    /// where that is no single one, all that speak of what is asked for. Of formulas that were made
-    /// from one, the first stands for all.
+    /// Returns what keeps an operation from ever beginning: the assumptions without one of which it
+    /// could begin or, if no single one suffices, all that mention the requested operation. Of
+    /// formulas made from the same source, only the first is returned.
     fn forbidding(
         &mut self,
         asked: Option<VarId>,
@@ -372,7 +373,7 @@ impl Asked<'_> {
             let mut left_out: Vec<usize> = group.iter().map(|(_, rule)| *rule).collect();
             let mut keep = self.book.keep.clone();
             if let Some([strict, loose]) = self.book.tables[*component] {
-                // A table has no row for what it takes to be excluded.
+                // A table has no row for inputs that its assumptions exclude.
                 left_out.extend(strict);
                 keep.extend(loose);
             }

@@ -1,26 +1,26 @@
-//! What a step leaves of a formula.
+//! Progression: what remains of a formula after a step.
 
 use super::formula::{Formula, Formulas, Node};
 use crate::antichain::Antichain;
 use crate::bound::TooLarge;
 use std::collections::BTreeMap;
 
-/// What has to hold from the next step on.
+/// Obligation from the next step on.
 pub(super) type Condition = Antichain<Node>;
 
-/// How a condition is read.
+/// Reading of a condition's sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reading {
-    /// All of one set, whichever it is.
+    /// All elements of at least one set.
     Terms,
-    /// One of every set.
+    /// At least one element of every set.
     Clauses,
 }
 
 pub(super) struct Progression<'f> {
     formulas: &'f Formulas,
     reading: Reading,
-    /// A condition may have so many sets.
+    /// Maximum number of sets in a condition.
     most: usize,
     known: BTreeMap<(Node, u32), Condition>,
 }
@@ -61,7 +61,7 @@ impl<'f> Progression<'f> {
         })
     }
 
-    /// A list as a conjunction or a disjunction.
+    /// Reads a list as a conjunction or a disjunction.
     fn all(
         &mut self,
         and: bool,
@@ -76,7 +76,7 @@ impl<'f> Progression<'f> {
         Ok(found)
     }
 
-    /// A formula about the steps to come.
+    /// Returns a formula as a condition on the steps to come.
     pub fn ahead(&mut self, node: Node) -> Result<Condition, TooLarge> {
         let formulas = self.formulas;
         match formulas.formula(node) {
@@ -87,7 +87,7 @@ impl<'f> Progression<'f> {
         }
     }
 
-    /// What is left of a formula after a step in which these atoms hold, as bits.
+    /// Returns what remains of a formula after a step in which these atoms hold, as bits.
     fn after(&mut self, node: Node, letter: u32) -> Result<Condition, TooLarge> {
         if let Some(known) = self.known.get(&(node, letter)) {
             return Ok(known.clone());
@@ -117,9 +117,9 @@ impl<'f> Progression<'f> {
         Ok(found)
     }
 
-    /// What is left of a condition after such a step.
+    /// Returns what remains of a condition after such a step.
     pub fn all_after(&mut self, condition: &Condition, letter: u32) -> Result<Condition, TooLarge> {
-        // "And" and "or" change places with the reading, and so do these two.
+        // "And" and "or" swap with the reading, and so do these two.
         let mut found = Condition::none();
         for set in condition.sets() {
             let mut left = Condition::unit();

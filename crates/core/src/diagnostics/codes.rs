@@ -1,15 +1,15 @@
 //! Every diagnostic code, with its title.
 //!
-//! The first digit says what a code is about: see [`GROUPS`]. A code is never used again for
-//! something else. Each code has a page in `crates/core/src/diagnostics/explanations/`, shown by
+//! The first digit gives the topic of a code: see [`GROUPS`]. A code is never reused for something
+//! else. Each code has a page in `crates/core/src/diagnostics/explanations/`, shown by
 //! `linewright explain`.
 
 /// A diagnostic code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Code {
-    /// `LW101`.
+    /// Identifier, such as `LW101`.
     pub id: &'static str,
-    /// A few words: what is wrong.
+    /// Short description of the problem, a few words.
     pub title: &'static str,
 }
 
@@ -20,7 +20,7 @@ impl std::fmt::Display for Code {
 }
 
 impl Code {
-    /// The group it belongs to.
+    /// Returns the group of the code.
     ///
     /// # Panics
     /// When there is no group for its first digit, which a test rules out for every code.
@@ -30,12 +30,12 @@ impl Code {
     }
 }
 
-/// The codes with the same first digit.
+/// Codes with the same first digit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Group {
-    /// `LW1xx`.
+    /// Pattern of its ids, such as `LW1xx`.
     pub pattern: &'static str,
-    /// What its codes are about.
+    /// Topic of its codes.
     pub title: &'static str,
 }
 
@@ -54,7 +54,7 @@ impl Group {
         Self { pattern, title }
     }
 
-    /// Its codes in ascending order.
+    /// Returns the codes of the group in ascending order.
     pub fn codes(&'static self) -> impl Iterator<Item = Code> {
         ALL.iter().copied().filter(move |c| c.group() == self)
     }
@@ -166,7 +166,7 @@ codes! {
     SIZES_OF_LINE = "LW547", "a machine is built with the sizes that a line gives it";
 }
 
-/// The code of an id such as `LW101`, in either case.
+/// Returns the code with an id such as `LW101`; case does not matter.
 pub fn find(id: &str) -> Option<Code> {
     ALL.iter().copied().find(|c| c.id.eq_ignore_ascii_case(id))
 }

@@ -35,7 +35,7 @@ impl Builder {
         }
     }
 
-    /// `, at most 6 in the line`.
+    /// Builds `, at most 6 in the line`.
     fn at_most(&mut self, pair: Pair<'_, Rule>) -> u64 {
         let span = self.span(&pair);
         let mut c = Children::of(pair);

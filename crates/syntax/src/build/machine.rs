@@ -94,7 +94,7 @@ impl Builder {
         }
     }
 
-    /// An operation and its arguments.
+    /// Builds an operation and its arguments.
     pub(super) fn performed(&mut self, pair: Pair<'_, Rule>) -> Performed {
         let mut c = Children::of(pair);
         let name = self.name(&c.next());
@@ -105,7 +105,7 @@ impl Builder {
         }
     }
 
-    /// The tree holds one of these in a component, so a second one is a finding here already.
+    /// Reports a second `word` in a component, since the tree has room for only one.
     fn once(&mut self, said: bool, word: &str, item: &Pair<'_, Rule>) {
         if said {
             let message = format!("`{word}` stands twice");
@@ -116,7 +116,7 @@ impl Builder {
         }
     }
 
-    /// The contract that a machine refines, and which of its wires the contract's variables are.
+    /// Builds a refined contract and the bindings of its variables to wires.
     fn refines(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
@@ -146,11 +146,11 @@ impl Builder {
         refines
     }
 
-    /// `h[0].x = e`
+    /// Builds `h[0].x = e`.
     fn binding(&mut self, item: Pair<'_, Rule>) -> Binding {
         let mut c = Children::of(item);
         let name = self.name(&c.next());
-        // Every array has a first element.
+        // Every array has an element 0.
         let index = c.take(Rule::integer).map(|i| self.integer(&i).unwrap_or(0));
         let member = c.take(Rule::path).map(|p| self.name(&p));
         Binding {

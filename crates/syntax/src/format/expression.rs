@@ -1,9 +1,9 @@
 //! Expressions, formulas and types.
 //!
-//! Brackets stand where the grammar needs them to give the same tree, and where operators of
-//! different kinds are easily misread: around `and` within `or`, around what `not` and `always`
-//! speak of when it has operators of its own, around an `if` within an `if`. What the builder
-//! halves (`a and b and c`) or copies (`a < b < c`) is put together again before it is printed.
+//! Brackets are printed where the grammar needs them for the same tree, and where mixed operators
+//! are easily misread: around `and` within `or`, around the operand of `not` and `always` if it has
+//! operators, and around an `if` within an `if`. Expressions that the builder halved
+//! (`a and b and c`) or copied (`a < b < c`) are reassembled before printing.
 
 use super::super::ast::{
     BinaryOp, Domain, DomainKind, Expr, ExprKind, Pattern, PatternKind, Quantifier, Scope,
@@ -13,27 +13,27 @@ use super::parts::{Parts, binding, parts, wide};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// Binds tighter than any expression: what is asked to bind so stands in brackets.
+/// Tighter than any expression: an operand that must bind like this is always bracketed.
 const APART: u8 = u8::MAX;
 
-/// What stands behind an expression that is printed without brackets.
+/// The context after an expression that is printed without brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Behind {
-    /// A closing bracket, a word of a statement, or nothing.
+    /// A closing bracket, a keyword of a statement, or nothing.
     Nothing,
-    /// An operator or a scope, which a word that reaches far to the right would take for its own.
+    /// An operator or a scope, which a prefix word that extends far to the right would absorb.
     Operator,
-    /// `within 5 steps`, which `once` would take for its own, too.
+    /// `within 5 steps`, which `once` would absorb, too.
     Within,
 }
 
 impl Printer<'_> {
-    /// An expression with nothing behind it that it could take for its own.
+    /// Prints an expression with nothing after it that it could absorb.
     pub fn expression(&mut self, e: &Expr) {
         self.operand(e, binds::PATTERN, Behind::Nothing);
     }
 
-    /// An expression where the grammar wants one that binds at least so tight.
+    /// Prints an expression where the grammar requires a minimum binding strength.
     pub fn operand(&mut self, e: &Expr, least: u8, behind: Behind) {
         let parts = parts(e);
         let tight = match &parts {
@@ -53,7 +53,8 @@ impl Printer<'_> {
         }
     }
 
-    /// An expression in brackets if it has operators of its own, which are easily taken for others.
+    /// Prints the operand of a prefix word, in brackets if it has operators, since these are easily
+    /// misread.
     fn argument_of_word(&mut self, e: &Expr, behind: Behind) {
         let brackets = match &e.kind {
             ExprKind::If(..) => true,
@@ -206,7 +207,7 @@ impl Printer<'_> {
             ExprKind::Within(a, low, high) => {
                 self.operand(a, binds::ADDITIVE, Behind::Operator);
                 self.put(" in ");
-                // A brace here would begin a list of values.
+                // A brace here would begin a set of values.
                 if begins_with_brace(low) {
                     self.operand(low, APART, Behind::Nothing);
                     self.put("..");
@@ -219,7 +220,7 @@ impl Printer<'_> {
         }
     }
 
-    /// What an index, or a member's name, stands behind.
+    /// Prints the base of an index or a member.
     fn base(&mut self, base: &Expr, paths_apart: bool) {
         let plain = match &base.kind {
             ExprKind::Index(..) | ExprKind::Field(..) | ExprKind::Call(..) | ExprKind::List(_) => {
@@ -231,12 +232,12 @@ impl Printer<'_> {
         self.operand(base, if plain { 0 } else { APART }, Behind::Operator);
     }
 
-    /// A number as the author wrote it, without its unit.
+    /// Returns a number as the author wrote it, without its unit.
     fn number(&self, span: Span) -> Option<&str> {
         let text = self.written(span)?;
         let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
         let text = &text[..end.unwrap_or(text.len())];
-        // The unit may stand right behind it: `1e3mm`.
+        // The unit may follow directly: `1e3mm`.
         let end = text
             .char_indices()
             .rev()
@@ -263,7 +264,7 @@ impl Printer<'_> {
         }
     }
 
-    /// `if a then b else if c then d else e`
+    /// Prints `if a then b else if c then d else e`.
     fn ladder(&mut self, e: &Expr, behind: Behind) {
         let at_break = self.at_break();
         self.level(|p, level| {
@@ -356,7 +357,7 @@ impl Printer<'_> {
 
     // ---- types ----------------------------------------------------------------------------------
 
-    /// A type.
+    /// Prints a type.
     pub fn domain(&mut self, domain: &Domain) {
         self.before(domain.span);
         match &domain.kind {
@@ -397,7 +398,8 @@ impl Printer<'_> {
         }
     }
 
-    /// `0..n-1`. With `unit`, a unit follows that must not become that of the last number.
+    /// Prints `0..n-1`. With `unit`, a unit follows that must not be read as part of the last
+    /// number.
     fn limits(&mut self, low: &Expr, high: &Expr, unit: bool) {
         self.limit(low, false);
         self.put("..");
@@ -428,7 +430,7 @@ impl Printer<'_> {
     }
 }
 
-/// Whether the first sign of an expression may be that of a record.
+/// Returns whether an expression may begin with the brace of a record.
 fn begins_with_brace(e: &Expr) -> bool {
     match &e.kind {
         ExprKind::Record(_) => true,

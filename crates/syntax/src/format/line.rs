@@ -135,7 +135,7 @@ impl Printer<'_> {
                     .words_between(last.end, place.end)
                     .any(|w| w == "otherwise")
                 {
-                    // It says what is so without it, too; the tree does not hold it.
+                    // Optional and without effect; the tree does not record it.
                     self.put(" otherwise");
                 }
             }
@@ -214,7 +214,7 @@ impl Printer<'_> {
                     .words_between(probability.span.end, property.span.start)
                     .collect();
                 if words.ends_with(&["one", "of"]) {
-                    // It says what is so without it, too; the tree does not hold it.
+                    // Optional and without effect; the tree does not record it.
                     self.put("one of ");
                 }
                 self.name(property);

@@ -4,7 +4,7 @@ use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, T
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// What stands within a component, in the order in which it was written.
+/// An item of a component; they are printed in source order.
 enum Part<'c> {
     Time(&'c Expr, bool),
     Power(&'c Expr),

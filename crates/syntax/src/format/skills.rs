@@ -1,8 +1,8 @@
 //! Skills and their orders.
 //!
-//! Each skill stands on a line of its own, without a comma behind it; a component with one skill
-//! may stay on one line. Brackets in regular expressions stand where the grammar needs them, and
-//! around `A & B` among others, whose extent is easily misread.
+//! Each skill is on a separate line, without a comma after it; a component with one skill may be on
+//! one line. Regular expressions have brackets where the grammar needs them, and around `A & B`
+//! among other operands, since its extent is easily misread.
 
 use super::super::ast::{
     Deletion, Event, Name, Order, OrderRule, Regex, RegexKind, Situation, SkillCalls,
@@ -11,16 +11,16 @@ use super::super::ast::{
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// What a regular expression stands within.
+/// Context of a regular expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Around {
-    /// Brackets, which it need not bring.
+    /// Brackets, so it needs none itself.
     Brackets,
     /// `|`
     Either,
-    /// What comes before or after it.
+    /// A concatenation.
     Concat,
-    /// `*` and the like.
+    /// `*` and similar.
     Repeat,
 }
 
@@ -162,7 +162,7 @@ impl Printer<'_> {
 
     // ---- regular expressions --------------------------------------------------------------------
 
-    /// `sequence (...)*`: always in brackets, so that it ends there.
+    /// Prints `sequence (...)*`: always in brackets, so that its end is clear.
     fn sequence_of(&mut self, regex: &Regex) {
         self.put("sequence ");
         match &regex.kind {
@@ -191,7 +191,7 @@ impl Printer<'_> {
         use RegexKind::{Any, AnyBut, AnyOrder, Concat, Either, Empty, Repeat, Skill};
         let brackets = match &regex.kind {
             Skill(_) | Any => false,
-            // It is nothing but its brackets.
+            // It consists only of its brackets.
             Empty => around != Around::Brackets,
             AnyBut(_) | Repeat(..) => around == Around::Repeat,
             Concat(_) | AnyOrder(_) => around >= Around::Concat,
