@@ -1,4 +1,4 @@
-//! What was found out about a contract, in words.
+//! Findings about a contract, in words.
 
 pub mod environment;
 pub mod lost;
@@ -8,8 +8,7 @@ pub mod shape;
 use linewright_core::gr1::Specification;
 use linewright_solver::game::Situation;
 
-/// A situation in words: the values that matter of the variables that the author declared; none if
-/// that is every situation that can occur.
+/// A valuation in words: the values of all variables that some formula mentions.
 fn shown(specification: &Specification, situation: &Situation) -> Option<String> {
     let values: Vec<String> = specification
         .variables
