@@ -1,9 +1,10 @@
 //! Several skills at once, as all the orders in which they may be called one after the other.
 //!
-//! The paper tries all n! orders of n skills. The same is found out set by set: which states can a
-//! rule be in when just these of the skills have been called? That is 2^n sets, each from those
-//! with one skill less (Held and Karp, "A dynamic programming approach to sequencing problems",
-//! 1962). Since orders may end in different states, what is known of a rule is a set of states.
+//! The paper tries all n! orders of n skills. This module computes the same set by set: which
+//! states can a rule be in after exactly these skills have been called? That is 2^n sets, each
+//! computed from those with one skill less (Held and Karp, "A dynamic programming approach to
+//! sequencing problems", 1962). Since orders may end in different states, the state of a rule is a
+//! set of states.
 
 use super::Serialisation;
 use super::rule::Automaton;
@@ -11,30 +12,30 @@ use linewright_automata::bound::TooLarge;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use rustc_hash::FxHashMap;
 
-/// So many letters, those that a rule does not tell apart left out, may come at once.
+/// Maximum number of letters at once, without those that the rule does not distinguish.
 pub const MOST_AT_ONCE: usize = 16;
 
-/// A set of states of one rule's automaton, by its number.
+/// Number of a set of states of one rule's automaton.
 pub type Known = u32;
 
-/// A rule's automaton, read call by call. What is known after each call is remembered, so that a
-/// call is worked out once.
+/// A rule's automaton, read call by call. The result of each call is cached, so a call is computed
+/// once.
 #[derive(Debug, Clone)]
 pub struct Serial {
     dfa: Dfa,
-    /// For every state, the one between this call and the next.
+    /// For every state, the state after the end of the call.
     over: Vec<u32>,
     serialisation: Serialisation,
     /// Letters that leave every state as it is.
     idle: Vec<bool>,
-    /// The sets of states, each in ascending order.
+    /// Sets of states, each in ascending order.
     sets: Vec<Vec<u32>>,
     numbers: FxHashMap<Vec<u32>, Known>,
     calls: FxHashMap<(Known, Vec<usize>), Option<Known>>,
 }
 
 impl Serial {
-    /// A rule's automaton, before the first call: the set of number 0.
+    /// Creates a rule's automaton before the first call: the set of number 0.
     pub fn new(automaton: Automaton, serialisation: Serialisation) -> Self {
         let Automaton {
             dfa, starts, over, ..
@@ -51,22 +52,22 @@ impl Serial {
         }
     }
 
-    /// How many sets of states have been met.
+    /// Returns the number of sets of states found so far.
     pub fn met(&self) -> usize {
         self.sets.len()
     }
 
-    /// The states that it may be in.
+    /// Returns the states that the rule may be in.
     pub fn states(&self, known: Known) -> &[u32] {
         &self.sets[known as usize]
     }
 
-    /// Whether a letter never matters.
+    /// Returns whether a letter never matters.
     pub fn is_idle(&self, letter: usize) -> bool {
         self.idle[letter]
     }
 
-    /// Whether a program may end here: in every state that it may be in, or in some.
+    /// Returns whether a program may end here: in every state of the set, or in some.
     pub fn is_complete(&self, known: Known) -> bool {
         let mut states = self.states(known).iter();
         match self.serialisation {
@@ -75,7 +76,7 @@ impl Serial {
         }
     }
 
-    /// What is known after these letters at once; `None` where they are refused.
+    /// Returns the set after these letters at once; `None` if they are refused.
     ///
     /// # Errors
     /// When there are more than [`MOST_AT_ONCE`] that matter.
@@ -123,9 +124,9 @@ impl Serial {
         (!reached.is_empty()).then_some(reached)
     }
 
-    /// For every set of these letters, by mask, the states after calling just those. Where an order
-    /// is refused and every one has to be allowed, the set before, the state and the letter
-    /// instead.
+    /// Returns, for every set of these letters, by mask, the states after calling exactly those. If
+    /// an order is refused and every one has to be allowed, returns the set before, the state and
+    /// the letter instead.
     fn reached(
         &self,
         known: Known,
@@ -171,9 +172,9 @@ impl Serial {
         Ok(Ok(sets))
     }
 
-    /// An order of these letters that is refused, up to the letter that is; `None` where they are
-    /// allowed. With [`Serialisation::Some`], where all are refused, the given one up to where it
-    /// is.
+    /// Returns a refused order of these letters, up to the refused letter; `None` if they are
+    /// allowed. With [`Serialisation::Some`], if all orders are refused, returns the given one up
+    /// to the refused letter.
     ///
     /// # Errors
     /// When there are more than [`MOST_AT_ONCE`] that matter.
@@ -189,8 +190,8 @@ impl Serial {
         if refused.state == REFUSED {
             return Ok(Some(self.refused_in_order(known, &letters)));
         }
-        // Backwards from the state: some letter of the set led to it from a state that the set
-        // without it leads to.
+        // Backwards from the state: some letter of the set led to it from a state of the set
+        // without it.
         let mut order = vec![letters[refused.letter]];
         let (mut called, mut state) = (refused.called, refused.state);
         while called != 0 {
@@ -234,7 +235,7 @@ impl Serial {
 }
 
 /// Where an order is refused: the letters called before, by mask, the state after them, and the
-/// letter by its place.
+/// index of the letter.
 struct Refused {
     called: usize,
     state: u32,

@@ -1,4 +1,4 @@
-//! Elements of arrays by index, also by one that is known only when the machine runs.
+//! Array elements by index, including indices known only when the machine runs.
 
 use super::Elaborator;
 use crate::contract::shape::Entry;
@@ -8,11 +8,12 @@ use linewright_core::gr1::{BinaryOp, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 
-/// Up to so many elements are chosen one by one; more by halves, which keeps formulas shallow.
+/// Maximum number of elements chosen one by one; more are chosen by halves, which keeps formulas
+/// shallow.
 const MAX_LINEAR: usize = 16;
 
-/// What an expression names: a variable or a part of one, whose value need not be written out yet,
-/// or any other value.
+/// What an expression names: a variable or a part of one, not necessarily expanded yet, or any
+/// other value.
 enum Named {
     Variable(Entry),
     Value(Value),
@@ -38,8 +39,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// What is indexed. An array of arrays of variables is followed index by index, so that one
-    /// element costs no more than itself.
+    /// Resolves the indexed expression. Follows an array of arrays of variables index by index, so
+    /// that one element costs no more than itself.
     fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Named> {
         match &e.kind {
             ast::ExprKind::Path(names) => {
@@ -146,8 +147,8 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// The element that an index names, of those from `low` on: leaf by leaf, where they are no
-/// scalars.
+/// Selects an element by index, where `elements` begin at index `low`: leaf by leaf, if they are
+/// not scalars.
 fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     match elements.first()? {
         Value::Scalar(_, ty) => {
@@ -187,7 +188,7 @@ fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     }
 }
 
-/// The term that an index names, of those from `low` on.
+/// Selects a term by index, where `terms` begin at index `low`.
 fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
     if terms.len() > MAX_LINEAR {
         return halved(index, low, terms);
@@ -206,7 +207,7 @@ fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
         })
 }
 
-/// The term of `terms`, of which the first has the index `low`, that `index` names.
+/// Selects a term by index, where `terms` begin at index `low`, by halving.
 fn halved(index: &Term, low: i64, terms: &[Term]) -> Term {
     if let [one] = terms {
         return one.clone();
