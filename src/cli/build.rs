@@ -11,7 +11,7 @@ use crate::contract::machine::Machine;
 use crate::deadline::Deadline;
 use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::engine::internal;
-use crate::engine::libraries::{self, Written};
+use crate::engine::libraries::{self, BuildOutput};
 use crate::engine::lines;
 use crate::engine::synthesis::Synthesis;
 use crate::source::SourceMap;
@@ -112,14 +112,14 @@ pub const DOCUMENT: Described = Described::new(
 struct Document {
     schema: String,
     /// The libraries that were built, one for each machine and target.
-    libraries: Vec<Built>,
+    libraries: Vec<BuildResult>,
     /// All findings.
     findings: Vec<json::Finding>,
 }
 
 /// A library that was built.
 #[derive(JsonSchema, Serialize)]
-struct Built {
+struct BuildResult {
     /// The machine.
     machine: String,
     /// The target.
@@ -275,13 +275,13 @@ fn build_probe(
 fn built_one(
     machine: &str,
     target: Target,
-    built: Result<Written, Box<Diagnostic>>,
-    libraries: &mut Vec<Built>,
+    built: Result<BuildOutput, Box<Diagnostic>>,
+    libraries: &mut Vec<BuildResult>,
     findings: &mut Vec<Diagnostic>,
 ) {
     let more = match built {
         Ok(written) => {
-            libraries.push(Built {
+            libraries.push(BuildResult {
                 machine: machine.to_owned(),
                 target: target.name(),
                 files: written
@@ -303,7 +303,7 @@ fn built_one(
 
 /// Prints what was built and found.
 fn print(
-    libraries: Vec<Built>,
+    libraries: Vec<BuildResult>,
     sources: &SourceMap,
     findings: &[Diagnostic],
     options: &GlobalOptions,

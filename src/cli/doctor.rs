@@ -17,7 +17,7 @@ use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::cache::Cache;
 use crate::source::SourceMap;
 use crate::station::profile::{Profile, ProfileEntry};
-use crate::station::toolchain::survey::{self, Found, Survey};
+use crate::station::toolchain::survey::{self, FoundProgram, Survey};
 use clap::Args;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -65,15 +65,15 @@ pub const DOCUMENT: Described = Described::new(
 struct Document<'a> {
     schema: String,
     /// The C compiler for this computer.
-    c_compiler: Option<&'a Found>,
+    c_compiler: Option<&'a FoundProgram>,
     /// The compilers for 64-bit Windows, in the order of preference.
     windows_compilers: Vec<Entry<'a>>,
     /// Whether libraries for Windows can be built.
     windows: bool,
     /// Wine, which runs Windows programs.
-    wine: Option<&'a Found>,
+    wine: Option<&'a FoundProgram>,
     /// Python 3.
-    python: Option<&'a Found>,
+    python: Option<&'a FoundProgram>,
     /// The packages of Python that tests use and that are installed.
     python_packages: &'a [&'static str],
     /// The profile of `UF_Value`; null where it cannot be read.
@@ -92,7 +92,7 @@ struct Entry<'a> {
     /// Its kind.
     name: &'static str,
     /// What was found; null where it is not installed.
-    found: Option<&'a Found>,
+    found: Option<&'a FoundProgram>,
 }
 
 /// Where `build` and `run` put libraries.
@@ -186,7 +186,7 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
     let mut row = |what: &str, said: &str| {
         let _ = writeln!(out, "  {what:24} {said}");
     };
-    let show = |found: &Found| {
+    let show = |found: &FoundProgram| {
         let fault = if found.fault.is_some() {
             ", which does not compile"
         } else {

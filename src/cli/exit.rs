@@ -1,7 +1,7 @@
 //! What the exit codes mean, and which findings lead to which.
 
 use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 
 /// The exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -23,7 +23,7 @@ pub enum ExitCode {
 
 impl ExitCode {
     /// A file of another tool that does not parse keeps a command from running.
-    pub fn of_loading(loaded: &Loaded) -> Self {
+    pub fn of_loading(loaded: &LoadedFiles) -> Self {
         if loaded.lacks_foreign() {
             Self::CannotRun
         } else {

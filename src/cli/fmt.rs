@@ -10,7 +10,7 @@ use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use crate::cli::console::Failed;
 use crate::cli::schema::{Described, form};
-use crate::deadline::{Deadline, Late};
+use crate::deadline::{Deadline, StopReason};
 use crate::diagnostics::{Diagnostic, json};
 use crate::engine::files;
 use crate::engine::output;
@@ -161,7 +161,7 @@ impl Work {
         self.code = self.code.and(ExitCode::CannotRun);
     }
 
-    fn give_up(&mut self, name: &str, late: Late) {
+    fn give_up(&mut self, name: &str, late: StopReason) {
         let finding = Diagnostic::error(
             crate::diagnostics::codes::GAVE_UP,
             None,
@@ -176,7 +176,7 @@ impl Work {
     /// # Errors
     /// When the deadline is past. Parsing is not interrupted, so this may be found out a little
     /// later.
-    fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, Late> {
+    fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, StopReason> {
         self.deadline.check()?;
         let file = self.sources.add(name, text);
         let (tree, findings) = parse(file, text);

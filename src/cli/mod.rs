@@ -29,11 +29,11 @@ pub mod step;
 pub mod synth;
 pub mod time;
 
-use crate::deadline::{Deadline, Late};
+use crate::deadline::{Deadline, StopReason};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::internal::{self, Fault};
 use crate::engine::pipeline;
-use crate::engine::worker::{self, Ended};
+use crate::engine::worker::{self, Completion};
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
 use options::GlobalOptions;
@@ -123,17 +123,19 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         .build_global();
     let work = move |_: &dyn Fn(())| internal::caught(doing, || dispatch(&arguments));
     let fault = match worker::run(last_moment, work) {
-        Ended::Done(Ok(Ok(code))) if interrupt::interrupted() => return code.and(ExitCode::GaveUp),
-        Ended::Done(Ok(Ok(code))) => return code,
-        Ended::Done(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
+        Completion::Done(Ok(Ok(code))) if interrupt::interrupted() => {
+            return code.and(ExitCode::GaveUp);
+        }
+        Completion::Done(Ok(Ok(code))) => return code,
+        Completion::Done(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
             Fault::noticed(doing(), error.to_string())
         }
-        Ended::Done(Ok(Err(error))) => {
+        Completion::Done(Ok(Err(error))) => {
             let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
             return ExitCode::CannotRun;
         }
-        Ended::Done(Err(fault)) => fault,
-        Ended::Left(late, _) => {
+        Completion::Done(Err(fault)) => fault,
+        Completion::Left(late, _) => {
             let _ = console.aborted(command, &overdue(command, late));
             return ExitCode::GaveUp;
         }
@@ -160,7 +162,7 @@ impl Arguments {
 }
 
 /// What is said of a command that was ended in the middle of its work.
-fn overdue(command: &str, late: Late) -> Diagnostic {
+fn overdue(command: &str, late: StopReason) -> Diagnostic {
     let message =
         format!("`{command}` has no result: {late} while it was reading or writing large files");
     Diagnostic::error(codes::GAVE_UP, None, message).with_help(late.remedy())

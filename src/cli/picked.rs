@@ -4,7 +4,7 @@ use super::select::Selection;
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 use crate::engine::findings;
 use crate::engine::machines::{contains, is_same, of_line};
 use crate::station::file_stem;
@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 
 /// What is to be built.
 #[derive(Debug, Default)]
-pub struct Picked<'a> {
+pub struct BuildSelection<'a> {
     /// The machines.
     pub machines: Vec<&'a Machine>,
     /// The lines whose machines are among them.
@@ -25,17 +25,20 @@ pub struct Picked<'a> {
 /// The machines that a selection names, or those of the line that it names. Without a name those of
 /// the file's lines, with the sizes that they have there, as `run` would build them; and those that
 /// the file declares and no line of it uses, with their default sizes.
-pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Picked<'a>> {
+pub fn picked<'a>(
+    selection: &Selection,
+    loaded: &'a LoadedFiles,
+) -> anyhow::Result<BuildSelection<'a>> {
     let library = &loaded.library;
     let declared = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
     if selection.name.is_some() && !declared.is_empty() {
-        return Ok(Picked {
+        return Ok(BuildSelection {
             machines: declared,
-            ..Picked::default()
+            ..BuildSelection::default()
         });
     }
     let lines = selection.find(loaded, &library.lines, |l| (&l.name, l.span));
-    let mut picked = Picked::default();
+    let mut picked = BuildSelection::default();
     for machine in lines.iter().flat_map(|l| of_line(l)) {
         let known = |m: &&Machine| is_same(m, machine);
         if !picked.machines.iter().any(known) {

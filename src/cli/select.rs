@@ -4,7 +4,7 @@ use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::outline;
 use crate::diagnostics::{codes, has_errors};
-use crate::engine::files::{self, Loaded};
+use crate::engine::files::{self, LoadedFiles};
 use crate::source::Span;
 
 /// A path, and the name of a declaration in it.
@@ -42,7 +42,7 @@ impl Selection {
         &self,
         command: &str,
         options: &GlobalOptions,
-    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
         Self::sound(self.read(options), command, options)
     }
 
@@ -52,7 +52,7 @@ impl Selection {
         &self,
         command: &str,
         options: &GlobalOptions,
-    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
         let mut loaded = self.read(options);
         if let Some(name) = &self.name {
             let sources = &loaded.library.sources;
@@ -70,16 +70,16 @@ impl Selection {
         Self::sound(loaded, command, options)
     }
 
-    fn read(&self, options: &GlobalOptions) -> Loaded {
+    fn read(&self, options: &GlobalOptions) -> LoadedFiles {
         let standard = files::StandardLibrary::new(options.library.clone());
         files::load(std::slice::from_ref(&self.path), &standard)
     }
 
     fn sound(
-        loaded: Loaded,
+        loaded: LoadedFiles,
         command: &str,
         options: &GlobalOptions,
-    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
         if has_errors(&loaded.findings) {
             let sources = &loaded.library.sources;
             options
@@ -96,7 +96,7 @@ impl Selection {
     /// declares. It may be nothing.
     pub fn find<'a, T>(
         &self,
-        loaded: &Loaded,
+        loaded: &LoadedFiles,
         all: &'a [T],
         describe: impl Fn(&T) -> (&str, Span),
     ) -> Vec<&'a T> {
@@ -120,7 +120,7 @@ impl Selection {
     /// The same, where nothing is an error that says what there is.
     pub fn pick<'a, T>(
         &self,
-        loaded: &Loaded,
+        loaded: &LoadedFiles,
         kind: &str,
         all: &'a [T],
         describe: impl Fn(&T) -> (&str, Span),

@@ -8,8 +8,8 @@ use crate::random::Random;
 use brute::{Brute, Found};
 use linewright::algebra::closed::{Closed, FailureKind, Verdict, replay};
 use linewright::algebra::machine::{COMPLETES, of_machine};
-use linewright::algebra::proof::{self, Discharged};
-use linewright::algebra::system::{FormulaRef, Half, list};
+use linewright::algebra::proof::{self, DischargeRule};
+use linewright::algebra::system::{ContractSide, FormulaRef, list};
 use linewright::contract;
 use linewright::contract::machine::Machine;
 use linewright::engine::files::{self, StandardLibrary};
@@ -321,7 +321,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         let index = assumed.position(|f| f.name == "unmet");
         let unmet = FormulaRef {
             part: Some(component),
-            half: Half::Assumptions,
+            half: ContractSide::Assumptions,
             kind: RuleKind::Justice,
             index: index.expect("it is assumed"),
         };
@@ -339,7 +339,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
             let handed_on = proof
                 .discharges
                 .iter()
-                .filter(|d| d.rule == Discharged::Exported && d.what.kind == RuleKind::Justice);
+                .filter(|d| d.rule == DischargeRule::Exported && d.what.kind == RuleKind::Justice);
             assert_eq!(handed_on.count(), 0, "{text}");
         }
         let idle: Vec<mealy::Controller> = (0..machine.components.len())

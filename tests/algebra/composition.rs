@@ -7,7 +7,7 @@
 use linewright::contract;
 use linewright::game::{self, Limits, Outcome};
 use linewright::mealy::{self, extract::extract, verify::verify};
-use linewright::station::composition::{self, By, Composition};
+use linewright::station::composition::{self, Composition, Discharger};
 
 const CELL: &str = r"
 type Command = {none, grab, drop}
@@ -126,13 +126,15 @@ fn what_fits_is_discharged_by_name() {
         let found = found.find(|d| d.component == component && d.assumption == assumption);
         found.map(|d| d.by.clone())
     };
-    assert_eq!(by("lead", "first"), Some(By::Plant));
-    assert_eq!(by("lead", "empty"), Some(By::Line));
-    assert_eq!(by("grab", "comes"), Some(By::Plant));
-    assert_eq!(by("grab", "open"), Some(By::Coordinator));
+    assert_eq!(by("lead", "first"), Some(Discharger::Plant));
+    assert_eq!(by("lead", "empty"), Some(Discharger::Line));
+    assert_eq!(by("grab", "comes"), Some(Discharger::Plant));
+    assert_eq!(by("grab", "open"), Some(Discharger::Coordinator));
     assert_eq!(
         by("lead", "served"),
-        Some(By::Guarantee("grab: completes, put: completes".to_owned()))
+        Some(Discharger::Guarantee(
+            "grab: completes, put: completes".to_owned()
+        ))
     );
     assert_eq!(composition.discharges.len(), 7);
 }
@@ -318,11 +320,11 @@ fn several_coordinators_fit_together() {
             .by
             .clone()
     };
-    assert!(matches!(of("arm", "served"), By::Guarantee(_)));
-    assert!(matches!(of("table", "served"), By::Guarantee(_)));
+    assert!(matches!(of("arm", "served"), Discharger::Guarantee(_)));
+    assert!(matches!(of("table", "served"), Discharger::Guarantee(_)));
     // While the table turns, its operation goes on: `near` cannot be asked for.
-    assert_ne!(of("table", "apart"), By::Line);
-    assert_eq!(of("drive", "held"), By::Coordinator);
+    assert_ne!(of("table", "apart"), Discharger::Line);
+    assert_eq!(of("drive", "held"), Discharger::Coordinator);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::support::root;
 use linewright::algebra::machine::{of_machine, of_promise};
 use linewright::algebra::proof::{Claim, Proof, prove, prove_stepwise};
 use linewright::algebra::replay;
-use linewright::algebra::system::{Half, System, list};
+use linewright::algebra::system::{ContractSide, System, list};
 use linewright::contract;
 use linewright::contract::machine::{Machine, Role};
 use linewright::engine::files::{self, StandardLibrary};
@@ -209,7 +209,7 @@ fn without_a_promise_that_a_table_names_the_proof_fails() {
             .discharges
             .iter()
             .flat_map(|d| d.by.iter().copied())
-            .filter(|at| at.half == Half::Guarantees && at.part.is_some_and(inner))
+            .filter(|at| at.half == ContractSide::Guarantees && at.part.is_some_and(inner))
             .collect();
         named.sort_unstable();
         named.dedup();

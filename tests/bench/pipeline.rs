@@ -10,9 +10,9 @@
 
 use criterion::{Criterion, criterion_group};
 use linewright::contract::machine::Machine;
-use linewright::engine::files::{self, Loaded, StandardLibrary};
+use linewright::engine::files::{self, LoadedFiles, StandardLibrary};
 use linewright::engine::machines::of_line;
-use linewright::game::{Limits, Outcome, Won, solve};
+use linewright::game::{Limits, Outcome, WonGame, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::{self, extract::extract, verify::verify};
 use linewright::station::Package;
@@ -117,20 +117,20 @@ fn whole_runs() {
 
 /// What the stages hand on for the whole line.
 struct Stages {
-    loaded: Loaded,
+    loaded: LoadedFiles,
     machines: Vec<Arc<Machine>>,
     /// Every contract with its arguments, once.
     specifications: Vec<Arc<Specification>>,
-    won: Vec<Won>,
+    won: Vec<WonGame>,
     controllers: Vec<mealy::Machine>,
 }
 
-fn load() -> Loaded {
+fn load() -> LoadedFiles {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(LINE);
     files::load(&[file.display().to_string()], &StandardLibrary::default())
 }
 
-fn win(specification: &Specification) -> Won {
+fn win(specification: &Specification) -> WonGame {
     match solve(specification, &Limits::default()) {
         Outcome::Realizable(won) => won,
         _ => panic!("{} is realizable", specification.name),
@@ -150,7 +150,7 @@ impl Stages {
                 specifications.push(Arc::clone(&component.specification));
             }
         }
-        let won: Vec<Won> = specifications.iter().map(|s| win(s)).collect();
+        let won: Vec<WonGame> = specifications.iter().map(|s| win(s)).collect();
         let controllers = specifications.iter().zip(&won);
         let controllers = controllers
             .map(|(s, w)| extract(s, w, &Limits::default()).expect("no limit"))

@@ -31,7 +31,7 @@ use laboratory::Controlled;
 use linewright::contract::machine::Machine;
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::machines::{MachinePlan, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits, Outcome, solve};
 use linewright::mealy::{self, extract::extract, functions::Functions};
@@ -160,9 +160,9 @@ fn at_real_size() -> Vec<Controlled> {
         ..ExtractionOptions::default()
     });
     let machines = of_line(line);
-    let planned: Vec<Planned<'_>> = machines
+    let planned: Vec<MachinePlan<'_>> = machines
         .iter()
-        .map(|m| Planned::new(m, &mut jobs))
+        .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
     let settings = Settings {
         limits: Limits::default(),

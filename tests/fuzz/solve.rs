@@ -7,8 +7,8 @@ mod game;
 
 use game::{Board, Subset};
 use linewright::game::{
-    EnvironmentFindings, GuaranteeKind, GuaranteeRef, KernelChoice, Limit, Limits, Lost, Options,
-    Outcome, Won, examine_environment, solve_with,
+    EnvironmentFindings, GuaranteeKind, GuaranteeRef, KernelChoice, Limit, Limits, LostGame,
+    Options, Outcome, WonGame, examine_environment, solve_with,
 };
 use linewright::gr1::{Formula, Specification};
 use linewright::mealy::certify::certify;
@@ -101,7 +101,7 @@ pub fn solve(specification: &Specification) -> Solved {
 }
 
 /// A machine and functions, each judged by what knows nothing of how they were made.
-fn controllers(specification: &Specification, won: &Won) -> Result<(), Limit> {
+fn controllers(specification: &Specification, won: &WonGame) -> Result<(), Limit> {
     let limits = limits();
     let machine = extract(specification, won, &limits)?;
     assert_eq!(
@@ -121,7 +121,7 @@ fn controllers(specification: &Specification, won: &Won) -> Result<(), Limit> {
 /// The core is unrealizable, and the naive solver finds that nothing can be left out of it.
 fn core(
     specification: &Specification,
-    lost: &Lost,
+    lost: &LostGame,
     kernel: KernelChoice,
     board: Option<&Board<'_>>,
 ) {

@@ -1,7 +1,7 @@
 //! The case study's contracts from specification to verified machine.
 
 use crate::fixtures;
-use linewright::deadline::{Deadline, Late};
+use linewright::deadline::{Deadline, StopReason};
 use linewright::game::{Limit, Limits, Outcome, examine_environment, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::{Machine, extract::extract, gr1c, json, picture, verify::verify};
@@ -139,7 +139,7 @@ fn limits_are_respected() {
     };
     assert!(matches!(
         solve(&specification, &late),
-        Outcome::GaveUp(Limit::Late(Late::Time))
+        Outcome::GaveUp(Limit::Late(StopReason::Time))
     ));
     let small = Limits {
         deadline: Deadline::NONE,
@@ -155,11 +155,11 @@ fn limits_are_respected() {
     };
     assert_eq!(
         extract(&specification, &won, &late),
-        Err(Limit::Late(Late::Time))
+        Err(Limit::Late(StopReason::Time))
     );
     let done = machine(&specification);
     assert_eq!(
         verify(&specification, &done, &late),
-        Err(Limit::Late(Late::Time))
+        Err(Limit::Late(StopReason::Time))
     );
 }

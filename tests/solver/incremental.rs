@@ -4,10 +4,10 @@
 use crate::random;
 use crate::random::Random;
 use linewright::engine::cache::Version;
-use linewright::game::{Diagram, KernelChoice, Options, Outcome, Solved, solve_with};
+use linewright::game::{Diagram, KernelChoice, Options, Outcome, Solution, solve_with};
 use linewright::gr1::{Formula, Owner, Side, Specification};
 
-fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) -> Solved {
+fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) -> Solution {
     let hints = hints.map(|v| v.hints(spec)).unwrap_or_default();
     let options = Options {
         kernel,
@@ -18,7 +18,7 @@ fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) ->
     solve_with(spec, &options)
 }
 
-fn version(spec: &Specification, solved: &Solved) -> Version {
+fn version(spec: &Specification, solved: &Solution) -> Version {
     let names: Vec<String> = solved
         .statistics
         .order_after
@@ -29,7 +29,7 @@ fn version(spec: &Specification, solved: &Solved) -> Version {
     Version::new(spec, order, &names, region(solved))
 }
 
-fn region(solved: &Solved) -> Option<Diagram> {
+fn region(solved: &Solution) -> Option<Diagram> {
     match &solved.outcome {
         Outcome::Realizable(won) => Some(won.region()),
         _ => None,
@@ -37,7 +37,7 @@ fn region(solved: &Solved) -> Option<Diagram> {
 }
 
 /// The region as the states it holds.
-fn states(spec: &Specification, solved: &Solved) -> Option<Vec<bool>> {
+fn states(spec: &Specification, solved: &Solution) -> Option<Vec<bool>> {
     let region = region(solved)?;
     let mut bits = 0;
     for v in &spec.variables {

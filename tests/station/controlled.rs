@@ -3,7 +3,7 @@
 use linewright::contract::machine::Machine;
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::engine::machines::Planned;
+use linewright::engine::machines::MachinePlan;
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::mealy;
@@ -21,7 +21,7 @@ pub fn controlled(
     let machine = loaded.library.machines.iter().find(|m| m.name == name);
     let machine = Arc::new(machine.expect("a machine").clone());
     let mut jobs = Jobs::examining().wishing(wish);
-    let planned = Planned::new(&machine, &mut jobs);
+    let planned = MachinePlan::new(&machine, &mut jobs);
     let settings = Settings {
         limits: Limits::default(),
         kernel: KernelChoice::Automatic,

@@ -1,6 +1,6 @@
 //! The pick-and-place unit as a table, written by hand.
 
-use linewright::order::table::{Cited, RECALL, REFUSED, Table};
+use linewright::order::table::{RECALL, REFUSED, RuleCitation, Table};
 
 /// Left, Right, Up, Down, Grip, Release: which component each moves, and whether to its second
 /// situation.
@@ -13,8 +13,8 @@ const SKILLS: [(&str, usize, bool); 6] = [
     ("Release", 2, false),
 ];
 
-fn cited(name: &str, text: &str) -> Cited {
-    Cited {
+fn cited(name: &str, text: &str) -> RuleCitation {
+    RuleCitation {
         name: name.to_owned(),
         requirement: None,
         text: text.to_owned(),

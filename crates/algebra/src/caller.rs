@@ -9,7 +9,7 @@
 
 use super::machine::of_machine;
 use super::proof::Claim;
-use super::system::{FormulaRef, Half, Part, System, formulas};
+use super::system::{ContractSide, FormulaRef, Part, System, formulas};
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Timing, VarId, Variable};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, PlantSource, PropertyKind, RealExpr};
@@ -17,7 +17,7 @@ use linewright_solver::game::RuleKind;
 
 /// A machine with its caller, and what is to be shown about it.
 #[derive(Debug, Clone)]
-pub struct Called {
+pub struct CalledMachine {
     /// The machine's components and the caller.
     pub system: System,
     /// Additional givens. The components' assumptions are to be shown.
@@ -34,14 +34,14 @@ pub struct Called {
 
 /// A request for an operation.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Asks {
+pub struct OperationRequest {
     /// Index among the machine's operations.
     pub operation: usize,
     /// Known values of other inputs while it runs, by index among the machine's plant inputs.
     pub known: Vec<(usize, i64)>,
 }
 
-impl Asks {
+impl OperationRequest {
     /// Creates a request with these values of parameters (index into the machine's properties,
     /// value). A property that no part carries here has its default; one that parts carry is
     /// unknown.
@@ -86,10 +86,10 @@ impl Asks {
     }
 }
 
-impl Called {
+impl CalledMachine {
     /// Builds a machine that is called with these sequences of operations, one after the other.
     /// `None` if it has no assumptions about requested operations.
-    pub fn of(machine: &Machine, sequences: &[Vec<Asks>]) -> Option<Self> {
+    pub fn of(machine: &Machine, sequences: &[Vec<OperationRequest>]) -> Option<Self> {
         let done = machine.done.as_ref()?;
         let mut plant = machine.plant.iter();
         let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
@@ -98,7 +98,7 @@ impl Called {
         let steps = || sequences.iter().flatten();
         let mut unknown: Vec<VarId> = Vec::new();
         for (place, input) in machine.plant.iter().enumerate() {
-            let is_known = |asks: &Asks| asks.known.iter().any(|(at, _)| *at == place);
+            let is_known = |asks: &OperationRequest| asks.known.iter().any(|(at, _)| *at == place);
             if matches!(input.source, PlantSource::Property(_)) && !steps().all(is_known) {
                 unknown.push(VarId(place as u32));
             }
@@ -178,7 +178,7 @@ fn asked(
             });
             let at = FormulaRef {
                 part: Some(place),
-                half: Half::Assumptions,
+                half: ContractSide::Assumptions,
                 kind,
                 index,
             };
@@ -196,7 +196,7 @@ fn asked(
 /// Builds the sequences, one after the other: the position in them, and the operation there.
 fn calls(
     machine: &Machine,
-    sequences: &[Vec<Asks>],
+    sequences: &[Vec<OperationRequest>],
     done: &Expr,
     operation: VarId,
     place: VarId,

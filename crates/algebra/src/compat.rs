@@ -16,7 +16,7 @@
 
 mod between;
 
-use super::proof::{Broken, last_step, latest};
+use super::proof::{Refutation, last_step, latest};
 use super::system::{KINDS, Part, System, formulas, list, list_mut, rule};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
@@ -38,7 +38,7 @@ pub enum Compatibility {
         /// Names of assumptions that cannot be kept together, although any fewer of them could.
         assumptions: Vec<String>,
         /// Play in which one of them is broken. `None` if a limit was reached before one was found.
-        play: Option<Broken>,
+        play: Option<Refutation>,
     },
 }
 
@@ -314,7 +314,7 @@ fn shown(
     system: &System,
     late: &dyn Fn(&VarId) -> bool,
     limits: &Limits,
-) -> Broken {
+) -> Refutation {
     let own = |step: &Vec<i64>| step[..system.variables.len()].to_vec();
     let mut steps: Vec<Vec<i64>> = play.steps.iter().map(own).collect();
     if order == Turn::Between {
@@ -334,9 +334,9 @@ fn shown(
                 let allowed = breaking(system, steps.last(), &last, limits);
                 steps.push(allowed.unwrap_or(last));
             }
-            Broken::Trace(steps)
+            Refutation::Trace(steps)
         }
-        Ending::Starved { from, .. } => Broken::Lasso(Lasso {
+        Ending::Starved { from, .. } => Refutation::Lasso(Lasso {
             prefix: steps[..*from].to_vec(),
             cycle: steps[*from..].to_vec(),
         }),

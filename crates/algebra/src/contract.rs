@@ -8,13 +8,13 @@
 //! | quotient C / C₁ | (Ĝ ∧ A₁) ∨ ¬(A ∧ Ĝ₁) | A ∧ Ĝ₁ |
 //! | merging C₁ • C₂ | (Ĝ₁ ∧ Ĝ₂) ∨ ¬(A₁ ∧ A₂) | A₁ ∧ A₂ |
 
-use super::system::Half;
+use super::system::ContractSide;
 
 /// A set of runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Words {
     /// The runs that keep one half of a part.
-    Side(usize, Half),
+    Side(usize, ContractSide),
     /// Runs that are not in the set.
     Not(Box<Words>),
     /// Intersection.
@@ -59,12 +59,12 @@ pub struct Contract {
 impl Contract {
     /// Returns the contract of a single part.
     pub fn part(index: usize) -> Self {
-        let assumption = Words::Side(index, Half::Assumptions);
+        let assumption = Words::Side(index, ContractSide::Assumptions);
         Self {
             guarantee: assumption
                 .clone()
                 .not()
-                .or(Words::Side(index, Half::Guarantees)),
+                .or(Words::Side(index, ContractSide::Guarantees)),
             assumption,
         }
     }

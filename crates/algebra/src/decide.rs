@@ -6,10 +6,10 @@
 //! counterexample is a lasso.
 
 use super::contract::{Contract, Words};
-use super::system::{Half, System, formulas, rule};
+use super::system::{ContractSide, System, formulas, rule};
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Time, VarId, Variable};
 use linewright_core::source::Span;
-use linewright_solver::game::{Lasso, Limit, Limits, Rule, RuleKind, Runs, Wanted};
+use linewright_solver::game::{Lasso, Limit, Limits, Rule, RuleKind, RunQuery, Runs};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One half of a part as rules.
@@ -29,12 +29,12 @@ struct HalfRules {
 pub struct Decider<'a> {
     system: &'a System,
     runs: Runs,
-    halves: BTreeMap<(usize, Half), HalfRules>,
+    halves: BTreeMap<(usize, ContractSide), HalfRules>,
     definitions: Vec<Vec<usize>>,
 }
 
 /// Halves that are kept or broken.
-type Case = BTreeMap<(usize, Half), bool>;
+type Case = BTreeMap<(usize, ContractSide), bool>;
 
 impl<'a> Decider<'a> {
     /// Prepares the system for questions.
@@ -53,7 +53,7 @@ impl<'a> Decider<'a> {
                 rules.push(rule(kind, &formula.expr));
             }
             definitions.push(own);
-            for half in [Half::Assumptions, Half::Guarantees] {
+            for half in [ContractSide::Assumptions, ContractSide::Guarantees] {
                 let bit = VarId(variables.len() as u32);
                 let written = write(part.half(half), bit, &mut rules);
                 if written.broken.is_some() {
@@ -104,12 +104,12 @@ impl<'a> Decider<'a> {
         &mut self,
         small: &Contract,
         large: &Contract,
-    ) -> Result<Option<(Half, Lasso)>, Limit> {
+    ) -> Result<Option<(ContractSide, Lasso)>, Limit> {
         if let Some(run) = self.difference(&large.assumption, &small.assumption)? {
-            return Ok(Some((Half::Assumptions, run)));
+            return Ok(Some((ContractSide::Assumptions, run)));
         }
         let found = self.difference(&small.guarantee, &large.guarantee)?;
-        Ok(found.map(|run| (Half::Guarantees, run)))
+        Ok(found.map(|run| (ContractSide::Guarantees, run)))
     }
 
     /// Returns whether two contracts are equal.
@@ -125,7 +125,7 @@ impl<'a> Decider<'a> {
         &mut self,
         mut left: Vec<(Words, bool)>,
         mut case: Case,
-        seen: &mut BTreeSet<Vec<((usize, Half), bool)>>,
+        seen: &mut BTreeSet<Vec<((usize, ContractSide), bool)>>,
     ) -> Result<Option<Lasso>, Limit> {
         while let Some((words, kept)) = left.pop() {
             match (words, kept) {
@@ -157,8 +157,8 @@ impl<'a> Decider<'a> {
     }
 
     /// Decides one case: every way in which its broken halves may be broken.
-    fn ask(&mut self, case: &[((usize, Half), bool)]) -> Result<Option<Lasso>, Limit> {
-        let mut wanted = Wanted::default();
+    fn ask(&mut self, case: &[((usize, ContractSide), bool)]) -> Result<Option<Lasso>, Limit> {
+        let mut wanted = RunQuery::default();
         let parts: BTreeSet<usize> = case.iter().map(|((part, _), _)| *part).collect();
         for part in parts {
             wanted.keep.extend(&self.definitions[part]);
@@ -176,7 +176,7 @@ impl<'a> Decider<'a> {
         self.ways(&wanted, &broken)
     }
 
-    fn ways(&mut self, wanted: &Wanted, broken: &[HalfRules]) -> Result<Option<Lasso>, Limit> {
+    fn ways(&mut self, wanted: &RunQuery, broken: &[HalfRules]) -> Result<Option<Lasso>, Limit> {
         let Some((half, rest)) = broken.split_first() else {
             let found = self.runs.lasso(wanted)?;
             return Ok(found.map(|run| self.visible(run)));

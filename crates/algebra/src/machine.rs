@@ -7,7 +7,7 @@ use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
 };
 use linewright_core::source::Span;
-use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, Promised};
+use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, RefinedContract};
 
 /// Returns a machine's components side by side, and the claim that they discharge one another's
 /// assumptions.
@@ -67,7 +67,7 @@ fn completes(machine: &Machine, done: &Expr) -> Formula {
 
 /// Returns a machine's components side by side, and the claim that together they refine a contract:
 /// under its assumptions only, they discharge one another's assumptions and keep its guarantees.
-pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
+pub fn of_promise(machine: &Machine, promised: &RefinedContract) -> (System, Claim) {
     let mut system = components(machine);
     let specification = &promised.specification;
     let mut monitors = Vec::new();

@@ -2,8 +2,8 @@
 //! nothing else.
 
 use super::contract::Words;
-use super::proof::{Broken, Claim, Exports, Open, Proof};
-use super::system::{FormulaRef, Half, System, formulas, list};
+use super::proof::{Claim, Exports, Open, Proof, Refutation};
+use super::system::{ContractSide, FormulaRef, System, formulas, list};
 use linewright_core::gr1::{Formula, Side, VarId, eval};
 use linewright_solver::game::{Lasso, RuleKind};
 use std::collections::BTreeSet;
@@ -62,8 +62,8 @@ pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
 pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Result<(), String> {
     let what = formula(system, claim, open.what);
     match &open.why {
-        Broken::Trace(steps) => trace(system, claim, proof, open.what, what, steps),
-        Broken::Lasso(run) => lasso(system, claim, proof, open.what, what, run),
+        Refutation::Trace(steps) => trace(system, claim, proof, open.what, what, steps),
+        Refutation::Lasso(run) => lasso(system, claim, proof, open.what, what, run),
     }
 }
 
@@ -71,8 +71,8 @@ pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Re
 pub fn formula<'a>(system: &'a System, claim: &'a Claim, at: FormulaRef) -> &'a Formula {
     match (system.formula(at), at.half) {
         (Some(formula), _) => formula,
-        (None, Half::Assumptions) => &list(&claim.given, at.kind)[at.index],
-        (None, Half::Guarantees) => &list(&claim.goal, at.kind)[at.index],
+        (None, ContractSide::Assumptions) => &list(&claim.given, at.kind)[at.index],
+        (None, ContractSide::Guarantees) => &list(&claim.goal, at.kind)[at.index],
     }
 }
 
@@ -144,7 +144,7 @@ fn trace(
         }
     }
     for discharge in &proof.discharges {
-        if discharge.rule == super::proof::Discharged::Exported && discharge.what != at {
+        if discharge.rule == super::proof::DischargeRule::Exported && discharge.what != at {
             let formula = self::formula(system, claim, discharge.what);
             if !holds_at(discharge.what.kind, formula, steps, last) {
                 return Err(format!(

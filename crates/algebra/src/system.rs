@@ -32,7 +32,7 @@ pub struct Part {
 
 /// One half of a contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Half {
+pub enum ContractSide {
     /// Formulas that it assumes.
     Assumptions,
     /// Formulas that it guarantees.
@@ -47,7 +47,7 @@ pub struct FormulaRef {
     pub part: Option<usize>,
     /// Half of the contract. For a claim, the givens are the assumptions and the goal is the
     /// guarantees.
-    pub half: Half,
+    pub half: ContractSide,
     /// List that contains the formula.
     pub kind: RuleKind,
     /// Index in that list.
@@ -102,10 +102,10 @@ pub fn rule(kind: RuleKind, expr: &Expr) -> Rule {
 
 impl Part {
     /// Returns one half of the part.
-    pub fn half(&self, half: Half) -> &Side {
+    pub fn half(&self, half: ContractSide) -> &Side {
         match half {
-            Half::Assumptions => &self.assumptions,
-            Half::Guarantees => &self.guarantees,
+            ContractSide::Assumptions => &self.assumptions,
+            ContractSide::Guarantees => &self.guarantees,
         }
     }
 

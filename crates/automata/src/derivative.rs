@@ -5,7 +5,7 @@
 //! complement and intersection directly: the derivative of r after a step is what may follow that
 //! step. A state is an expression; equal ones are found because sums and intersections are sets.
 
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use crate::symbolic::{Automaton, Values};
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -166,7 +166,7 @@ impl ExtendedRegex {
     ///
     /// # Errors
     /// When it is too large for [`Automaton::explore`].
-    pub fn automaton(&self) -> Result<Automaton, TooLarge> {
+    pub fn automaton(&self) -> Result<Automaton, BoundExceeded> {
         let heads = |state: &Self| {
             let mut heads = BTreeSet::new();
             state.heads(&mut heads);

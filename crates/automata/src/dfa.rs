@@ -4,7 +4,7 @@
 //! automaton (Hopcroft, "An n log n algorithm for minimizing states in a finite automaton", 1971),
 //! and the product for comparing two.
 
-use crate::bound::{Bound, TooLarge};
+use crate::bound::{BoundExceeded, ExplorationBound};
 use crate::partition::Partition;
 use crate::search::shortest;
 use rustc_hash::FxHashMap;
@@ -29,7 +29,7 @@ pub struct Dfa {
 
 /// Result of an exploration.
 #[derive(Debug, Clone)]
-pub struct Explored<S> {
+pub struct Exploration<S> {
     /// Automaton.
     pub dfa: Dfa,
     /// Numbers of the start states, in ascending order.
@@ -48,10 +48,10 @@ impl Dfa {
     pub fn explore<S: Clone + Eq + Hash>(
         letters: usize,
         start: S,
-        bound: impl Into<Bound>,
+        bound: impl Into<ExplorationBound>,
         step: impl FnMut(&S, usize) -> Option<S>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         Self::explore_all(letters, &[start], bound, step, complete).map(|found| found.dfa)
     }
 
@@ -62,10 +62,10 @@ impl Dfa {
     pub fn explore_all<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
-        bound: impl Into<Bound>,
+        bound: impl Into<ExplorationBound>,
         mut step: impl FnMut(&S, usize) -> Option<S>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Explored<S>, TooLarge> {
+    ) -> Result<Exploration<S>, BoundExceeded> {
         let step = |state: &S, letter: usize| Ok(step(state, letter));
         Self::explore_within(letters, starts, bound.into(), step, complete)
     }
@@ -78,10 +78,10 @@ impl Dfa {
     pub fn try_explore<S: Clone + Eq + Hash>(
         letters: usize,
         start: S,
-        bound: impl Into<Bound>,
-        step: impl FnMut(&S, usize) -> Result<Option<S>, TooLarge>,
+        bound: impl Into<ExplorationBound>,
+        step: impl FnMut(&S, usize) -> Result<Option<S>, BoundExceeded>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let found = Self::explore_within(letters, &[start], bound.into(), step, complete)?;
         Ok(found.dfa)
     }
@@ -89,11 +89,11 @@ impl Dfa {
     fn explore_within<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
-        bound: Bound,
-        mut step: impl FnMut(&S, usize) -> Result<Option<S>, TooLarge>,
+        bound: ExplorationBound,
+        mut step: impl FnMut(&S, usize) -> Result<Option<S>, BoundExceeded>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Explored<S>, TooLarge> {
-        let Bound {
+    ) -> Result<Exploration<S>, BoundExceeded> {
+        let ExplorationBound {
             states: limit,
             until,
         } = bound;
@@ -101,7 +101,7 @@ impl Dfa {
         let mut states: Vec<S> = Vec::new();
         let mut number = |state: S, states: &mut Vec<S>| match numbers.get(&state) {
             Some(number) => Ok(*number),
-            None if states.len() == limit => Err(TooLarge::Count {
+            None if states.len() == limit => Err(BoundExceeded::Count {
                 what: "states",
                 limit,
             }),
@@ -137,7 +137,7 @@ impl Dfa {
             next,
             complete: states.iter().map(complete).collect(),
         };
-        Ok(Explored {
+        Ok(Exploration {
             dfa,
             starts: begin,
             states,
@@ -433,7 +433,7 @@ mod tests {
         let counter = Dfa::explore(1, 0_u32, 10, |n, _| Some(n + 1), |_| true);
         assert_eq!(
             counter.map(|d| d.states()),
-            Err(TooLarge::Count {
+            Err(BoundExceeded::Count {
                 what: "states",
                 limit: 10
             })

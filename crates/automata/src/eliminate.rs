@@ -7,7 +7,7 @@
 //! expression for a given regular language", 2004). The result is converted back to an automaton
 //! and compared.
 
-use crate::bound::{Bound, MOST_STATES, TooLarge};
+use crate::bound::{BoundExceeded, ExplorationBound, MOST_STATES};
 use crate::dfa::{Dfa, REFUSED};
 use crate::regex::{Regex, automaton};
 use linewright_core::deadline::Deadline;
@@ -126,10 +126,10 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
 /// # Panics
 /// When the expression does not have the words of the automaton, which would be a bug in this
 /// module.
-pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, TooLarge> {
+pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, BoundExceeded> {
     let dfa = dfa.clone().trimmed().minimal();
     if dfa.states() > MOST_ELIMINATED {
-        return Err(TooLarge::Count {
+        return Err(BoundExceeded::Count {
             what: "states to make a regular expression of",
             limit: MOST_ELIMINATED,
         });
@@ -143,7 +143,11 @@ pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, TooLarge> {
     } else {
         lightest_first(graph, left, until)?
     };
-    let again = automaton(&found, dfa.letters(), Bound::new(MOST_STATES, until))?;
+    let again = automaton(
+        &found,
+        dfa.letters(),
+        ExplorationBound::new(MOST_STATES, until),
+    )?;
     assert!(
         again.difference(&dfa).is_none(),
         "the regular expression has other words than the automaton; please report this"
@@ -176,7 +180,7 @@ fn lightest_first(
     mut graph: Graph,
     mut left: Vec<usize>,
     until: Deadline,
-) -> Result<Regex, TooLarge> {
+) -> Result<Regex, BoundExceeded> {
     while !left.is_empty() {
         until.check()?;
         let weights = left.iter().enumerate();
@@ -185,7 +189,7 @@ fn lightest_first(
         let state = left.remove(place);
         graph.eliminate(state, &left);
         if graph.between.iter().map(Regex::size).sum::<usize>() > MOST_SIZE + graph.between.len() {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "skills and operators in the regular expression",
                 limit: MOST_SIZE,
             });

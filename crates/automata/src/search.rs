@@ -4,10 +4,10 @@ use rustc_hash::FxHashSet;
 use std::hash::Hash;
 
 /// A state found by a search, with its predecessor and the label from there; `None` for the start.
-pub type Found<S, L> = (S, Option<(usize, L)>);
+pub type SearchNode<S, L> = (S, Option<(usize, L)>);
 
 /// Returns the labels on the path from the start to the state at index `at`.
-pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
+pub fn way<S, L: Copy>(found: &[SearchNode<S, L>], mut at: usize) -> Vec<L> {
     let mut way = Vec::new();
     while let Some((from, label)) = found[at].1 {
         way.push(label);

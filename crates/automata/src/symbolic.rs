@@ -5,7 +5,7 @@
 //! without sharing). Every step has a successor. The user of the automaton defines what *accepting*
 //! means: that a word may end, or that such a state recurs for ever (Büchi).
 
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use std::collections::BTreeMap;
 
 /// Maximum number of states before minimization.
@@ -17,7 +17,7 @@ pub const MAX_CONDITIONS: usize = 12;
 pub type Values = BTreeMap<usize, bool>;
 
 /// Computes the state after these values.
-type Successor<'a> = dyn FnMut(&Values) -> Result<usize, TooLarge> + 'a;
+type Successor<'a> = dyn FnMut(&Values) -> Result<usize, BoundExceeded> + 'a;
 
 /// A decision between successors, conditions in ascending order.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,12 +30,12 @@ pub enum Decision {
 
 impl Decision {
     /// Builds the decision over some conditions, in ascending order, whose successors are `to`.
-    fn over(conditions: &[usize], to: &mut Successor<'_>) -> Result<Self, TooLarge> {
+    fn over(conditions: &[usize], to: &mut Successor<'_>) -> Result<Self, BoundExceeded> {
         fn grow(
             conditions: &[usize],
             values: &mut Values,
             to: &mut Successor<'_>,
-        ) -> Result<Decision, TooLarge> {
+        ) -> Result<Decision, BoundExceeded> {
             let [condition, rest @ ..] = conditions else {
                 return to(values).map(Decision::To);
             };
@@ -87,9 +87,9 @@ impl Automaton {
     pub fn explore<S: Clone + Ord>(
         start: S,
         conditions: impl Fn(&S) -> Vec<usize>,
-        mut step: impl FnMut(&S, &Values) -> Result<S, TooLarge>,
+        mut step: impl FnMut(&S, &Values) -> Result<S, BoundExceeded>,
         accepting: impl Fn(&S) -> bool,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let mut states = vec![start.clone()];
         let mut numbers = BTreeMap::from([(start, 0)]);
         let mut steps = Vec::new();
@@ -174,9 +174,9 @@ impl Automaton {
     }
 }
 
-fn at_most(limit: usize, count: usize, what: &'static str) -> Result<(), TooLarge> {
+fn at_most(limit: usize, count: usize, what: &'static str) -> Result<(), BoundExceeded> {
     if count > limit {
-        return Err(TooLarge::Count { what, limit });
+        return Err(BoundExceeded::Count { what, limit });
     }
     Ok(())
 }
@@ -187,7 +187,7 @@ mod tests {
 
     /// Counts the steps in which condition 7 holds up to `most`; accepting if the count is a
     /// multiple of `n`.
-    fn counting(n: usize, most: usize) -> Result<Automaton, TooLarge> {
+    fn counting(n: usize, most: usize) -> Result<Automaton, BoundExceeded> {
         let step = |count: &usize, values: &Values| Ok((count + usize::from(values[&7])) % most);
         Automaton::explore(0, |_| vec![7], step, |count| count.is_multiple_of(n))
     }
@@ -214,7 +214,7 @@ mod tests {
     fn a_limit_is_kept() {
         assert!(counting(1, MAX_STATES).is_ok());
         let limit = MAX_STATES;
-        let too_large = Err(TooLarge::Count {
+        let too_large = Err(BoundExceeded::Count {
             what: "states",
             limit,
         });

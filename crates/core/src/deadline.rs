@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 /// Reason for giving up work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Late {
+pub enum StopReason {
     /// The deadline has passed.
     #[error("the time limit was reached")]
     Time,
@@ -15,7 +15,7 @@ pub enum Late {
     Interrupt,
 }
 
-impl Late {
+impl StopReason {
     /// Returns what the user can do to let the work finish.
     pub fn remedy(self) -> &'static str {
         match self {
@@ -97,17 +97,17 @@ impl Deadline {
     ///
     /// # Errors
     /// When the deadline is past.
-    pub fn check(self) -> Result<(), Late> {
+    pub fn check(self) -> Result<(), StopReason> {
         if self
             .interrupt
             .is_some_and(|flag| flag.load(Ordering::Relaxed))
         {
-            Err(Late::Interrupt)
+            Err(StopReason::Interrupt)
         } else if self
             .instant
             .is_some_and(|instant| Instant::now() >= instant)
         {
-            Err(Late::Time)
+            Err(StopReason::Time)
         } else {
             Ok(())
         }
@@ -123,7 +123,7 @@ mod tests {
         assert!(!Deadline::NONE.is_past());
         assert_eq!(Deadline::NONE.left(), None);
         let now = Deadline::in_time(Duration::ZERO);
-        assert_eq!(now.check(), Err(Late::Time));
+        assert_eq!(now.check(), Err(StopReason::Time));
         assert_eq!(now.left(), Some(Duration::ZERO));
         let later = now.extended(Duration::from_hours(1));
         assert_eq!(later.check(), Ok(()));
@@ -144,9 +144,12 @@ mod tests {
         static FLAG: AtomicBool = AtomicBool::new(false);
         let [never, now] =
             [Deadline::NONE, Deadline::in_time(Duration::ZERO)].map(|d| d.or_when(&FLAG));
-        assert_eq!([never.check(), now.check()], [Ok(()), Err(Late::Time)]);
+        assert_eq!(
+            [never.check(), now.check()],
+            [Ok(()), Err(StopReason::Time)]
+        );
         FLAG.store(true, Ordering::Relaxed);
-        let interrupted = Err(Late::Interrupt);
+        let interrupted = Err(StopReason::Interrupt);
         assert_eq!([never.check(), now.check()], [interrupted; 2]);
         assert_eq!(never.extended(Duration::from_hours(1)).check(), interrupted);
     }

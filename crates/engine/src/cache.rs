@@ -11,7 +11,7 @@
 //! file.
 
 use super::controller::ExtractionOptions;
-use super::pipeline::Explained;
+use super::pipeline::Explanation;
 use super::statistics::Statistics;
 use linewright_core::gr1::{Expr, Formula, Specification, Variable};
 use linewright_language::contract::machine::Machine;
@@ -57,14 +57,14 @@ pub struct Entry {
     /// first.
     pub core: Option<Vec<GuaranteeRef>>,
     /// Which checks were made beside the verdict.
-    pub examined: Examined,
+    pub examined: ExaminationDepth,
     /// Findings about the environment. Also `None` if the game was too large.
     pub environment: Option<EnvironmentFindings>,
     /// Places where the contract demands less than it seems to. Also `None` if the game was too
     /// large.
     pub shape: Option<Shape>,
     /// For an unrealizable contract, the explanation.
-    pub lost: Option<Box<Explained>>,
+    pub lost: Option<Box<Explanation>>,
     /// Whether a controller was requested.
     pub extracted: bool,
     /// The verified controller; also `None` if it was too large to be written as a machine.
@@ -82,7 +82,7 @@ type Region = (Vec<(u16, u32, u32)>, u32);
 
 /// Which checks of a contract were made beside its verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Examined {
+pub enum ExaminationDepth {
     /// None.
     Nothing,
     /// The environment only.
@@ -503,7 +503,7 @@ mod tests {
             lost: None,
             realizable: true,
             core: None,
-            examined: Examined::Whole,
+            examined: ExaminationDepth::Whole,
             environment: None,
             extracted: false,
             machine: None,

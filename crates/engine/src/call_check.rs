@@ -2,15 +2,15 @@
 //! skills, which a machine called from outside leaves to its caller.
 
 use super::closed;
-use crate::controlled::Controlled;
-use linewright_algebra::caller::{Asks, Called};
+use crate::controlled::ControlledMachine;
+use linewright_algebra::caller::{CalledMachine, OperationRequest};
 use linewright_algebra::closed::Closed;
-use linewright_algebra::proof::{Broken, Open, decide};
+use linewright_algebra::proof::{Open, Refutation, decide};
 use linewright_algebra::replay;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Node, NodeKind};
 use linewright_language::contract::machine::Machine;
-use linewright_line::Undecided;
+use linewright_line::UndecidedReason;
 use linewright_line::calls::in_turn;
 use linewright_solver::game::{Limit, Limits};
 use linewright_station::messages;
@@ -22,7 +22,7 @@ pub struct CallCheck {
     /// Calls that may violate an assumption.
     pub findings: Vec<Diagnostic>,
     /// Stations for which this was not decided, and the reason.
-    pub undecided: Vec<(String, Undecided)>,
+    pub undecided: Vec<(String, UndecidedReason)>,
 }
 
 /// Checks the `wanted` stations. If contracts alone prove nothing and `controlled` has the
@@ -30,7 +30,7 @@ pub struct CallCheck {
 pub fn examine<'a>(
     line: &Line,
     wanted: impl Fn(usize) -> bool,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
 ) -> CallCheck {
     let mut asked = CallCheck::default();
@@ -43,13 +43,15 @@ pub fn examine<'a>(
             let carried = |at: usize| task.properties.get(at).is_some_and(Option::is_some);
             let operations = task.operations.iter();
             operations
-                .map(|(operation, given)| Asks::new(machine, *operation, given, carried))
+                .map(|(operation, given)| {
+                    OperationRequest::new(machine, *operation, given, carried)
+                })
                 .collect()
         });
         // Sequences in operation order; identical sequences of two tasks are checked once.
-        let sequences: BTreeSet<Vec<Asks>> = sequences.collect();
-        let sequences: Vec<Vec<Asks>> = sequences.into_iter().collect();
-        let Some(called) = Called::of(machine, &sequences) else {
+        let sequences: BTreeSet<Vec<OperationRequest>> = sequences.collect();
+        let sequences: Vec<Vec<OperationRequest>> = sequences.into_iter().collect();
+        let Some(called) = CalledMachine::of(machine, &sequences) else {
             continue;
         };
         match open(&called, controlled(machine), limits) {
@@ -57,7 +59,7 @@ pub fn examine<'a>(
                 let is_unsure = |o: &Open| called.unsure.contains(&o.what);
                 let (unsure, open): (Vec<Open>, Vec<Open>) = open.into_iter().partition(is_unsure);
                 if open.is_empty() && !unsure.is_empty() {
-                    let why = Undecided::because("that depends on properties of the parts");
+                    let why = UndecidedReason::because("that depends on properties of the parts");
                     asked.undecided.push((node.name.clone(), why));
                 }
                 let mut told = BTreeSet::new();
@@ -76,8 +78,8 @@ pub fn examine<'a>(
 
 /// Reports an assumption about calls that may be violated.
 fn open(
-    called: &Called,
-    controlled: Option<Controlled<'_>>,
+    called: &CalledMachine,
+    controlled: Option<ControlledMachine<'_>>,
     limits: &Limits,
 ) -> Result<Vec<Open>, Limit> {
     let about_calls = |mut open: Vec<Open>| {
@@ -106,12 +108,12 @@ fn open(
     }
 }
 
-fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> Diagnostic {
+fn finding(station: &Node, machine: &Machine, called: &CalledMachine, open: &Open) -> Diagnostic {
     let formula = replay::formula(&called.system, &called.claim, open.what);
     let component = &machine.components[open.what.part.unwrap_or_default()];
     let run = match &open.why {
-        Broken::Trace(run) => run,
-        Broken::Lasso(lasso) => &lasso.prefix,
+        Refutation::Trace(run) => run,
+        Refutation::Lasso(lasso) => &lasso.prefix,
     };
     let asked: Vec<&str> = called
         .asked_for(machine, run)

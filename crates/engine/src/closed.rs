@@ -2,9 +2,9 @@
 
 use super::findings::list;
 use super::found;
-use super::machine::Standing;
+use super::machine::MachineContext;
 use super::words::{ProofPrinter, lasso_end, steps_table};
-use linewright_algebra::closed::{Closed, FailureKind, OperationFailure, Stuck, Verdict};
+use linewright_algebra::closed::{Closed, FailureKind, OperationFailure, StuckComponent, Verdict};
 use linewright_algebra::machine::COMPLETES;
 use linewright_algebra::proof::{Open, Proof};
 use linewright_algebra::replay;
@@ -45,7 +45,7 @@ pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagno
 ///
 /// # Panics
 /// Its table cannot have a gap while its assumptions can be kept: the verifier has excluded that.
-pub fn stuck(closed: &Closed<'_>, stuck: &Stuck) -> Diagnostic {
+pub fn stuck(closed: &Closed<'_>, stuck: &StuckComponent) -> Diagnostic {
     let component = &closed.machine.components[stuck.component];
     assert!(
         stuck.silent,
@@ -108,10 +108,14 @@ pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
 
 /// Findings about operations. An operation that can never begin is no mistake in a machine that
 /// works only within others.
-pub fn operations(closed: &Closed<'_>, verdict: &Verdict, standing: Standing) -> Vec<Diagnostic> {
+pub fn operations(
+    closed: &Closed<'_>,
+    verdict: &Verdict,
+    standing: MachineContext,
+) -> Vec<Diagnostic> {
     let misruns = verdict.misruns.iter().map(|m| {
         let mut finding = misrun(closed, m);
-        if standing == Standing::Within && matches!(m.why, FailureKind::NeverBegins(_)) {
+        if standing == MachineContext::Within && matches!(m.why, FailureKind::NeverBegins(_)) {
             finding.severity = Severity::Warning;
             let alone =
                 "that is so where the machine stands alone; in others its signals are bound";

@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 /// A machine with the verified controllers of its components, in component order.
 #[derive(Debug)]
-pub struct Controlled<'a> {
+pub struct ControlledMachine<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// One controller per component.
     pub controllers: Vec<&'a mealy::Controller>,
 }
 
-impl Controlled<'_> {
+impl ControlledMachine<'_> {
     /// Applies these controllers to a machine that differs from theirs only in numbers.
     pub fn interpreter(&self, machine: &Machine) -> Interpreter {
         Interpreter::new(Arc::new(machine.clone()), Arc::new(self.owned()))
@@ -28,6 +28,6 @@ impl Controlled<'_> {
 }
 
 /// Checks whether a machine's coordinator and actions fit together.
-pub fn compose(controlled: &Controlled<'_>) -> Composition {
+pub fn compose(controlled: &ControlledMachine<'_>) -> Composition {
     composition::check(controlled.machine, &controlled.controllers)
 }

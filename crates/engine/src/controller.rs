@@ -7,7 +7,7 @@
 use super::pipeline::InternalError;
 use super::statistics::Seconds;
 use linewright_core::gr1::Specification;
-use linewright_solver::game::{Limit, Limits, Preference, Won};
+use linewright_solver::game::{Limit, Limits, Preference, WonGame};
 use linewright_solver::mealy::{self, Machine, functions::Functions};
 use linewright_station::emit::table_bytes;
 use std::time::Instant;
@@ -50,7 +50,7 @@ pub enum Controller {
 /// Extracts and verifies a controller.
 pub fn controller(
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     pairs: usize,
     wish: ExtractionOptions,
     limits: &Limits,
@@ -91,7 +91,7 @@ type Made = Result<Result<Controller, String>, Limit>;
 
 struct Work<'a> {
     specification: &'a Specification,
-    won: &'a Won,
+    won: &'a WonGame,
     preference: Preference,
     seconds: Option<&'a mut Seconds>,
 }

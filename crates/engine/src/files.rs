@@ -131,7 +131,7 @@ fn imported(path: &str, importer: &str) -> String {
 /// Result of loading: the library, the findings so far, and the names requested explicitly (all
 /// others were imported).
 #[derive(Debug, Default)]
-pub struct Loaded {
+pub struct LoadedFiles {
     /// Declarations of all files.
     pub library: Library,
     /// Findings of reading, parsing and resolving.
@@ -160,7 +160,7 @@ pub struct Foreign {
     pub reading: Reading,
 }
 
-impl Loaded {
+impl LoadedFiles {
     /// Returns the other tool's specification in a file, if it is one.
     pub fn foreign(&self, file: FileId) -> Option<&Foreign> {
         self.foreign.iter().find(|f| f.file == file)
@@ -232,8 +232,8 @@ impl Loaded {
 
 /// Loads files and folders with everything they import. Without a path, loads `./contracts`, or
 /// else the whole bundled library.
-pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
-    let mut loaded = Loaded::default();
+pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
+    let mut loaded = LoadedFiles::default();
     let mut files: Vec<(String, String)> = Vec::new();
     let mut names = Names::default();
     let paths = given(paths, standard);
@@ -314,7 +314,7 @@ pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Ve
     (folders, files)
 }
 
-type Found = Result<(String, String), (String, String)>;
+type Resolution = Result<(String, String), (String, String)>;
 
 /// Name and text of a file, or the finding why it cannot be read.
 pub type Read = Result<(String, String), Diagnostic>;
@@ -337,7 +337,7 @@ pub fn every(paths: &[String]) -> Vec<Read> {
 }
 
 /// The files of one path: the file itself, or every `.lw` file below it.
-fn collect(path: &str, standard: &StandardLibrary) -> Vec<Found> {
+fn collect(path: &str, standard: &StandardLibrary) -> Vec<Resolution> {
     let place = Path::new(path);
     if !place.exists()
         && let Some(inner) = library_path(path)
@@ -352,12 +352,12 @@ fn collect(path: &str, standard: &StandardLibrary) -> Vec<Found> {
 }
 
 /// The file itself, or every `.lw` file below a folder; never empty.
-fn within(place: &Path) -> Vec<Found> {
+fn within(place: &Path) -> Vec<Resolution> {
     if !place.is_dir() {
         return vec![read_named(place)];
     }
     let found = search(place);
-    let mut all: Vec<Found> = found.files.iter().map(|f| read_named(f)).collect();
+    let mut all: Vec<Resolution> = found.files.iter().map(|f| read_named(f)).collect();
     all.extend(found.unreadable.into_iter().map(Err));
     if all.is_empty() {
         all.push(Err((shown(place), "it holds no .lw file".to_owned())));
@@ -365,7 +365,7 @@ fn within(place: &Path) -> Vec<Found> {
     all
 }
 
-fn read_named(path: &Path) -> Found {
+fn read_named(path: &Path) -> Resolution {
     let name = clean(path);
     match read(path) {
         Ok(text) => Ok((name, text)),

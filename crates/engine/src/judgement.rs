@@ -7,8 +7,8 @@
 
 use super::cache::{Cache, Key};
 use super::internal;
-use super::machine::{self, Standing};
-use crate::controlled::Controlled;
+use super::machine::{self, MachineContext};
+use crate::controlled::ControlledMachine;
 use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_language::order::{self, Skills};
@@ -23,7 +23,7 @@ pub fn skills(skills: &Skills, deadline: Deadline) -> Vec<Diagnostic> {
 
 /// Findings about a machine, as `check` reports them.
 pub fn findings(
-    controlled: &Controlled<'_>,
+    controlled: &ControlledMachine<'_>,
     limits: &Limits,
     cache: Option<&Cache>,
 ) -> Vec<Diagnostic> {
@@ -36,7 +36,7 @@ pub fn findings(
     let machine = controlled.machine;
     let doing = || format!("judging the machine `{}`", machine.name);
     let findings = internal::caught(doing, || {
-        machine::proved(controlled, Standing::Alone, limits).findings
+        machine::proved(controlled, MachineContext::Alone, limits).findings
     })
     .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))]);
     remember(&findings, controlled, cache);
@@ -44,7 +44,11 @@ pub fn findings(
 }
 
 /// Records in the cache that a machine has no findings, if that is so.
-pub fn remember(findings: &[Diagnostic], controlled: &Controlled<'_>, cache: Option<&Cache>) {
+pub fn remember(
+    findings: &[Diagnostic],
+    controlled: &ControlledMachine<'_>,
+    cache: Option<&Cache>,
+) {
     if let (Some(cache), true) = (cache, findings.is_empty()) {
         let key = Key::of_machine(controlled.machine, &controlled.controllers);
         cache.keep_sound(&key);

@@ -12,16 +12,16 @@ use linewright_algebra::machine::of_promise;
 use linewright_algebra::proof::{Claim, prove_stepwise};
 use linewright_algebra::system::System;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::machine::{Inner, Machine, Promised};
+use linewright_language::contract::machine::{Inner, Machine, RefinedContract};
 use linewright_solver::game::Limits;
 
 /// Results of earlier proofs: two machines of the same kind are proved once.
-type Known = Vec<(System, Claim)>;
+type ProvedSystems = Vec<(System, Claim)>;
 
 /// Proves the promises that the proof of a machine relies on; a broken promise is a finding at the
 /// inner machine.
 pub(super) fn promises(machine: &Machine, limits: &Limits, findings: &mut Vec<Diagnostic>) {
-    let mut known = Known::new();
+    let mut known = ProvedSystems::new();
     for inner in &machine.layers.inner {
         below(machine, inner, limits, &mut known, findings);
     }
@@ -31,7 +31,7 @@ fn below(
     machine: &Machine,
     inner: &Inner,
     limits: &Limits,
-    known: &mut Known,
+    known: &mut ProvedSystems,
     findings: &mut Vec<Diagnostic>,
 ) {
     for deeper in &inner.machine.layers.inner {
@@ -69,7 +69,7 @@ fn below(
 fn broken(
     machine: &Machine,
     inner: &Inner,
-    promised: &Promised,
+    promised: &RefinedContract,
     printer: ProofPrinter<'_>,
     proof: &linewright_algebra::proof::Proof,
 ) -> Diagnostic {

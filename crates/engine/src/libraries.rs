@@ -1,7 +1,7 @@
 //! Checks whether machines with their controllers fit together, and writes their station libraries.
 
 use super::output;
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_station::profile::Profile;
 use linewright_station::simtalk::LibraryForm;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// Result of writing a library.
 #[derive(Debug, Default)]
-pub struct Written {
+pub struct BuildOutput {
     /// Files that a user needs.
     pub files: Vec<PathBuf>,
     /// Findings on files that were kept and binaries that are missing.
@@ -21,17 +21,17 @@ pub struct Written {
 /// Writes a machine's station library, or its sources if there is no toolchain, into a folder. For
 /// Windows targets it adds the C source and the texts for Plant Simulation.
 pub fn build(
-    controlled: &Controlled<'_>,
+    controlled: &ControlledMachine<'_>,
     profile: &Profile,
     toolchain: Option<&Toolchain>,
     folder: &Path,
     rebuild: bool,
-) -> Result<Written, Box<Diagnostic>> {
+) -> Result<BuildOutput, Box<Diagnostic>> {
     let package = package(controlled, profile);
     let (files, library) = compile(&package, toolchain, folder, rebuild)?;
-    let mut written = Written {
+    let mut written = BuildOutput {
         files,
-        ..Written::default()
+        ..BuildOutput::default()
     };
     let source = format!("{}-source", simtalk::stem(&library));
     let beside = match toolchain {
@@ -56,7 +56,7 @@ pub fn build(
     Ok(written)
 }
 
-impl Written {
+impl BuildOutput {
     /// Writes the methods that call a library. Users enter paths and stations in them, so a file
     /// that differs is kept.
     fn methods(&mut self, folder: &Path, library: &str, text: &str) -> Result<(), Box<Diagnostic>> {
@@ -85,12 +85,12 @@ pub fn build_probe(
     toolchain: Option<&Toolchain>,
     folder: &Path,
     rebuild: bool,
-) -> Result<Written, Box<Diagnostic>> {
+) -> Result<BuildOutput, Box<Diagnostic>> {
     let package = probe::package::package(profile);
     let (files, library) = compile(&package, toolchain, folder, rebuild)?;
-    let mut written = Written {
+    let mut written = BuildOutput {
         files,
-        ..Written::default()
+        ..BuildOutput::default()
     };
     let text = probe::package::simtalk(profile, &library);
     written.methods(folder, &library, &text)?;
@@ -128,17 +128,17 @@ fn compile(
 
 /// Writes a machine's FMI units into a folder.
 pub fn build_units(
-    controlled: &Controlled<'_>,
+    controlled: &ControlledMachine<'_>,
     toolchains: &[Toolchain],
     folder: &Path,
-) -> Result<Written, Box<Diagnostic>> {
+) -> Result<BuildOutput, Box<Diagnostic>> {
     let controllers = controlled.owned();
     let (files, findings) = fmi::build(controlled.machine, &controllers, toolchains, folder)
         .map_err(|e| Box::new(e.to_diagnostic()))?;
-    Ok(Written { files, findings })
+    Ok(BuildOutput { files, findings })
 }
 
 /// Generates the C of a machine.
-pub fn package(controlled: &Controlled<'_>, profile: &Profile) -> Package {
+pub fn package(controlled: &ControlledMachine<'_>, profile: &Profile) -> Package {
     Package::emit_with(controlled.machine, &controlled.owned(), profile)
 }

@@ -3,13 +3,13 @@
 use super::call_check;
 use super::internal;
 use super::words::{DischargeEntry, ProofPrinter, entry};
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use linewright_algebra::proof::prove;
 use linewright_algebra::system::FormulaRef;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
-use linewright_line::Undecided;
+use linewright_line::UndecidedReason;
 use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
@@ -62,7 +62,7 @@ pub struct Proof {
 /// returns the controllers of a machine, if they exist.
 pub fn examine<'a>(
     line: &Line,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
     with_table: bool,
 ) -> Proof {
@@ -120,7 +120,7 @@ pub fn examine<'a>(
 fn has_controllers<'a>(
     line: &Line,
     node: usize,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
 ) -> bool {
     match &line.nodes[node].kind {
         NodeKind::Station { machine, .. } => controlled(machine).is_some(),
@@ -133,7 +133,7 @@ fn has_controllers<'a>(
 /// doubts of the resolver once they are decided.
 pub fn judge<'a>(
     line: &Line,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) {
@@ -177,7 +177,7 @@ struct Followed {
 /// Follows the parts of a line from call to call.
 fn follow<'a>(
     line: &Line,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
 ) -> Followed {
     let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
@@ -328,13 +328,13 @@ const A_RUN: &str = "Nothing is known to be wrong. A run shows whether the line 
                      types of parts in one, make it smaller";
 
 /// Note on something undecided, with the reason.
-fn not_decided(line: &Line, what: &str, why: &Undecided, help: &str) -> Diagnostic {
+fn not_decided(line: &Line, what: &str, why: &UndecidedReason, help: &str) -> Diagnostic {
     let message = format!("{what} was not decided: {why}");
     note(line, message, why.limit, help)
 }
 
 /// Note that it was not decided whether a station answers every call.
-fn not_followed(line: &Line, node: usize, why: &Undecided) -> Diagnostic {
+fn not_followed(line: &Line, node: usize, why: &UndecidedReason) -> Diagnostic {
     let what = format!("whether {} answers every call", line.nodes[node].name);
     let help = match why.limit {
         Some(_) => ASKED.to_owned(),

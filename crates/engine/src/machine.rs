@@ -4,25 +4,25 @@
 
 use super::layers;
 use crate::closed::{self, bounded, undecided};
-use crate::controlled::{self, Controlled};
+use crate::controlled::{self, ControlledMachine};
 use crate::found;
 use crate::internal::within;
-use crate::words::{DischargeEntry, HANDED_ON, MetBy, ProofPrinter, entry};
-use linewright_algebra::closed::{Closed, Form, Met, Verdict};
+use crate::words::{DischargeEntry, DischargeRuleName, HANDED_ON, ProofPrinter, entry};
+use linewright_algebra::closed::{Closed, DischargeMethod, Form, Verdict};
 use linewright_algebra::machine::{COMPLETES, of_machine, of_promise};
 use linewright_algebra::proof::{Circle, Claim, Proof, prove};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::source::Span;
-use linewright_language::contract::machine::{Machine, Promised};
+use linewright_language::contract::machine::{Machine, RefinedContract};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
-use linewright_station::composition::{By, Composition};
+use linewright_station::composition::{Composition, Discharger};
 use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Where a machine works.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
+pub enum MachineContext {
     /// In a plant, which gives its signals the values declared in its file.
     Alone,
     /// Only in other machines, which bind its signals; it is judged with them.
@@ -31,7 +31,7 @@ pub enum Standing {
 
 /// Result of the proofs of a machine.
 #[derive(Debug, Default)]
-pub struct Proved {
+pub struct MachineProof {
     /// How each assumption of a component and each guarantee of the machine is met.
     pub discharges: Vec<DischargeEntry>,
     /// Result of the closed composition of its controllers.
@@ -107,9 +107,13 @@ pub struct RefinesEntry {
 
 /// Proves the obligations of a machine: for all controllers that keep the contracts, and for the
 /// actual controllers, which may meet obligations that no contract implies.
-pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) -> Proved {
+pub fn proved(
+    controlled: &ControlledMachine<'_>,
+    standing: MachineContext,
+    limits: &Limits,
+) -> MachineProof {
     let limits = &limits.within(Budget::MACHINE);
-    let mut result = Proved::default();
+    let mut result = MachineProof::default();
     // An inner machine is represented by its promises; that it keeps them is proved first.
     within("proving what inner machines promise", || {
         layers::promises(controlled.machine, limits, &mut result.findings);
@@ -205,7 +209,7 @@ fn cut_short(
 }
 
 /// Whether the machine has inner machines, which its proof represents by their promises.
-fn is_layered(controlled: &Controlled<'_>) -> bool {
+fn is_layered(controlled: &ControlledMachine<'_>) -> bool {
     controlled.machine.layers.abstracted.is_some()
 }
 
@@ -282,13 +286,13 @@ impl Both<'_> {
             let name = &self.printer.formula(at).name;
             let owner = self.printer.owner(at);
             let mut walked = self.walked.discharges.iter();
-            let known =
-                walked.any(|d| d.component == owner && d.assumption == *name && d.by != By::Line);
+            let known = walked
+                .any(|d| d.component == owner && d.assumption == *name && d.by != Discharger::Line);
             (sound && known) || (complete && at.part.is_none() && name == COMPLETES)
         };
         let open = proof.open.iter().filter(|o| shows(o.what));
         open.map(|o| {
-            let mut shown = self.shown(o.what, Met::Held);
+            let mut shown = self.shown(o.what, DischargeMethod::Held);
             "the coordinator's reachable states".clone_into(&mut shown.by);
             (o.what, shown)
         })
@@ -346,18 +350,18 @@ impl Both<'_> {
     }
 
     /// Entry for an obligation that only the controllers show.
-    fn shown(&self, at: FormulaRef, met: Met) -> DischargeEntry {
+    fn shown(&self, at: FormulaRef, met: DischargeMethod) -> DischargeEntry {
         DischargeEntry {
             component: self.printer.owner(at).to_owned(),
             assumption: self.printer.formula(at).name.clone(),
             rule: match met {
-                Met::Held => MetBy::Controllers,
-                Met::Exported => MetBy::Exported,
+                DischargeMethod::Held => DischargeRuleName::Controllers,
+                DischargeMethod::Exported => DischargeRuleName::Exported,
             },
             turn: None,
             by: match met {
-                Met::Held => "all states that the controllers reach".to_owned(),
-                Met::Exported => HANDED_ON.to_owned(),
+                DischargeMethod::Held => "all states that the controllers reach".to_owned(),
+                DischargeMethod::Exported => HANDED_ON.to_owned(),
             },
         }
     }
@@ -407,9 +411,9 @@ fn closed_verdict(decided: &Result<Verdict, Limit>) -> ClosedVerdict {
 /// Checks a contract that the machine is declared to refine, over the wires of the proof and over
 /// those of all layers. If the components' contracts do not show it, the controllers may.
 fn refines(
-    controlled: &Controlled<'_>,
-    promised: &Promised,
-    flat: &Promised,
+    controlled: &ControlledMachine<'_>,
+    promised: &RefinedContract,
+    flat: &RefinedContract,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) -> RefinesEntry {

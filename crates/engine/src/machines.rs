@@ -2,7 +2,7 @@
 //! machine gives it.
 
 use super::pipeline::{CheckedContract, Jobs, Verdict};
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::contract::Library;
@@ -12,14 +12,14 @@ use std::sync::Arc;
 
 /// A machine and the jobs of its components.
 #[derive(Debug, Clone)]
-pub struct Planned<'a> {
+pub struct MachinePlan<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// One job index per component.
     pub jobs: Vec<usize>,
 }
 
-impl<'a> Planned<'a> {
+impl<'a> MachinePlan<'a> {
     /// Adds a machine's components to the jobs. The coordinator's controller must be a machine
     /// (state by state): its states are walked when the composition is checked.
     pub fn new(machine: &'a Machine, jobs: &mut Jobs) -> Self {
@@ -88,9 +88,9 @@ impl<'a> Planned<'a> {
     }
 
     /// The machine with its controllers, if every component has one.
-    pub fn controlled(&self, checked: &'a [CheckedContract]) -> Option<Controlled<'a>> {
+    pub fn controlled(&self, checked: &'a [CheckedContract]) -> Option<ControlledMachine<'a>> {
         let controllers = self.jobs.iter().map(|j| checked[*j].controller.as_ref());
-        Some(Controlled {
+        Some(ControlledMachine {
             machine: self.machine,
             controllers: controllers.collect::<Option<_>>()?,
         })
@@ -161,7 +161,7 @@ pub fn is_only_inner(machine: &Machine, library: &Library) -> bool {
 /// Findings of machines whose controllers are needed: a missing controller is an error, and each
 /// contract is reported once.
 pub fn findings_where_needed(
-    planned: &[Planned<'_>],
+    planned: &[MachinePlan<'_>],
     jobs: &Jobs,
     checked: &[CheckedContract],
 ) -> Vec<Diagnostic> {

@@ -1,6 +1,6 @@
 //! Entry point: files in; verdicts, station libraries and runs out.
 
-use crate::files::{self, Loaded, StandardLibrary};
+use crate::files::{self, LoadedFiles, StandardLibrary};
 use crate::libraries;
 use crate::machines;
 use crate::pipeline::{CheckedContract, Goal, Jobs, Settings};
@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// Declarations of files, with the settings for solving them.
 #[derive(Debug, Default)]
 pub struct Project {
-    loaded: Loaded,
+    loaded: LoadedFiles,
     /// Solver settings; by default no limits and no cache.
     pub settings: Settings,
 }

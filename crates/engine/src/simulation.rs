@@ -1,6 +1,6 @@
 //! Runs a line in the bundled runner, with the same station libraries that are shipped.
 
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use crate::libraries;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, NodeKind};
@@ -43,7 +43,7 @@ pub struct Run {
 /// Returns findings if a library cannot be built or loaded, or if the runner refuses the line.
 pub fn simulate(
     line: &Line,
-    machines: &[Controlled<'_>],
+    machines: &[ControlledMachine<'_>],
     folder: &Path,
     how: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
@@ -61,7 +61,7 @@ pub fn simulate(
 
 /// Builds the libraries of the machines, in machine order.
 fn build(
-    machines: &[Controlled<'_>],
+    machines: &[ControlledMachine<'_>],
     folder: &Path,
     how: &SimulationOptions,
 ) -> Result<Vec<Arc<Library>>, Vec<Diagnostic>> {
@@ -95,7 +95,7 @@ fn build(
 /// For each node, an instance of its machine.
 fn instances(
     line: &Line,
-    machines: &[Controlled<'_>],
+    machines: &[ControlledMachine<'_>],
     libraries: &[Arc<Library>],
 ) -> Result<BTreeMap<usize, Box<dyn Controller>>, Vec<Diagnostic>> {
     let mut findings = Vec::new();

@@ -1,9 +1,9 @@
 //! Synthesizes the controllers of several machines together and judges them.
 
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use crate::controller::ExtractionOptions;
 use crate::judgement;
-use crate::machines::{self, Planned};
+use crate::machines::{self, MachinePlan};
 use crate::pipeline::{CheckedContract, Jobs, Settings};
 use indicatif::ProgressBar;
 use linewright_core::diagnostics::{Diagnostic, Severity};
@@ -13,7 +13,7 @@ use linewright_language::order::Skills;
 /// Machines whose controllers were requested.
 #[derive(Debug)]
 pub struct Synthesis<'a> {
-    planned: Vec<Planned<'a>>,
+    planned: Vec<MachinePlan<'a>>,
     jobs: Jobs,
     checked: Vec<CheckedContract>,
     /// Findings about the skills that the machines call.
@@ -33,7 +33,7 @@ impl<'a> Synthesis<'a> {
             ..ExtractionOptions::default()
         });
         let machines = machines.into_iter();
-        let planned: Vec<_> = machines.map(|m| Planned::new(m, &mut jobs)).collect();
+        let planned: Vec<_> = machines.map(|m| MachinePlan::new(m, &mut jobs)).collect();
         let checked = jobs.run(settings, &progress(jobs.len()));
         let orders = planned.iter().flat_map(|p| &p.machine.orders);
         let mut skills: Vec<&Skills> = Vec::new();
@@ -62,7 +62,7 @@ impl<'a> Synthesis<'a> {
     }
 
     /// Machines with a complete set of controllers.
-    pub fn controlled(&self) -> impl Iterator<Item = Controlled<'_>> {
+    pub fn controlled(&self) -> impl Iterator<Item = ControlledMachine<'_>> {
         self.planned
             .iter()
             .filter_map(|p| p.controlled(&self.checked))
@@ -74,14 +74,18 @@ impl<'a> Synthesis<'a> {
     }
 
     /// Returns a machine that differs from one of these at most in numbers, with its controllers.
-    pub fn of(&self, machine: &Machine) -> Option<Controlled<'_>> {
+    pub fn of(&self, machine: &Machine) -> Option<ControlledMachine<'_>> {
         let mut planned = self.planned.iter();
         let alike = planned.find(|p| machines::is_alike(p.machine, machine))?;
         alike.controlled(&self.checked)
     }
 
     /// Findings about a machine as a whole.
-    pub fn judge(&self, controlled: &Controlled<'_>, settings: &Settings) -> Vec<Diagnostic> {
+    pub fn judge(
+        &self,
+        controlled: &ControlledMachine<'_>,
+        settings: &Settings,
+    ) -> Vec<Diagnostic> {
         judgement::findings(controlled, &settings.limits, settings.cache.as_ref())
     }
 }

@@ -4,7 +4,7 @@
 use crate::findings::list;
 use crate::findings::play::{Row, grid};
 use linewright_algebra::proof::{
-    Broken, Circle, Claim, Discharge, Discharged, Open, Proof, SameStepLoop,
+    Circle, Claim, Discharge, DischargeRule, Open, Proof, Refutation, SameStepLoop,
 };
 use linewright_algebra::replay;
 use linewright_algebra::system::{FormulaRef, System, formulas};
@@ -57,7 +57,7 @@ impl<'a> ProofPrinter<'a> {
         }
         let names = names.join(", ");
         match (discharge.rule, names.is_empty()) {
-            (Discharged::Exported, _) => "handed on: whoever uses it has to keep it".to_owned(),
+            (DischargeRule::Exported, _) => "handed on: whoever uses it has to keep it".to_owned(),
             (_, true) => "it cannot be broken".to_owned(),
             _ => names,
         }
@@ -182,8 +182,8 @@ impl<'a> ProofPrinter<'a> {
     pub fn shown(&self, open: &Open) -> String {
         let shown = self.mentioned(open.what);
         let (steps, round) = match &open.why {
-            Broken::Trace(steps) => (steps.clone(), None),
-            Broken::Lasso(run) => (
+            Refutation::Trace(steps) => (steps.clone(), None),
+            Refutation::Lasso(run) => (
                 [run.prefix.clone(), run.cycle.clone()].concat(),
                 Some(run.prefix.len()),
             ),
@@ -279,25 +279,25 @@ impl<'a> ProofPrinter<'a> {
     pub fn exported(&self, proof: &Proof) -> Vec<FormulaRef> {
         let exported = proof.discharges.iter();
         exported
-            .filter(|d| d.rule == Discharged::Exported)
+            .filter(|d| d.rule == DischargeRule::Exported)
             .map(|d| d.what)
             .collect()
     }
 }
 
 /// The rule that meets an obligation, in a word or two.
-pub fn how(rule: Discharged) -> String {
+pub fn how(rule: DischargeRule) -> String {
     match rule {
-        Discharged::Environment | Discharged::Exported => "environment".to_owned(),
-        Discharged::Induction => "step by step".to_owned(),
-        Discharged::Justice { turn } => format!("justice, turn {}", turn + 1),
+        DischargeRule::Environment | DischargeRule::Exported => "environment".to_owned(),
+        DischargeRule::Induction => "step by step".to_owned(),
+        DischargeRule::Justice { turn } => format!("justice, turn {}", turn + 1),
     }
 }
 
 /// The rule that meets an obligation, for JSON documents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum MetBy {
+pub enum DischargeRuleName {
     /// Assumed of the environment of the whole.
     Environment,
     /// Passed on to the caller of the whole.
@@ -311,19 +311,19 @@ pub enum MetBy {
 }
 
 /// The name used in JSON documents.
-impl fmt::Display for MetBy {
+impl fmt::Display for DischargeRuleName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(f)
     }
 }
 
-impl From<Discharged> for MetBy {
-    fn from(rule: Discharged) -> Self {
+impl From<DischargeRule> for DischargeRuleName {
+    fn from(rule: DischargeRule) -> Self {
         match rule {
-            Discharged::Environment => Self::Environment,
-            Discharged::Exported => Self::Exported,
-            Discharged::Induction => Self::Induction,
-            Discharged::Justice { .. } => Self::Justice,
+            DischargeRule::Environment => Self::Environment,
+            DischargeRule::Exported => Self::Exported,
+            DischargeRule::Induction => Self::Induction,
+            DischargeRule::Justice { .. } => Self::Justice,
         }
     }
 }
@@ -397,7 +397,7 @@ pub struct DischargeEntry {
     /// The assumption or guarantee.
     pub assumption: String,
     /// The rule that meets it.
-    pub rule: MetBy,
+    pub rule: DischargeRuleName,
     /// For justice: the turn, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
@@ -416,11 +416,11 @@ pub fn entry(told: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
         assumption: told.formula(discharge.what).name.clone(),
         rule: discharge.rule.into(),
         turn: match discharge.rule {
-            Discharged::Justice { turn } => Some(turn + 1),
+            DischargeRule::Justice { turn } => Some(turn + 1),
             _ => None,
         },
         by: match discharge.rule {
-            Discharged::Exported => HANDED_ON.to_owned(),
+            DischargeRule::Exported => HANDED_ON.to_owned(),
             _ => told.by(discharge),
         },
     }

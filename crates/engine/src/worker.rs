@@ -5,7 +5,7 @@
 //! work had reported until then. The thread keeps running until the program ends, which is soon.
 
 use super::internal;
-use linewright_core::deadline::{Deadline, Late};
+use linewright_core::deadline::{Deadline, StopReason};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 #[cfg(test)]
@@ -22,11 +22,11 @@ pub const STACK_BYTES: usize = 256 << 20;
 
 /// Outcome of the work.
 #[derive(Debug)]
-pub enum Ended<P, R> {
+pub enum Completion<P, R> {
     /// Completed with a result.
     Done(R),
     /// Abandoned, with the last thing that it reported.
-    Left(Late, Option<P>),
+    Left(StopReason, Option<P>),
 }
 
 /// Runs `work` on its own thread. Values that it passes to its argument are kept in case it is
@@ -34,7 +34,7 @@ pub enum Ended<P, R> {
 pub fn run<P, R>(
     deadline: Deadline,
     work: impl FnOnce(&dyn Fn(P)) -> R + Send + 'static,
-) -> Ended<P, R>
+) -> Completion<P, R>
 where
     P: Send + 'static,
     R: Send + 'static,
@@ -55,11 +55,11 @@ where
     loop {
         let left = last.left().unwrap_or(LOOK);
         match receiver.recv_timeout(left.min(LOOK)) {
-            Ok(Ok(result)) => return Ended::Done(result),
+            Ok(Ok(result)) => return Completion::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(late) = last.check() {
-                    return Ended::Left(late, reported);
+                    return Completion::Left(late, reported);
                 }
             }
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
@@ -80,7 +80,7 @@ mod tests {
             report(1);
             2
         });
-        assert!(matches!(ended, Ended::Done(2)));
+        assert!(matches!(ended, Completion::Done(2)));
     }
 
     #[test]
@@ -92,7 +92,7 @@ mod tests {
             report(2);
             std::thread::sleep(Duration::from_mins(1));
         });
-        assert!(matches!(ended, Ended::Left(Late::Time, Some(2))));
+        assert!(matches!(ended, Completion::Left(StopReason::Time, Some(2))));
         assert!(begin.elapsed() < Duration::from_secs(10));
     }
 

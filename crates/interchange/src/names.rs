@@ -7,7 +7,7 @@
 //! | transition | current values, next inputs | all |
 //! | goal | all | all |
 
-use super::terms::{Kind, MAX_DEPTH, Term, Terms, TooMuch};
+use super::terms::{Kind, MAX_DEPTH, Term, TermLimit, Terms};
 use linewright_core::diagnostics::{Code, Diagnostic, codes, nearest};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{
@@ -355,17 +355,17 @@ impl<'t> Names<'t> {
     pub fn tree(&mut self, term: Term, range: &Range<usize>) -> Option<Expr> {
         let size = self.terms.size(term);
         let tree = match self.terms.tree(term) {
-            Ok(_) if size > self.budget => Err(TooMuch::Large),
+            Ok(_) if size > self.budget => Err(TermLimit::Large),
             other => other,
         };
         let expr = match tree {
             Ok(expr) => expr,
             Err(why) => {
                 let message = match why {
-                    TooMuch::Deep => {
+                    TermLimit::Deep => {
                         format!("this formula nests more than {MAX_DEPTH} levels deep")
                     }
-                    TooMuch::Large => {
+                    TermLimit::Large => {
                         "this formula becomes too large once its memory cells are written out"
                             .to_owned()
                     }

@@ -57,7 +57,7 @@ impl Node {
 
 /// Why a formula cannot be had as a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TooMuch {
+pub(super) enum TermLimit {
     Deep,
     Large,
 }
@@ -260,13 +260,13 @@ impl Terms {
     }
 
     /// The tree, if it is not too large.
-    pub fn tree(&self, term: Term) -> Result<Expr, TooMuch> {
+    pub fn tree(&self, term: Term) -> Result<Expr, TermLimit> {
         let node = self.node(term);
         if node.depth() > MAX_DEPTH {
-            return Err(TooMuch::Deep);
+            return Err(TermLimit::Deep);
         }
         if node.size > MAX_SIZE {
-            return Err(TooMuch::Large);
+            return Err(TermLimit::Large);
         }
         Ok(self.build(term))
     }

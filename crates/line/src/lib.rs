@@ -58,7 +58,7 @@ pub use metric::ReplicatedRequirement;
 pub use plant::Plant;
 pub use replicate::{Estimate, Replications};
 pub use trace::{End, Trace};
-pub use undecided::Undecided;
+pub use undecided::UndecidedReason;
 
 /// Options of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]

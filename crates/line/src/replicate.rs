@@ -4,7 +4,7 @@ use super::metric::{self, ReplicatedRequirement};
 use super::plant::Plant;
 use super::statistics::student_t;
 use super::trace::{End, Trace};
-use linewright_core::deadline::Late;
+use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Metric};
 
@@ -75,7 +75,7 @@ impl Plant {
         }
         let mut replications = Replications::of(self.line(), &traces);
         if done < count {
-            let late = self.late().unwrap_or(Late::Time);
+            let late = self.late().unwrap_or(StopReason::Time);
             let message = format!("{late}: {done} of {count} runs were over");
             replications.findings.push(
                 Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(format!(

@@ -218,12 +218,12 @@ pub struct LogEntry {
     /// Number and type of the part; `None` for breakdowns and repairs.
     pub part: Option<(u64, usize)>,
     /// What happened.
-    pub what: What,
+    pub what: EventKind,
 }
 
 /// Event at a part or node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum What {
+pub enum EventKind {
     /// The part entered the line here.
     Entered,
     /// The part arrived at this node.

@@ -5,14 +5,14 @@ use std::fmt;
 
 /// Why something was not decided.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Undecided {
+pub struct UndecidedReason {
     /// The reason, phrased to follow a colon.
     pub why: String,
     /// The limit that was reached, if that is the reason.
     pub limit: Option<Limit>,
 }
 
-impl Undecided {
+impl UndecidedReason {
     /// Creates a reason that lies in the line itself.
     pub fn because(why: impl Into<String>) -> Self {
         Self {
@@ -27,7 +27,7 @@ impl Undecided {
     }
 }
 
-impl From<Limit> for Undecided {
+impl From<Limit> for UndecidedReason {
     fn from(limit: Limit) -> Self {
         Self {
             why: limit.to_string(),
@@ -36,7 +36,7 @@ impl From<Limit> for Undecided {
     }
 }
 
-impl fmt::Display for Undecided {
+impl fmt::Display for UndecidedReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.why)
     }

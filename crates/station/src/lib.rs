@@ -26,7 +26,7 @@ pub mod structured_text;
 mod template;
 pub mod toolchain;
 
-use linewright_core::deadline::Late;
+use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::mealy;
@@ -151,7 +151,7 @@ pub enum Error {
         /// The machine.
         machine: String,
         /// Why.
-        late: Late,
+        late: StopReason,
     },
     /// A library is not what was built.
     #[error("the station library {} is damaged: {reason}", path.display())]
@@ -205,10 +205,10 @@ impl Error {
             Self::GivenUp { late, .. } => (
                 codes::GAVE_UP,
                 match late {
-                    Late::Time => {
+                    StopReason::Time => {
                         "give it more time with --timeout SECONDS; what was built is kept"
                     }
-                    Late::Interrupt => "run it again; what was built is kept",
+                    StopReason::Interrupt => "run it again; what was built is kept",
                 },
             ),
             Self::LibraryDamaged { .. } => {

@@ -522,7 +522,7 @@ pub struct Machine {
 
 /// A declaration `name: T = e`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Typed {
+pub struct TypedDecl {
     /// Doc comment without slashes.
     pub doc: String,
     /// Declared name.
@@ -547,13 +547,13 @@ pub enum MachineItem {
     /// `failures mtbf 8 h mttr 5 min`
     Failures(Expr, Expr),
     /// `property ...`
-    Property(Typed),
+    Property(TypedDecl),
     /// `parameter ...`
-    Parameter(Typed),
+    Parameter(TypedDecl),
     /// `signal ...`
-    Signal(Typed),
+    Signal(TypedDecl),
     /// `abstract ...`
-    Abstract(Typed),
+    Abstract(TypedDecl),
     /// `coordinator ...`, `action ...` or `machine name: ...`
     Component(Component),
     /// `operation ...`
@@ -563,7 +563,7 @@ pub enum MachineItem {
         /// Codes after `implements`.
         codes: Vec<Name>,
         /// Actions, each with the inputs that the operation sets.
-        sequence: Vec<Performed>,
+        sequence: Vec<OperationCall>,
     },
     /// `done e`
     Done(Expr),
@@ -643,7 +643,7 @@ impl Component {
 
 /// `move_a(tx = 1)`
 #[derive(Debug, Clone, PartialEq)]
-pub struct Performed {
+pub struct OperationCall {
     /// Action or operation; dotted for an operation of an inner machine.
     pub name: Name,
     /// Arguments.
@@ -676,7 +676,7 @@ pub struct Line {
 
 /// `2 Brick`
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Counted {
+pub struct PartCount {
     /// Number of pieces.
     pub count: u64,
     /// Name of what is counted.
@@ -691,9 +691,9 @@ pub enum LineItem {
         /// Name of the part type.
         name: Name,
         /// Bill of materials.
-        bill: Vec<Counted>,
+        bill: Vec<PartCount>,
         /// Properties of each part.
-        properties: Vec<Typed>,
+        properties: Vec<TypedDecl>,
     },
     /// `product P`
     Product(Name),
@@ -713,7 +713,7 @@ pub enum LineItem {
         /// Name of the store.
         name: Name,
         /// Stock at the start.
-        stock: Vec<Counted>,
+        stock: Vec<PartCount>,
     },
     /// `sink ...`
     Sink {
@@ -807,7 +807,7 @@ pub enum StationItem {
     /// `perform a, b(x = 1) on P`
     Perform {
         /// Operations, in order.
-        operations: Vec<Performed>,
+        operations: Vec<OperationCall>,
         /// Part type.
         part: Name,
     },

@@ -4,7 +4,7 @@ use super::document::{self, Document, Semantics, Verdict};
 use super::{CompatArguments, ComposeArguments, Joined, Outcome, bring_together, gave_up, tell};
 use crate::algebra::compat::{Compatibility, compatible};
 use crate::algebra::join::Sharing;
-use crate::algebra::proof::{Broken, Claim, Exports, Proof, prove};
+use crate::algebra::proof::{Claim, Exports, Proof, Refutation, prove};
 use crate::algebra::system::{System, list};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
@@ -303,7 +303,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
             ),
         );
         match &play {
-            Some(Broken::Trace(steps)) => {
+            Some(Refutation::Trace(steps)) => {
                 outcome.document.counterexample = Some(document::trace(&joined.system, steps));
                 let shown = shown(&joined.system, steps);
                 let last = steps.len() - 1;
@@ -311,7 +311,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
                     "{shown}in step {last} nothing that could come from outside keeps the assumptions"
                 ));
             }
-            Some(Broken::Lasso(run)) => {
+            Some(Refutation::Lasso(run)) => {
                 outcome.document.counterexample = Some(document::lasso(&joined.system, run));
                 finding = finding.with_note(crate::engine::words::lasso_table(&joined.system, run));
             }

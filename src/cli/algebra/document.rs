@@ -1,9 +1,9 @@
 //! What the commands of the algebra print as JSON.
 
-use crate::algebra::proof::{Broken, Discharge, Discharged, Open, Proof};
+use crate::algebra::proof::{Discharge, DischargeRule, Open, Proof, Refutation};
 use crate::algebra::system::{FormulaRef, System, formulas};
 use crate::diagnostics::json;
-use crate::engine::words::{MetBy, ProofPrinter};
+use crate::engine::words::{DischargeRuleName, ProofPrinter};
 use crate::game::Lasso;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use std::fmt;
 
 /// Points at a formula.
 #[derive(Debug, JsonSchema, Serialize)]
-pub struct Named {
+pub struct FormulaReference {
     /// The contract or component it belongs to.
     pub of: String,
     /// Its name there.
@@ -26,15 +26,15 @@ pub struct Named {
 pub struct DischargeEntry {
     /// What.
     #[serde(flatten)]
-    pub what: Named,
+    pub what: FormulaReference,
     /// By which rule.
-    pub rule: MetBy,
+    pub rule: DischargeRuleName,
     /// Of justice: the turn, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub turn: Option<usize>,
     /// On what it rests.
-    pub by: Vec<Named>,
+    pub by: Vec<FormulaReference>,
 }
 
 /// An obligation that is not met.
@@ -42,7 +42,7 @@ pub struct DischargeEntry {
 pub struct OpenEntry {
     /// What.
     #[serde(flatten)]
-    pub what: Named,
+    pub what: FormulaReference,
     /// Why.
     pub reason: String,
     /// How it is broken.
@@ -70,7 +70,7 @@ pub struct ProofEntry {
     /// What is not.
     pub open: Vec<OpenEntry>,
     /// Justice assumptions that wait for one another.
-    pub circles: Vec<Vec<Named>>,
+    pub circles: Vec<Vec<FormulaReference>>,
     /// Variables that wait for one another within a step.
     pub loops: Vec<Vec<String>>,
 }
@@ -130,7 +130,7 @@ pub enum Semantics {
 /// What became of a contract from one library to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Fate {
+pub enum LibraryChange {
     /// It says the same.
     Same,
     /// It promises at least as much, and assumes no more.
@@ -145,7 +145,7 @@ pub enum Fate {
     GaveUp,
 }
 
-impl fmt::Display for Fate {
+impl fmt::Display for LibraryChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(f)
     }
@@ -172,7 +172,7 @@ pub struct Document {
     pub counterexample: Option<Counterexample>,
     /// Contract by contract, of two libraries.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub contracts: Vec<Compared>,
+    pub contracts: Vec<ContractComparison>,
     /// All findings.
     pub findings: Vec<json::Finding>,
 }
@@ -194,20 +194,20 @@ struct Proofs {
 
 /// What became of a contract from one library to the other.
 #[derive(Debug, JsonSchema, Serialize)]
-pub struct Compared {
+pub struct ContractComparison {
     /// Its name.
     pub name: String,
     /// What became of it.
-    pub verdict: Fate,
+    pub verdict: LibraryChange,
     /// What is not kept any more.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<OpenEntry>,
 }
 
 /// A formula by name.
-pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> Named {
+pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> FormulaReference {
     let formula = printer.formula(at);
-    Named {
+    FormulaReference {
         of: printer.owner(at).to_owned(),
         name: formula.name.clone(),
         text: formula.text.clone(),
@@ -246,7 +246,7 @@ fn discharge(printer: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry
         what: named(printer, discharge.what),
         rule: discharge.rule.into(),
         turn: match discharge.rule {
-            Discharged::Justice { turn } => Some(turn + 1),
+            DischargeRule::Justice { turn } => Some(turn + 1),
             _ => None,
         },
         by: discharge.by.iter().map(|at| named(printer, *at)).collect(),
@@ -259,8 +259,8 @@ pub fn open(printer: ProofPrinter<'_>, open: &Open) -> OpenEntry {
         what: named(printer, open.what),
         reason: printer.reason(open),
         counterexample: match &open.why {
-            Broken::Trace(steps) => trace(printer.system, steps),
-            Broken::Lasso(run) => lasso(printer.system, run),
+            Refutation::Trace(steps) => trace(printer.system, steps),
+            Refutation::Lasso(run) => lasso(printer.system, run),
         },
     }
 }

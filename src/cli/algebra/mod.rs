@@ -16,7 +16,7 @@ use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::{Sharing, join};
 use crate::algebra::system::System;
 use crate::diagnostics::{Diagnostic, has_errors, json, sarif};
-use crate::engine::files::{self, Loaded, StandardLibrary};
+use crate::engine::files::{self, LoadedFiles, StandardLibrary};
 use crate::source::Span;
 use clap::Args;
 use document::Document;
@@ -169,7 +169,7 @@ pub struct QuotientArguments {
 
 /// Operands read and brought together.
 struct Joined {
-    loaded: Loaded,
+    loaded: LoadedFiles,
     system: System,
     /// One expression an operand.
     sets: Vec<Sets>,
@@ -190,7 +190,7 @@ fn load(
     command: &str,
     operands: &[&Operand],
     options: &GlobalOptions,
-) -> anyhow::Result<Result<Loaded, ExitCode>> {
+) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
     let mut paths: Vec<String> = Vec::new();
     for operand in operands {
         for path in operand::paths(std::slice::from_ref(*operand)) {
@@ -253,7 +253,11 @@ fn bring_together(
 }
 
 /// Prints what came out, and gives the exit code.
-fn tell(outcome: Outcome, loaded: &Loaded, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+fn tell(
+    outcome: Outcome,
+    loaded: &LoadedFiles,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let sources = &loaded.library.sources;
     let Outcome {
@@ -278,7 +282,7 @@ fn tell(outcome: Outcome, loaded: &Loaded, options: &GlobalOptions) -> anyhow::R
 fn gave_up(
     limit: crate::game::Limit,
     command: &str,
-    loaded: &Loaded,
+    loaded: &LoadedFiles,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let finding = Diagnostic::error(

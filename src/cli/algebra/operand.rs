@@ -8,7 +8,7 @@ use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::Member;
 use crate::cli::select::Selection;
 use crate::contract::Contract;
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 
 /// An operand as it was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -168,7 +168,7 @@ pub struct Members<'a> {
 
 impl<'a> Members<'a> {
     /// The contracts of an operand, and it as an expression over them.
-    pub fn add(&mut self, operand: &Operand, loaded: &'a Loaded) -> anyhow::Result<Sets> {
+    pub fn add(&mut self, operand: &Operand, loaded: &'a LoadedFiles) -> anyhow::Result<Sets> {
         match operand {
             Operand::Result(operation, operands) => {
                 let mut sets = Vec::new();
@@ -231,7 +231,7 @@ pub fn paths(operands: &[Operand]) -> Vec<String> {
 }
 
 /// The one contract that is meant.
-fn one<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<&'a Contract> {
+fn one<'a>(selection: &Selection, loaded: &'a LoadedFiles) -> anyhow::Result<&'a Contract> {
     let of_file: Vec<&Contract> = loaded
         .library
         .contracts

@@ -8,7 +8,7 @@ use crate::algebra::decide::Decider;
 use crate::algebra::join::Sharing;
 use crate::algebra::proof::{Claim, Exports, prove};
 use crate::algebra::refine::{Question, Refinement, refine};
-use crate::algebra::system::{Half, Part, System};
+use crate::algebra::system::{ContractSide, Part, System};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
@@ -255,12 +255,12 @@ fn sets(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     Ok(outcome)
 }
 
-fn refuted(joined: &Joined, half: Half, shown: &str) -> Diagnostic {
+fn refuted(joined: &Joined, half: ContractSide, shown: &str) -> Diagnostic {
     let message = match half {
-        Half::Assumptions => {
+        ContractSide::Assumptions => {
             "it is not refined: an environment of the first may do this, and the second does not allow for it"
         }
-        Half::Guarantees => {
+        ContractSide::Guarantees => {
             "it is not refined: an implementation of the second may do this, and the first forbids it"
         }
     };

@@ -12,13 +12,13 @@ use crate::contract::machine::Machine;
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json};
 use crate::engine::cache::Cache;
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 use crate::engine::findings::lost;
 use crate::engine::internal;
 use crate::engine::judgement;
 use crate::engine::lines;
-use crate::engine::machine::{self, Proved, Standing};
-use crate::engine::machines::{self, Planned};
+use crate::engine::machine::{self, MachineContext, MachineProof};
+use crate::engine::machines::{self, MachinePlan};
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
@@ -28,13 +28,13 @@ use std::path::Path;
 
 /// All that the document is made from.
 pub(super) struct Assembly<'a> {
-    pub(super) loaded: &'a Loaded,
+    pub(super) loaded: &'a LoadedFiles,
     pub(super) files: &'a [FileView<'a>],
     pub(super) contracts: &'a [(&'a Contract, usize)],
-    pub(super) machines: &'a [Planned<'a>],
+    pub(super) machines: &'a [MachinePlan<'a>],
     /// Machines as lines have them, with arguments of their own; each with where the first of these
     /// lines is declared.
-    pub(super) sized: &'a [(Span, Planned<'a>)],
+    pub(super) sized: &'a [(Span, MachinePlan<'a>)],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
     pub(super) limits: Limits,
@@ -293,7 +293,7 @@ impl Assembly<'_> {
         let mut known = self.loaded.library.lines.iter();
         let line = known.find(|l| sound && declaration.holds(l.span));
         let controlled = |machine: &Machine| {
-            let alike = |p: &&Planned<'_>| machines::is_alike(p.machine, machine);
+            let alike = |p: &&MachinePlan<'_>| machines::is_alike(p.machine, machine);
             let sized = self.sized.iter().map(|(_, planned)| planned);
             let mut known = self.machines.iter().chain(sized);
             known.find(alike)?.controlled(self.checked)
@@ -342,7 +342,7 @@ impl Assembly<'_> {
     }
 
     /// What is wrong with a machine that only lines have in this size.
-    fn judged(&self, planned: &Planned<'_>) -> Vec<Diagnostic> {
+    fn judged(&self, planned: &MachinePlan<'_>) -> Vec<Diagnostic> {
         // What is odd about a contract is told of its own defaults.
         let mut found = planned.findings(self.jobs, self.checked);
         found.retain(|f| f.severity == Severity::Error);
@@ -371,15 +371,15 @@ impl Assembly<'_> {
                 let (name, span) = (&c.machine.name, c.machine.span);
                 let doing = || format!("checking the machine `{name}`");
                 let standing = if machines::is_only_inner(c.machine, &self.loaded.library) {
-                    Standing::Within
+                    MachineContext::Within
                 } else {
-                    Standing::Alone
+                    MachineContext::Alone
                 };
                 let proved =
                     internal::caught(doing, || machine::proved(&c, standing, &self.limits));
-                let proved = proved.unwrap_or_else(|fault| Proved {
+                let proved = proved.unwrap_or_else(|fault| MachineProof {
                     findings: vec![fault.finding(Some(span))],
-                    ..Proved::default()
+                    ..MachineProof::default()
                 });
                 judgement::remember(&proved.findings, &c, self.cache);
                 proved

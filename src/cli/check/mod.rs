@@ -17,8 +17,8 @@ use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::engine::controller::ExtractionOptions;
-use crate::engine::files::{self, Loaded, StandardLibrary};
-use crate::engine::machines::{self, Planned};
+use crate::engine::files::{self, LoadedFiles, StandardLibrary};
+use crate::engine::machines::{self, MachinePlan};
 use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use crate::source::Span;
@@ -83,8 +83,8 @@ SARIF is refused"
 }
 
 /// What was found.
-struct Checked {
-    loaded: Loaded,
+struct CheckResult {
+    loaded: LoadedFiles,
     document: Document,
     findings: Vec<Diagnostic>,
     code: ExitCode,
@@ -107,7 +107,7 @@ fn check(
     options: &GlobalOptions,
     settings: &Settings,
     memory: Option<&mut Memory>,
-) -> anyhow::Result<Checked> {
+) -> anyhow::Result<CheckResult> {
     let console = options.console();
     let loaded = files::load(
         &arguments.paths,
@@ -137,11 +137,11 @@ fn check(
             None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),
         })
         .collect();
-    let machines: Vec<Planned<'_>> = library
+    let machines: Vec<MachinePlan<'_>> = library
         .machines
         .iter()
         .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
-        .map(|m| Planned::new(m, &mut jobs))
+        .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
     let sized = sized(&files, library, &machines, &mut jobs);
     let progress = console.progress(jobs.len(), "checking");
@@ -194,7 +194,7 @@ fn check(
         })
         .fold(ExitCode::Success, ExitCode::and);
     let code = options.exit_code(&findings).and(verdicts);
-    Ok(Checked {
+    Ok(CheckResult {
         code: code.and(ExitCode::of_loading(&loaded)),
         document,
         findings,
@@ -207,17 +207,17 @@ fn check(
 fn sized<'a>(
     files: &[FileView<'_>],
     library: &'a Library,
-    declared: &[Planned<'a>],
+    declared: &[MachinePlan<'a>],
     jobs: &mut Jobs,
-) -> Vec<(Span, Planned<'a>)> {
-    let mut sized: Vec<(Span, Planned<'a>)> = Vec::new();
+) -> Vec<(Span, MachinePlan<'a>)> {
+    let mut sized: Vec<(Span, MachinePlan<'a>)> = Vec::new();
     let lines = library.lines.iter();
     for line in lines.filter(|l| view(files, l.span.file).is_some_and(|f| f.is_sound(l.span))) {
         for machine in machines::of_line(line) {
             let own = sized.iter().map(|(_, planned)| planned);
             let mut known = declared.iter().chain(own);
             if !known.any(|p| machines::is_judged_alike(p.machine, machine)) {
-                sized.push((line.span, Planned::new(machine, jobs)));
+                sized.push((line.span, MachinePlan::new(machine, jobs)));
             }
         }
     }
@@ -226,7 +226,7 @@ fn sized<'a>(
 
 /// Whether a contract was imported to be refined, and for nothing else: that it can be kept is
 /// shown by what refines it.
-fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
+fn is_only_refined(loaded: &LoadedFiles, contract: &Contract) -> bool {
     let library = &loaded.library;
     let own = &library.sources.file(contract.span.file).name;
     let name = &contract.name;
@@ -271,8 +271,8 @@ fn write_proof(
 }
 
 /// Prints what was found. Gives whether somebody still reads it.
-fn write(console: Console, checked: &Checked, options: &GlobalOptions) -> anyhow::Result<bool> {
-    let Checked {
+fn write(console: Console, checked: &CheckResult, options: &GlobalOptions) -> anyhow::Result<bool> {
+    let CheckResult {
         loaded,
         document,
         findings,

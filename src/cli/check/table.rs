@@ -4,7 +4,7 @@ use super::document::{Document, SkillsVerdict, Validity};
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::RefinementVerdict;
 use crate::engine::pipeline::Verdict;
-use crate::engine::words::{DischargeEntry, MetBy};
+use crate::engine::words::{DischargeEntry, DischargeRuleName};
 use crate::taxonomy;
 use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::{self, Write as _};
@@ -310,8 +310,8 @@ fn discharges(document: &Document) -> String {
 fn discharged(discharges: &[DischargeEntry]) -> String {
     let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
     let how = |d: &DischargeEntry| match (d.rule, d.turn) {
-        (MetBy::Induction, _) => "step by step".to_owned(),
-        (MetBy::Exported, _) => "environment".to_owned(),
+        (DischargeRuleName::Induction, _) => "step by step".to_owned(),
+        (DischargeRuleName::Exported, _) => "environment".to_owned(),
         (rule, Some(turn)) => format!("{rule}, turn {turn}"),
         (rule, None) => rule.to_string(),
     };

@@ -2,7 +2,7 @@
 
 use crate::cli::outline::{self, Declaration, Kind};
 use crate::diagnostics::{Diagnostic, codes, has_errors};
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 use crate::interchange::Format;
 use crate::source::{FileId, Span};
 
@@ -18,7 +18,7 @@ pub(super) struct FileView<'a> {
 }
 
 impl<'a> FileView<'a> {
-    pub(super) fn all(loaded: &'a Loaded) -> Vec<Self> {
+    pub(super) fn all(loaded: &'a LoadedFiles) -> Vec<Self> {
         let sources = &loaded.library.sources;
         sources
             .files()

@@ -7,7 +7,7 @@
 
 mod file_watcher;
 
-use super::{Arguments, Checked, check, write};
+use super::{Arguments, CheckResult, check, write};
 use crate::cli::exit::ExitCode;
 use crate::cli::interrupt;
 use crate::cli::options::{Format, GlobalOptions};
@@ -115,7 +115,7 @@ fn line_for(format: Format, line: &str) -> String {
 /// The files that a check has read, with their texts, and those that it would have read, beside
 /// those that it was given.
 fn places_of<'a>(
-    checked: &'a Checked,
+    checked: &'a CheckResult,
     standard: &StandardLibrary,
 ) -> Vec<(PathBuf, Option<&'a str>)> {
     let loaded = &checked.loaded;

@@ -9,7 +9,7 @@ use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::engine::output;
 use crate::source::SourceMap;
 use crate::station::probe::dump::{self, Dump};
-use crate::station::probe::infer::{self, Fact, Sureness};
+use crate::station::probe::infer::{self, Confidence, Fact};
 use crate::station::profile::{Profile, ProfileEntry};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -26,14 +26,14 @@ const LARGEST_FILE: u64 = 16 << 20;
 pub(super) struct Document {
     schema: String,
     /// What the dump tells; null where it is not understood.
-    probe: Option<Found>,
+    probe: Option<ProbeReport>,
     /// All findings.
     findings: Vec<json::Finding>,
 }
 
 /// What a dump tells.
 #[derive(JsonSchema, Serialize)]
-struct Found {
+struct ProbeReport {
     /// The platform on which the probe ran.
     platform: String,
     /// The number of calls in the dump.
@@ -81,7 +81,7 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     match options.format {
         Format::Json => console.document(&Document {
             schema: schema("doctor"),
-            probe: found.map(|(dump, profile, facts)| Found {
+            probe: found.map(|(dump, profile, facts)| ProbeReport {
                 platform: dump.platform,
                 calls: dump.calls.len(),
                 profile: profile.describe(),
@@ -117,7 +117,7 @@ fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Di
             let fact = Fact {
                 what: "round trip",
                 found: "as it was returned".to_owned(),
-                sure: Sureness::Certain,
+                sure: Confidence::Certain,
                 why: "an integer, a real number and a string came back unchanged".to_owned(),
             };
             Ok((profile, vec![fact]))
@@ -157,9 +157,9 @@ fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String
     );
     for fact in facts {
         let sure = match fact.sure {
-            Sureness::Certain => "certain",
-            Sureness::Likely => "likely",
-            Sureness::Open => "open",
+            Confidence::Certain => "certain",
+            Confidence::Likely => "likely",
+            Confidence::Open => "open",
         };
         let _ = writeln!(
             out,

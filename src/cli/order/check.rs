@@ -1,7 +1,7 @@
 //! `linewright order check`: a program of calls, before it is loaded.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::rules::{self, Chosen};
+use super::rules::{self, RuleSelection};
 use super::{Choice, program, words};
 use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
@@ -11,7 +11,7 @@ use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, json, sarif};
 use crate::engine::files;
 use crate::order::picture::names;
-use crate::order::program::{Checked, Violation, check};
+use crate::order::program::{ProgramCheck, Violation, check};
 use crate::order::supervisor::Supervisor;
 use crate::source::SourceMap;
 use clap::Args;
@@ -208,9 +208,9 @@ type CheckedProgram = (Entry, String, Vec<Diagnostic>);
 fn one(
     name: &str,
     read: Read,
-    chosen: &mut Chosen,
+    chosen: &mut RuleSelection,
     arguments: &Arguments,
-) -> Result<CheckedProgram, crate::automata::bound::TooLarge> {
+) -> Result<CheckedProgram, crate::automata::bound::BoundExceeded> {
     let mut entry = Entry {
         file: name.to_owned(),
         verdict: ProgramVerdict::Invalid,
@@ -282,7 +282,7 @@ fn counted(calls: usize) -> String {
     }
 }
 
-fn way_out(violation: &Violation, chosen: &Chosen) -> String {
+fn way_out(violation: &Violation, chosen: &RuleSelection) -> String {
     let skills = &chosen.skills;
     let call = violation.call.text(skills);
     let first = match &violation.detour {
@@ -300,7 +300,7 @@ fn way_out(violation: &Violation, chosen: &Chosen) -> String {
     }
 }
 
-fn violation_entry(v: &Violation, chosen: &Chosen) -> ViolationEntry {
+fn violation_entry(v: &Violation, chosen: &RuleSelection) -> ViolationEntry {
     let skills = &chosen.skills;
     let options = chosen.options;
     ViolationEntry {
@@ -320,8 +320,8 @@ fn violation_entry(v: &Violation, chosen: &Chosen) -> ViolationEntry {
 
 /// A program that ends in the middle of a sequence.
 fn unfinished(
-    checked: &Checked,
-    chosen: &Chosen,
+    checked: &ProgramCheck,
+    chosen: &RuleSelection,
     whole: bool,
     last: Option<crate::source::Span>,
 ) -> Option<Diagnostic> {

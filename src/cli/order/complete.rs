@@ -2,7 +2,7 @@
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, program, rules, words};
-use crate::automata::bound::TooLarge;
+use crate::automata::bound::BoundExceeded;
 use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
@@ -121,7 +121,7 @@ fn next(
     supervisor: &mut Supervisor<'_>,
     state: &State,
     arguments: &Arguments,
-) -> Result<(Vec<Call>, Vec<RefusedEntry>), TooLarge> {
+) -> Result<(Vec<Call>, Vec<RefusedEntry>), BoundExceeded> {
     let skills = supervisor.skills();
     let serialisation = supervisor.options().serialisation;
     let (mut allowed, mut refused) = (Vec::new(), Vec::new());
@@ -133,7 +133,7 @@ fn next(
             Ok(_) => allowed.push(call),
             Err(refusal) => {
                 let after = match detour(supervisor, state, call, entries) {
-                    Err(late @ TooLarge::Late(_)) => return Err(late),
+                    Err(late @ BoundExceeded::Late(_)) => return Err(late),
                     sought => sought,
                 };
                 refused.push(RefusedEntry {

@@ -1,7 +1,7 @@
 //! `linewright order diff`: the shortest calls that tell two sets of rules apart.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::rules::{self, Chosen};
+use super::rules::{self, RuleSelection};
 use super::{Choice, LevelName, answer, words};
 use crate::cli::console::Failed;
 use crate::cli::console::schema;
@@ -12,7 +12,7 @@ use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
-use crate::order::program::{Apart, Difference, difference};
+use crate::order::program::{Difference, DifferenceOptions, difference};
 use crate::order::supervisor::{Call, Refusal, Supervisor};
 use clap::Args;
 use schemars::JsonSchema;
@@ -101,10 +101,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let found = Supervisor::new(&first.skills, first.options).and_then(|a| {
         let b = Supervisor::new(&renamed, second.options)?;
         let calls = common_calls(&first, &renamed, usize::from(arguments.at_once));
-        let apart = Apart {
+        let apart = DifferenceOptions {
             whole: arguments.whole,
             one_way: arguments.one_way,
-            ..Apart::default()
+            ..DifferenceOptions::default()
         };
         difference(&a, &b, &calls, apart)
     });
@@ -190,7 +190,7 @@ fn told(
 }
 
 /// The names of both; with the level where they are alike.
-fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2] {
+fn titles(first: &RuleSelection, second: &RuleSelection, arguments: &Arguments) -> [String; 2] {
     let (a, b) = (&first.skills.name, &second.skills.name);
     let level = arguments.choice.level.level().word();
     match arguments.other_level {
@@ -205,7 +205,7 @@ fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2]
 }
 
 /// The calls that both have: skills of one component of either are never called at once.
-fn common_calls(first: &Chosen, second: &Skills, most: usize) -> Vec<Call> {
+fn common_calls(first: &RuleSelection, second: &Skills, most: usize) -> Vec<Call> {
     let own = calls(&first.skills, most);
     let other = calls(second, most);
     own.into_iter().filter(|c| other.contains(c)).collect()

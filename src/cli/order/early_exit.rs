@@ -1,7 +1,7 @@
 //! How the commands of `order` end before they have an answer. They all do it alike: the rules
 //! cannot be loaded, or the automaton is too large.
 
-use crate::automata::bound::TooLarge;
+use crate::automata::bound::BoundExceeded;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 
@@ -16,7 +16,7 @@ pub enum EarlyExit {
     /// The automaton is too large, or the time is up. Fewer rules help every command.
     GaveUp {
         /// Which bound was met.
-        error: TooLarge,
+        error: BoundExceeded,
         /// What else makes the automaton of this command smaller.
         besides: Option<&'static str>,
     },
@@ -33,7 +33,7 @@ impl From<anyhow::Error> for EarlyExit {
 impl EarlyExit {
     /// Turns the error of a command into its early exit; `besides` is what helps beside fewer
     /// rules.
-    pub fn gave_up(besides: Option<&'static str>) -> impl Fn(TooLarge) -> Self {
+    pub fn gave_up(besides: Option<&'static str>) -> impl Fn(BoundExceeded) -> Self {
         move |error| Self::GaveUp { error, besides }
     }
 
@@ -46,7 +46,7 @@ impl EarlyExit {
         };
         let fewer = "fewer rules (--rule NAME, --no-rule NAME) or fewer repetitions in a sequence";
         let advice = match (error, besides) {
-            (TooLarge::Late(late), _) => late.remedy().to_owned(),
+            (BoundExceeded::Late(late), _) => late.remedy().to_owned(),
             (_, Some(besides)) => format!("{fewer}, or {besides}, make it smaller"),
             (_, None) => format!("{fewer} make it smaller"),
         };

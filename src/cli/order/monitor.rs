@@ -1,9 +1,9 @@
 //! `linewright order monitor`: calls watched as they come, and the monitor as C or Structured Text.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::rules::{self, Chosen};
+use super::rules::{self, RuleSelection};
 use super::{Choice, program};
-use crate::automata::bound::TooLarge;
+use crate::automata::bound::BoundExceeded;
 use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
@@ -14,7 +14,7 @@ use crate::order::Skills;
 use crate::order::fsm::{calls, is_cut};
 use crate::order::monitor::{Monitor, Unfolding, Verdict};
 use crate::order::supervisor::Supervisor;
-use crate::order::table::{Cited, Table};
+use crate::order::table::{RuleCitation, Table};
 use crate::station::monitor::{c, structured_text};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             Ok(watch(watching, &skills, arguments.stop, options)?)
         }
         // Without a table of all calls the rules themselves answer.
-        (Ok((Ok(_) | Err(TooLarge::Count { .. }), supervisor)), None) => {
+        (Ok((Ok(_) | Err(BoundExceeded::Count { .. }), supervisor)), None) => {
             let watching =
                 Watching::Rules(Unfolding::new(&supervisor, u32::from(arguments.at_once)));
             Ok(watch(watching, &skills, arguments.stop, options)?)
@@ -147,7 +147,7 @@ fn emitted(
     table: &Table,
     emit: Emit,
     out: Option<&Path>,
-    chosen: &Chosen,
+    chosen: &RuleSelection,
     options: &GlobalOptions,
 ) -> Outcome {
     let files: Vec<(String, String)> = match emit {
@@ -192,7 +192,7 @@ fn watch(
     stop: bool,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
-    let cited: Vec<Cited> = skills.rules.iter().map(Cited::of).collect();
+    let cited: Vec<RuleCitation> = skills.rules.iter().map(RuleCitation::of).collect();
     let names: HashMap<&[u8], u8> = skills
         .skills
         .iter()
@@ -305,7 +305,7 @@ enum Answer {
 }
 
 impl Answer {
-    fn of(verdict: Verdict, rules: &[Cited]) -> Self {
+    fn of(verdict: Verdict, rules: &[RuleCitation]) -> Self {
         match verdict {
             Verdict::Allowed => Self::Allowed,
             Verdict::Refused(why) => Self::Refused(why.text(rules)),

@@ -36,7 +36,7 @@ pub fn read(sources: &SourceMap, file: FileId, skills: &Skills) -> Program {
 }
 
 /// What one call consists of: `Left`, `Left & Down`. The finding has the place within the text.
-pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<Wrong>> {
+pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<CallMistake>> {
     let mut mask = 0;
     let mut at = 0;
     for piece in text.split('&') {
@@ -48,7 +48,7 @@ pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<Wrong>> {
             return Err(Box::new(unknown(name, place, skills)));
         };
         if mask >> skill & 1 == 1 {
-            return Err(Box::new(Wrong {
+            return Err(Box::new(CallMistake {
                 code: codes::SKILL,
                 place,
                 message: format!("`{name}` stands twice in one call"),
@@ -63,7 +63,7 @@ pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<Wrong>> {
 
 /// What is wrong with a call.
 #[derive(Debug)]
-pub struct Wrong {
+pub struct CallMistake {
     /// What kind of mistake it is.
     pub code: Code,
     /// From which byte to which.
@@ -76,7 +76,7 @@ pub struct Wrong {
     pub is_guess: bool,
 }
 
-fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> Wrong {
+fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> CallMistake {
     let names = || skills.skills.iter().map(|s| s.name.as_str());
     let list = || names().collect::<Vec<_>>().join(", ");
     let near = nearest(name, names());
@@ -98,7 +98,7 @@ fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> Wrong {
         let message = format!("there is no skill `{name}`");
         (codes::NAME_UNKNOWN, message, help)
     };
-    Wrong {
+    CallMistake {
         is_guess: code == codes::NAME_UNKNOWN && near.is_some(),
         code,
         place,

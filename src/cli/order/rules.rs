@@ -6,7 +6,7 @@ use crate::cli::console::schema;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, nearest};
-use crate::engine::files::{self, Loaded};
+use crate::engine::files::{self, LoadedFiles};
 use crate::order::fsm::MOST_CALLS;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Skills};
@@ -16,9 +16,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A set of rules, chosen from a file.
-pub struct Chosen {
+pub struct RuleSelection {
     /// What was loaded with it.
-    pub loaded: Loaded,
+    pub loaded: LoadedFiles,
     /// The skills, with the rules that were asked for.
     pub skills: Skills,
     /// How they are kept, and until when they are looked at.
@@ -47,7 +47,7 @@ impl Head {
     }
 }
 
-impl Chosen {
+impl RuleSelection {
     /// Prints what keeps the command from its answer.
     pub fn failed(&self, command: &str, finding: Diagnostic, options: &GlobalOptions) -> Outcome {
         let findings = [finding];
@@ -64,7 +64,7 @@ pub fn choose(
     selection: &Selection,
     choice: &Choice,
     options: &GlobalOptions,
-) -> Result<Chosen, EarlyExit> {
+) -> Result<RuleSelection, EarlyExit> {
     let loaded = selection
         .load_alone(command, options)?
         .map_err(EarlyExit::Reported)?;
@@ -87,7 +87,7 @@ pub fn choose(
         .expect("it was picked from these");
     let skills = with_rules(skills, choice)?;
     let options = choice.options(options);
-    Ok(Chosen {
+    Ok(RuleSelection {
         loaded,
         skills,
         options,

@@ -8,7 +8,7 @@
 use super::{load, pick, synthesized_as_far_as_can_be};
 use crate::random::Random;
 use linewright::algebra::closed::{Closed, Verdict, replay};
-use linewright::algebra::proof::Broken;
+use linewright::algebra::proof::Refutation;
 use linewright::contract::machine::{Machine, PlantSource};
 use linewright::game::Limits;
 use linewright::mealy::{self, Cube, Guard, Transition};
@@ -175,7 +175,7 @@ fn agrees(
         silent += 1;
     }
     for open in &verdict.open {
-        let (Some(part), Broken::Trace(run)) = (open.what.part, &open.why) else {
+        let (Some(part), Refutation::Trace(run)) = (open.what.part, &open.why) else {
             continue;
         };
         let error = refused(machine, controllers, run);
@@ -189,7 +189,7 @@ fn agrees(
         let safe = verdict
             .open
             .iter()
-            .all(|o| matches!(o.why, Broken::Lasso(_)));
+            .all(|o| matches!(o.why, Refutation::Lasso(_)));
         if verdict.stuck.is_empty() && safe {
             assert!(first, "only the caller breaks something: {error:?}");
         }

@@ -2,9 +2,9 @@
 //! away.
 
 use super::tables::{name, table};
-use linewright::algebra::proof::{Claim, Discharge, Discharged, Exports, Proof, decide};
+use linewright::algebra::proof::{Claim, Discharge, DischargeRule, Exports, Proof, decide};
 use linewright::algebra::replay;
-use linewright::algebra::system::{FormulaRef, Half, System, formulas};
+use linewright::algebra::system::{ContractSide, FormulaRef, System, formulas};
 use linewright::game::{Limits, RuleKind};
 use linewright::gr1::{Formula, Side};
 
@@ -67,19 +67,19 @@ fn alone(
     let mut reduced = system.clone();
     for (i, part) in reduced.parts.iter_mut().enumerate() {
         part.guarantees = pick(&part.guarantees, &|k, n| {
-            names.contains(&at(Some(i), Half::Guarantees, k, n))
+            names.contains(&at(Some(i), ContractSide::Guarantees, k, n))
         });
         part.assumptions = pick(&part.assumptions, &|k, n| {
-            discharge.what == at(Some(i), Half::Assumptions, k, n)
+            discharge.what == at(Some(i), ContractSide::Assumptions, k, n)
         });
     }
     let mut given = pick(&claim.given, &|k, n| {
-        names.contains(&at(None, Half::Assumptions, k, n))
+        names.contains(&at(None, ContractSide::Assumptions, k, n))
     });
     // What was handed on is the environment's, and what was shown of the goal before is known.
     for name in names
         .iter()
-        .filter(|n| n.part.is_some() == (n.half == Half::Assumptions))
+        .filter(|n| n.part.is_some() == (n.half == ContractSide::Assumptions))
     {
         add(
             &mut given,
@@ -88,10 +88,10 @@ fn alone(
         );
     }
     let goal = pick(&claim.goal, &|k, n| {
-        discharge.what == at(None, Half::Guarantees, k, n)
+        discharge.what == at(None, ContractSide::Guarantees, k, n)
     });
     let exports = match discharge.rule {
-        Discharged::Exported => claim.exports.clone(),
+        DischargeRule::Exported => claim.exports.clone(),
         _ => Exports::Never,
     };
     (

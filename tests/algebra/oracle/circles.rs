@@ -15,7 +15,7 @@ use super::lassos::keeps;
 use super::wired::{self, Plan};
 use crate::game;
 use crate::random::Random;
-use linewright::algebra::proof::{Broken, Claim, Discharged, Exports, Open, Proof, prove};
+use linewright::algebra::proof::{Claim, DischargeRule, Exports, Open, Proof, Refutation, prove};
 use linewright::algebra::replay;
 use linewright::algebra::system::System;
 use linewright::game::{Limits, RuleKind};
@@ -113,7 +113,7 @@ impl Composed {
             .collect::<Option<_>>()?;
         let mut handed_on = Side::default();
         for discharge in &proof.discharges {
-            if discharge.rule == Discharged::Exported {
+            if discharge.rule == DischargeRule::Exported {
                 let formula = replay::formula(system, claim, discharge.what).clone();
                 match discharge.what.kind {
                     RuleKind::Initial => handed_on.initial.push(formula),
@@ -388,7 +388,7 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
     let all: Vec<&Side> = parts.chain([&claim.given]).collect();
     let what = replay::formula(system, claim, open.what);
     match &open.why {
-        Broken::Trace(steps) => {
+        Refutation::Trace(steps) => {
             let width = system.variables.len();
             let states: Vec<usize> = steps.iter().map(|s| board.number(&s[..width])).collect();
             let (last, before) = states.split_last().expect("a step");
@@ -411,7 +411,7 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
             let allowed = before.last().map_or(given.start, |s| given.step[*s]);
             assert!(allowed >> last & 1 == 1, "{steps:?}");
         }
-        Broken::Lasso(run) => {
+        Refutation::Lasso(run) => {
             let safe = |side: &&Side| {
                 let safe = Side {
                     justice: Vec::new(),
@@ -553,8 +553,8 @@ fn proofs_hold_of_all_machines() {
         }
         for open in &proof.open {
             match open.why {
-                Broken::Trace(_) => counts.traces += 1,
-                Broken::Lasso(_) => counts.lassos += 1,
+                Refutation::Trace(_) => counts.traces += 1,
+                Refutation::Lasso(_) => counts.lassos += 1,
             }
             check_open(&system, &claim, &proof, open);
         }
@@ -576,11 +576,11 @@ fn proofs_hold_of_all_machines() {
             assert!(!misses, "seed {seed}: {system:#?}");
             counts.holds += 1;
             counts.holds_in_a_circle += u32::from(circular);
-            let rules = |rule: fn(&Discharged) -> bool| {
+            let rules = |rule: fn(&DischargeRule) -> bool| {
                 u32::from(proof.discharges.iter().any(|d| rule(&d.rule)))
             };
-            counts.exports += rules(|rule| *rule == Discharged::Exported);
-            counts.by_justice += rules(|rule| matches!(rule, Discharged::Justice { .. }));
+            counts.exports += rules(|rule| *rule == DischargeRule::Exported);
+            counts.by_justice += rules(|rule| matches!(rule, DischargeRule::Justice { .. }));
         } else {
             counts.fails += 1;
             counts.really += u32::from(breaks || starves || misses);

@@ -13,7 +13,7 @@ use super::lassos::keeps;
 use super::wired::{self, Plan};
 use crate::random::Random;
 use linewright::algebra::compat::{Compatibility, compatible};
-use linewright::algebra::proof::Broken;
+use linewright::algebra::proof::Refutation;
 use linewright::algebra::system::{Part, System};
 use linewright::game::Limits;
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId};
@@ -257,11 +257,11 @@ fn environments_exist_where_the_swapped_game_is_won() {
             assert!(fewer.won(), "seed {seed}: {named_ones:?} without {i}");
         }
         match play.expect("no limit") {
-            Broken::Trace(steps) => {
+            Refutation::Trace(steps) => {
                 traces += 1;
                 check_trace(&game, &steps);
             }
-            Broken::Lasso(run) => {
+            Refutation::Lasso(run) => {
                 cycles += 1;
                 let promised = system.parts.iter().all(|p| keeps(&p.guarantees, &run));
                 assert!(promised, "seed {seed}: {run:?}");
@@ -328,7 +328,7 @@ fn codes_without_a_value_are_no_way_out() {
                 panic!("{timing:?}: {guarantees:?}");
             };
             assert_eq!(assumptions, ["withdrawn"]);
-            assert!(matches!(play, Some(Broken::Lasso(_))), "{play:?}");
+            assert!(matches!(play, Some(Refutation::Lasso(_))), "{play:?}");
         }
     }
 }
@@ -372,7 +372,7 @@ fn no_answer_is_left_only_within_the_assumptions() {
         panic!("no environment keeps both");
     };
     assert_eq!(assumptions, ["powered", "cuts_out"]);
-    let Some(Broken::Trace(steps)) = play else {
+    let Some(Refutation::Trace(steps)) = play else {
         panic!("a step without a way on");
     };
     assert_eq!((steps.len(), &steps[0]), (2, &vec![1, 1]));

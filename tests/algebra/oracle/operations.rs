@@ -7,7 +7,7 @@ use crate::random::Random;
 use linewright::algebra::contract::Contract;
 use linewright::algebra::decide::Decider;
 use linewright::algebra::replay;
-use linewright::algebra::system::{Half, System};
+use linewright::algebra::system::{ContractSide, System};
 use linewright::game::{Lasso, Limits};
 
 const PAIRS: u64 = 1_200;
@@ -93,11 +93,11 @@ fn operations_are_what_they_are_defined_as() {
                 let [less, more] = of(std::slice::from_ref(&run));
                 outcomes.longer += u32::from(run.prefix.len() + run.cycle.len() > bound);
                 match half {
-                    Half::Assumptions => {
+                    ContractSide::Assumptions => {
                         outcomes.assumptions += 1;
                         assert!(more.a[0] && !less.a[0], "{name}, seed {seed}: {run:?}");
                     }
-                    Half::Guarantees => {
+                    ContractSide::Guarantees => {
                         outcomes.guarantees += 1;
                         assert!(less.g[0] && !more.g[0], "{name}, seed {seed}: {run:?}");
                     }

@@ -6,10 +6,10 @@ use super::lassos::{all, keeps};
 use crate::random::Random;
 use linewright::algebra::contract::{Contract, Words};
 use linewright::algebra::decide::Decider;
-use linewright::algebra::proof::{Broken, Discharge, Discharged, Open};
+use linewright::algebra::proof::{Discharge, DischargeRule, Open, Refutation};
 use linewright::algebra::refine::{Question, refine};
 use linewright::algebra::replay;
-use linewright::algebra::system::{FormulaRef, Half, KINDS, System, list};
+use linewright::algebra::system::{ContractSide, FormulaRef, KINDS, System, list};
 use linewright::game::{Lasso, Limits, RuleKind};
 use linewright::gr1::Side;
 
@@ -53,7 +53,8 @@ fn between(question: &Question, kept: &Side, broken: &Side) -> Option<Lasso> {
     let reduced = part("reduced", kept.clone(), broken.clone());
     let reduced = system(&question.system.variables, vec![reduced]);
     let mut decider = Decider::new(&reduced, &Limits::default()).expect("room");
-    let [kept_runs, promised] = [Half::Assumptions, Half::Guarantees].map(|h| Words::Side(0, h));
+    let [kept_runs, promised] =
+        [ContractSide::Assumptions, ContractSide::Guarantees].map(|h| Words::Side(0, h));
     let found = decider.difference(&kept_runs, &promised).expect("no limit");
     if let Some(run) = &found {
         assert!(keeps(kept, run) && !keeps(broken, run), "{run:?}");
@@ -94,19 +95,19 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
         }
     }
     // A goal may rest on others that were shown before it.
-    let given = |at: &FormulaRef| at.part.is_none() && at.half == Half::Assumptions;
+    let given = |at: &FormulaRef| at.part.is_none() && at.half == ContractSide::Assumptions;
     let environment = found.by.iter().all(given);
     let justice = found.by.iter().any(|at| at.kind == RuleKind::Justice);
     match found.rule {
-        Discharged::Environment => assert!(environment),
-        Discharged::Induction => assert!(!environment && !justice),
-        Discharged::Justice { .. } => assert!(!environment && justice),
-        Discharged::Exported => panic!("nobody to hand it on to"),
+        DischargeRule::Environment => assert!(environment),
+        DischargeRule::Induction => assert!(!environment && !justice),
+        DischargeRule::Justice { .. } => assert!(!environment && justice),
+        DischargeRule::Exported => panic!("nobody to hand it on to"),
     }
     counts.discharges += 1;
     match found.rule {
-        Discharged::Environment => counts.environment += 1,
-        Discharged::Induction => counts.induction += 1,
+        DischargeRule::Environment => counts.environment += 1,
+        DischargeRule::Induction => counts.induction += 1,
         _ => counts.justice += 1,
     }
 }
@@ -127,13 +128,13 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
         .chain(system.parts.iter().map(|p| &p.guarantees))
         .collect();
     match &open.why {
-        Broken::Lasso(run) => {
+        Refutation::Lasso(run) => {
             counts.lassos += 1;
             assert!(open.what.kind == RuleKind::Justice);
             assert!(known.iter().all(|side| keeps(side, run)), "{run:?}");
             assert!(!keeps(&what, run), "{run:?}");
         }
-        Broken::Trace(steps) => {
+        Refutation::Trace(steps) => {
             counts.traces += 1;
             assert!(open.what.kind != RuleKind::Justice);
             let board = Board::new(&system.variables);
@@ -167,7 +168,7 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
         let count = list(&question.claim.goal, kind).len();
         goals.extend((0..count).map(|index| FormulaRef {
             part: None,
-            half: Half::Guarantees,
+            half: ContractSide::Guarantees,
             kind,
             index,
         }));
@@ -208,8 +209,8 @@ fn refinement_is_explained_right() {
         let [small, large] = [0, 1].map(Contract::part);
         let refutation = decider.refutation(&small, &large).expect("no limit");
         assert_eq!(found.holds(), refutation.is_none(), "seed {seed}");
-        let [a1, a2] = [0, 1].map(|i| Words::Side(i, Half::Assumptions));
-        let [g1, g2] = [0, 1].map(|i| Words::Side(i, Half::Guarantees));
+        let [a1, a2] = [0, 1].map(|i| Words::Side(i, ContractSide::Assumptions));
+        let [g1, g2] = [0, 1].map(|i| Words::Side(i, ContractSide::Guarantees));
         let assumed = decider.difference(&a2, &a1).expect("no limit").is_none();
         let promised = decider
             .difference(&a2.clone().and(g1), &g2)

@@ -269,8 +269,8 @@ impl<'n> Choices<'n> {
         })
     }
 
-    fn performed(&mut self) -> Performed {
-        Performed {
+    fn performed(&mut self) -> OperationCall {
+        OperationCall {
             name: self.dotted(),
             arguments: self.arguments(0),
         }
@@ -344,8 +344,8 @@ impl<'n> Choices<'n> {
         }
     }
 
-    fn typed(&mut self, least: usize, most: usize) -> Typed {
-        Typed {
+    fn typed(&mut self, least: usize, most: usize) -> TypedDecl {
+        TypedDecl {
             doc: self.doc(),
             name: self.plain(),
             domain: self.domain(),
@@ -408,8 +408,8 @@ impl<'n> Choices<'n> {
         }
     }
 
-    fn counted(&mut self) -> Counted {
-        Counted {
+    fn counted(&mut self) -> PartCount {
+        PartCount {
             count: self.count(),
             name: self.plain(),
         }

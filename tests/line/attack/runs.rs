@@ -3,7 +3,7 @@
 use linewright::contract::line::{Line, NodeKind, Supply};
 use linewright::contract::machine::Machine;
 use linewright::contract::{Library, load};
-use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::machines::{MachinePlan, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::line::{End, Options, Plant, Trace};
@@ -62,9 +62,9 @@ impl World {
                 machines.push(machine);
             }
         }
-        let planned: Vec<Planned<'_>> = machines
+        let planned: Vec<MachinePlan<'_>> = machines
             .iter()
-            .map(|m| Planned::new(m, &mut jobs))
+            .map(|m| MachinePlan::new(m, &mut jobs))
             .collect();
         let settings = Settings {
             limits: Limits::default(),
@@ -228,14 +228,19 @@ fn is_bounded(line: &Line, trace: &Trace) -> bool {
 
 /// Types that have a source without end, and of which none came through.
 fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
-    use linewright::line::trace::What;
+    use linewright::line::trace::EventKind;
     if trace.end != End::Time || !trace.violations.is_empty() {
         return Vec::new();
     }
     let through: BTreeSet<usize> = trace
         .log
         .iter()
-        .filter(|e| matches!(e.what, What::Finished | What::Rejected | What::Consumed))
+        .filter(|e| {
+            matches!(
+                e.what,
+                EventKind::Finished | EventKind::Rejected | EventKind::Consumed
+            )
+        })
         .filter_map(|e| Some(e.part?.1))
         .collect();
     let mut failures = Vec::new();

@@ -12,7 +12,7 @@ use linewright::game::Limits;
 use linewright::line::abstraction::{
     Abstraction, NO_CIRCULAR_WAIT, PlaceKind, decide, examine, findings,
 };
-use linewright::line::{End, Options, Undecided};
+use linewright::line::{End, Options, UndecidedReason};
 use std::path::Path;
 
 /// What small lines have.
@@ -47,7 +47,7 @@ fn the_line_of_the_laboratory_is_proved() {
     proved(&[ICE], &[Abstraction::of]);
 }
 
-type Form = fn(&Line) -> Result<Abstraction, Undecided>;
+type Form = fn(&Line) -> Result<Abstraction, UndecidedReason>;
 
 fn proved(paths: &[&str], forms: &[Form]) {
     for path in paths {

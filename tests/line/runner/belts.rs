@@ -4,7 +4,7 @@ use crate::models::{Builder, Shift1, constant, every, span};
 use linewright::contract::line::{Defect, InitialValue, Supply};
 use linewright::contract::machine::{RealExpr, RealUnary};
 use linewright::line::End;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 
 #[test]
@@ -20,7 +20,7 @@ fn a_belt_carries_parts_in_their_order() {
     let off: Vec<(f64, u64)> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .filter_map(|e| e.part.map(|p| (e.time, p.0)))
         .collect();
     assert_eq!(off, [(3.0, 1), (5.0, 2), (7.0, 3), (9.0, 4)]);
@@ -28,7 +28,7 @@ fn a_belt_carries_parts_in_their_order() {
         .log
         .iter()
         .filter_map(|e| match (e.what, e.part) {
-            (What::Place(place), Some((2, _))) => Some((e.time, place)),
+            (EventKind::Place(place), Some((2, _))) => Some((e.time, place)),
             _ => None,
         })
         .collect();
@@ -71,7 +71,7 @@ fn belts_hand_over_to_belts() {
     let order: Vec<u64> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .filter_map(|e| e.part.map(|p| p.0))
         .collect();
     assert_eq!(order, (1..=20).collect::<Vec<_>>());

@@ -3,7 +3,7 @@
 
 use crate::models::{Builder, Work, constant, every, took};
 use linewright::line::random::Stream;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use proptest::prelude::*;
 
 #[test]
@@ -18,7 +18,7 @@ fn a_part_needs_its_time_and_the_next_one_its_distance() {
     let off: Vec<f64> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .map(|e| e.time)
         .collect();
     assert_eq!(off, [8.0, 10.0, 12.0]);
@@ -116,7 +116,7 @@ proptest! {
         let off: Vec<u64> = trace
             .log
             .iter()
-            .filter(|e| e.node == belt && e.what == What::Left)
+            .filter(|e| e.node == belt && e.what == EventKind::Left)
             .map(|e| e.time as u64)
             .collect();
         prop_assert_eq!(off, expected);

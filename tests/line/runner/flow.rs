@@ -4,7 +4,7 @@ use crate::models::{Builder, constant, every, refusing, verdict};
 use linewright::contract::line::{Defect, InitialValue, NodeKind, Supply};
 use linewright::contract::machine::{RealBinary, RealExpr};
 use linewright::line::End;
-use linewright::line::trace::{PartCounts, Reject, What};
+use linewright::line::trace::{EventKind, PartCounts, Reject};
 
 #[expect(clippy::unnecessary_wraps, reason = "what a route has")]
 fn is(property: usize, value: f64) -> Option<RealExpr> {
@@ -49,7 +49,7 @@ fn two_bricks_and_a_printed_one_make_the_product() {
     let stored = trace
         .log
         .iter()
-        .filter(|e| e.node == warehouse && e.what == What::Finished);
+        .filter(|e| e.node == warehouse && e.what == EventKind::Finished);
     assert_eq!(stored.count(), 5, "the mark came from the printed one");
     // Components wait in the cell for one service, except the first ones.
     assert_eq!(trace.lead_time.max, 20.0);
@@ -139,7 +139,7 @@ fn defects_come_at_their_rate_and_with_their_value() {
         trace
             .log
             .iter()
-            .filter(|e| e.node == node && e.what == What::Rejected)
+            .filter(|e| e.node == node && e.what == EventKind::Rejected)
             .count() as f64
     };
     for name in ["bad_a", "bad_b"] {
@@ -211,7 +211,7 @@ fn who_has_waited_longest_goes_first() {
     let order: Vec<usize> = trace
         .log
         .iter()
-        .filter(|e| e.node == cell && e.what == What::Started)
+        .filter(|e| e.node == cell && e.what == EventKind::Started)
         .filter_map(|e| e.part.map(|p| p.1))
         .collect();
     // The second A began to wait before the first B did, both at 0; from then on they take turns.
@@ -385,7 +385,8 @@ fn at_most_so_many_are_in_the_line() {
     let trace = builder.run_until(100.0);
     let (mut there, mut greatest) = (0, 0);
     for entry in &trace.log {
-        there += i32::from(entry.what == What::Entered) - i32::from(entry.what == What::Finished);
+        there += i32::from(entry.what == EventKind::Entered)
+            - i32::from(entry.what == EventKind::Finished);
         greatest = greatest.max(there);
     }
     assert_eq!((greatest, trace.products), (2, 20));

@@ -4,7 +4,7 @@
 
 use crate::models::{Builder, Exponential, Work, took};
 use linewright::line::random::Stream;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use linewright::line::{Options, Trace};
 use proptest::prelude::*;
 
@@ -121,7 +121,7 @@ fn check_against_recursion(stations: usize, buffers: &[usize], parts: usize, see
         let left: Vec<f64> = trace
             .log
             .iter()
-            .filter(|e| e.node == node && e.what == What::Left)
+            .filter(|e| e.node == node && e.what == EventKind::Left)
             .map(|e| e.time)
             .take(parts)
             .collect();

@@ -3,7 +3,7 @@
 use crate::models::{Builder, constant, every};
 use linewright::contract::machine::Failures;
 use linewright::line::Trace;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 
 fn near(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance, "{a} is not near {b}");
@@ -70,7 +70,11 @@ fn the_failure_clock_runs_only_at_work() {
         .sink("sink")
         .route("Part", &["source", "cell", "sink"]);
     let trace = builder.run_until(1_000_000.0);
-    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    let failures = trace
+        .log
+        .iter()
+        .filter(|e| e.what == EventKind::Failed)
+        .count() as f64;
     near(trace.stations[0].busy_seconds / failures, 50.0, 2.0);
     near(
         trace.stations[0].shares.failed / trace.stations[0].shares.busy,
@@ -97,7 +101,7 @@ fn off_shift_the_station_stands_still() {
     let ends: Vec<f64> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .map(|e| e.time / 3600.0)
         .collect();
     assert_eq!(
@@ -261,7 +265,11 @@ fn the_failure_clock_goes_on_after_a_shift() {
         .route("Part", &["source", "cell", "sink"])
         .shift(0.0, 100.0);
     let trace = builder.run_until(2000.0 * 86_400.0);
-    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    let failures = trace
+        .log
+        .iter()
+        .filter(|e| e.what == EventKind::Failed)
+        .count() as f64;
     near(trace.stations[0].busy_seconds / failures, 100.0, 10.0);
 }
 
@@ -281,7 +289,7 @@ fn nothing_begins_off_shift() {
         .route("J", &["cell", "sink"])
         .shift(6.0 * HOUR, 14.0 * HOUR);
     let trace = builder.run_until(240.0 * HOUR);
-    let started = trace.log.iter().filter(|e| e.what == What::Started);
+    let started = trace.log.iter().filter(|e| e.what == EventKind::Started);
     let hours: Vec<f64> = started.map(|e| e.time / HOUR % 24.0).collect();
     assert!(hours.len() > 40, "{hours:?}");
     // What comes at the last second is taken.

@@ -3,7 +3,7 @@
 use crate::models::{Builder, Shift1, constant, every};
 use linewright::contract::line::Supply;
 use linewright::line::random::Stream;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use linewright::line::{End, Trace};
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
     let finished = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished && e.part.is_some_and(|(_, kind)| kind == joined))
+        .filter(|e| e.what == EventKind::Finished && e.part.is_some_and(|(_, kind)| kind == joined))
         .count();
     assert!(finished > 150, "{finished} joined");
 }
@@ -124,7 +124,7 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
         let on = trace
             .log
             .iter()
-            .filter(|e| e.node == belt && e.what == What::Arrived);
+            .filter(|e| e.node == belt && e.what == EventKind::Arrived);
         let on = on.count() as u64;
         (trace, on)
     };
@@ -171,7 +171,7 @@ fn a_belt_before_a_belt_is_served_in_its_turn() {
         .route("B", &["b", "second", "sink"]);
     let trace = builder.run_until(1000.0);
     let of = |kind: usize| {
-        let finished = trace.log.iter().filter(|e| e.what == What::Finished);
+        let finished = trace.log.iter().filter(|e| e.what == EventKind::Finished);
         finished
             .filter(|e| e.part.is_some_and(|p| p.1 == kind))
             .count() as i64
@@ -290,7 +290,7 @@ fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
         let Some((number, kind)) = entry.part else {
             continue;
         };
-        if entry.what == What::Arrived && entry.node == fed.station && kind == 0 {
+        if entry.what == EventKind::Arrived && entry.node == fed.station && kind == 0 {
             component = entry.time;
         }
         let Some(&(node, feeder)) = fed.feeders.get(&kind) else {
@@ -298,13 +298,13 @@ fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
         };
         match (feeder, entry.what) {
             // It offers the next part as soon as one has left.
-            (Feeder::Source, What::Entered) => {
+            (Feeder::Source, EventKind::Entered) => {
                 requests.insert(number, left.get(&node).copied().unwrap_or(0.0));
             }
-            (Feeder::Belt(places), What::Place(place)) if place + 1 == places => {
+            (Feeder::Belt(places), EventKind::Place(place)) if place + 1 == places => {
                 requests.insert(number, entry.time);
             }
-            (Feeder::Buffer, What::Arrived) if entry.node == node => {
+            (Feeder::Buffer, EventKind::Arrived) if entry.node == node => {
                 let queue = queues.entry(node).or_default();
                 queue.push(number);
                 arrived.insert(number, entry.time);
@@ -312,19 +312,19 @@ fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
                     requests.insert(number, entry.time);
                 }
             }
-            (Feeder::Buffer, What::Left) if entry.node == node => {
+            (Feeder::Buffer, EventKind::Left) if entry.node == node => {
                 let queue = queues.entry(node).or_default();
                 queue.remove(0);
                 if let Some(&front) = queue.first() {
                     requests.insert(front, entry.time.max(arrived[&front]));
                 }
             }
-            (Feeder::Joined, What::Started) => {
+            (Feeder::Joined, EventKind::Started) => {
                 requests.insert(number, component);
             }
             _ => {}
         }
-        if entry.what == What::Left && entry.node == node {
+        if entry.what == EventKind::Left && entry.node == node {
             left.insert(node, entry.time);
         }
     }
@@ -342,7 +342,7 @@ fn no_request_is_overtaken_by_a_later_one() {
         let requests = requests(&fed);
         let mut started: Vec<(u64, usize)> = Vec::new();
         for entry in &fed.trace.log {
-            if entry.what == What::Started {
+            if entry.what == EventKind::Started {
                 started.extend(entry.part);
             }
         }

@@ -4,7 +4,7 @@
 use super::naive::{Letter, Naive};
 use super::random::{Size, options, skills, two_sets};
 use super::units::{any, at_most, unit};
-use linewright::automata::bound::{MOST_STATES, TooLarge};
+use linewright::automata::bound::{BoundExceeded, MOST_STATES};
 use linewright::automata::dfa::{Dfa, REFUSED};
 use linewright::automata::{eliminate, regex};
 use linewright::deadline::Deadline;
@@ -95,7 +95,7 @@ fn what_is_too_large_for_an_expression_is_refused() {
     let dfa = Fsm::of(&skills, Options::default(), 1).expect("it is small");
     let refused = eliminate::regex(&dfa.one_by_one(), Deadline::NONE).expect_err("it is too large");
     let limit = eliminate::MOST_ELIMINATED;
-    assert!(matches!(refused, TooLarge::Count { limit: at, .. } if at == limit));
+    assert!(matches!(refused, BoundExceeded::Count { limit: at, .. } if at == limit));
 }
 
 proptest! {

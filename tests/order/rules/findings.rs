@@ -8,7 +8,7 @@ use super::units::{
 use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, codes};
 use linewright::order::findings::examine;
-use linewright::order::program::{Apart, difference};
+use linewright::order::program::{DifferenceOptions, difference};
 use linewright::order::supervisor::{Options, Supervisor};
 use linewright::order::{Kind, Level, Skills, fsm};
 use linewright::source::{FileId, Span};
@@ -107,7 +107,7 @@ proptest! {
                     Supervisor::new(&skills, options).expect("it is small"),
                     Supervisor::new(&without, options).expect("it is small"),
                 );
-                let apart = Apart { whole: true, ..Apart::default() };
+                let apart = DifferenceOptions { whole: true, ..DifferenceOptions::default() };
                 let apart = difference(&all, &fewer, &fsm::calls(&skills, 2), apart);
                 prop_assert!(apart.expect("it is small").is_some(), "{} in {:#?}", name, found);
             }

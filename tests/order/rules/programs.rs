@@ -5,7 +5,7 @@ use super::naive::Naive;
 use super::random::{Size, options, program, skills, two_sets};
 use super::units::{LEFT, RIGHT, unit, word};
 use linewright::automata::regex::Regex;
-use linewright::order::program::{Apart, Difference, check, difference};
+use linewright::order::program::{Difference, DifferenceOptions, check, difference};
 use linewright::order::supervisor::{Call, Options, Refusal, Supervisor};
 use linewright::order::{Kind, Serialisation, Skills, fsm};
 use proptest::prelude::*;
@@ -89,7 +89,7 @@ fn shortest_difference(
     naive: [&Naive<'_>; 2],
     columns: &[u64],
     most: usize,
-    apart: Apart,
+    apart: DifferenceOptions,
 ) -> Option<usize> {
     let differ = |[first, second]: [bool; 2]| first != second && (first || !apart.one_way);
     let mut both: Vec<Vec<u64>> = vec![Vec::new()];
@@ -116,7 +116,7 @@ fn shortest_difference(
 }
 
 /// A difference is one: up to the last call both allow it, and then only the one that it says.
-fn tells_apart(naive: [&Naive<'_>; 2], found: &Difference, apart: Apart) {
+fn tells_apart(naive: [&Naive<'_>; 2], found: &Difference, apart: DifferenceOptions) {
     let program = masks(&found.calls);
     let both = |program: &[u64]| naive.map(|n| n.allows(program));
     let first = found.first_allows;
@@ -231,9 +231,9 @@ fn an_end_is_found_before_a_longer_difference() {
         &supervisor(&first, options),
         &supervisor(&second, options),
         &columns,
-        Apart {
+        DifferenceOptions {
             whole: true,
-            ..Apart::default()
+            ..DifferenceOptions::default()
         },
     );
     let expected = Difference {
@@ -253,7 +253,7 @@ proptest! {
         options in options(),
         (whole, one_way) in any::<(bool, bool)>(),
     ) {
-        let apart = Apart { whole, one_way, ..Apart::default() };
+        let apart = DifferenceOptions { whole, one_way, ..DifferenceOptions::default() };
         let columns = fsm::calls(&one, 2);
         let found = difference(
             &supervisor(&one, options),

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use linewright::contract;
-use linewright::game::{Limits, Lost, Outcome, advise, attack, reduced, solve};
+use linewright::game::{Limits, LostGame, Outcome, advise, attack, reduced, solve};
 use linewright::gr1::Specification;
 use std::fmt::Write as _;
 
@@ -34,7 +34,7 @@ fn specification(guarantees: &[String]) -> Specification {
     (*library.contracts[0].specification).clone()
 }
 
-fn lost(guarantees: &[String]) -> Option<(Specification, Lost)> {
+fn lost(guarantees: &[String]) -> Option<(Specification, LostGame)> {
     let specification = specification(guarantees);
     match solve(&specification, &Limits::default()) {
         Outcome::Unrealizable(lost) => Some((specification, lost)),

@@ -4,7 +4,7 @@ use super::check::accepts;
 use crate::game::{Board, Subset};
 use crate::random::Random;
 use linewright::game::{
-    GuaranteeRef, Heuristic, Heuristics, KernelChoice, Limits, Options, Order, Outcome, Solved,
+    GuaranteeRef, Heuristic, Heuristics, KernelChoice, Limits, Options, Order, Outcome, Solution,
     order_of_variables, solve_with,
 };
 use linewright::gr1::Specification;
@@ -156,7 +156,7 @@ pub fn agree(
                 ..Options::default()
             };
             let what = || format!("seed {seed}, {name}, with `{}`", names(way.heuristics));
-            let Solved {
+            let Solution {
                 outcome,
                 statistics,
             } = solve_with(specification, &options);

@@ -7,11 +7,11 @@ use linewright::engine::cache::Cache;
 use linewright::engine::controlled::compose;
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::machines::{MachinePlan, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::station::ErrorCode;
-use linewright::station::composition::By;
+use linewright::station::composition::Discharger;
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -40,9 +40,9 @@ fn the_line_at_real_size_runs() {
         functions: true,
         ..ExtractionOptions::default()
     });
-    let planned: Vec<Planned<'_>> = machines
+    let planned: Vec<MachinePlan<'_>> = machines
         .iter()
-        .map(|m| Planned::new(m, &mut jobs))
+        .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
     let settings = Settings {
         // The command line's own, so that its run below finds what is remembered here.
@@ -61,7 +61,8 @@ fn the_line_at_real_size_runs() {
         let controlled = plan.controlled(&checked).expect("a controller each");
         let composition = compose(&controlled);
         assert_eq!(composition.findings, [], "{}", machine.name);
-        let by_others = |by: &By| matches!(by, By::Guarantee(_) | By::Coordinator);
+        let by_others =
+            |by: &Discharger| matches!(by, Discharger::Guarantee(_) | Discharger::Coordinator);
         assert_eq!(
             machine.coordinator().is_some(),
             composition.discharges.iter().any(|d| by_others(&d.by)),

@@ -6,7 +6,7 @@ use crate::unit;
 use linewright::contract::load;
 use linewright::diagnostics::has_errors;
 use linewright::order::fsm::calls;
-use linewright::order::monitor::{Monitor, Verdict, Why};
+use linewright::order::monitor::{Monitor, RefusalReason, Verdict};
 use linewright::order::supervisor::{Call, Options, Refusal, Supervisor};
 use linewright::order::table::Table;
 use linewright::order::{Level, Serialisation, Skills};
@@ -71,9 +71,11 @@ fn compare(skills: &Skills, options: Options, steps: usize) -> Table {
             }
             Err(refusal) => {
                 let why = match refusal {
-                    Refusal::SameComponent { .. } => Why::Together,
-                    Refusal::Recall { .. } => Why::Recall,
-                    Refusal::Rule { rule, .. } | Refusal::Deleted { rule } => Why::Rule(rule),
+                    Refusal::SameComponent { .. } => RefusalReason::Together,
+                    Refusal::Recall { .. } => RefusalReason::Recall,
+                    Refusal::Rule { rule, .. } | Refusal::Deleted { rule } => {
+                        RefusalReason::Rule(rule)
+                    }
                 };
                 assert_eq!(said, Verdict::Refused(why), "step {step}: {mask:b}");
             }

@@ -5,7 +5,7 @@ use super::reference::some_call;
 use super::tables::random;
 use crate::random::Random;
 use crate::unit::pick_and_place;
-use linewright::order::monitor::{Monitor, Verdict, Why};
+use linewright::order::monitor::{Monitor, RefusalReason, Verdict};
 use linewright::order::table::Table;
 use linewright::station::emit::controller::Files;
 use linewright::station::monitor::c;
@@ -55,10 +55,10 @@ fn script(table: &Table, steps: usize, seed: u64) -> (String, String) {
             Verdict::Allowed => "0 allowed".to_owned(),
             Verdict::Refused(why) => {
                 let code = match why {
-                    Why::Rule(rule) => rule,
-                    Why::Recall => rules,
-                    Why::Together => rules + 1,
-                    Why::Unknown => rules + 2,
+                    RefusalReason::Rule(rule) => rule,
+                    RefusalReason::Recall => rules,
+                    RefusalReason::Together => rules + 1,
+                    RefusalReason::Unknown => rules + 2,
                 };
                 format!("-{} {}", code + 1, why.text(&table.rules))
             }

@@ -6,7 +6,7 @@ use crate::iec::document::text_of;
 use crate::iec::interpreter::{Program, Variable};
 use crate::random::Random;
 use crate::unit::pick_and_place;
-use linewright::order::monitor::{Monitor, Verdict, Why};
+use linewright::order::monitor::{Monitor, RefusalReason, Verdict};
 use linewright::order::table::Table;
 use linewright::station::monitor::structured_text::block;
 
@@ -82,7 +82,7 @@ fn compare(program: &Program, table: &Table, cycles: usize, seed: u64) -> (usize
                     standing &= given;
                     broken = true;
                     let text = match why {
-                        Why::Rule(rule) => table.rules[rule].name.clone(),
+                        RefusalReason::Rule(rule) => table.rules[rule].name.clone(),
                         other => other.text(&table.rules),
                     };
                     reason = ascii(&text);

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use crate::unit::calls;
-use linewright::order::table::{Cited, RECALL, REFUSED, TOGETHER, Table};
+use linewright::order::table::{RECALL, REFUSED, RuleCitation, TOGETHER, Table};
 
 /// What a name may look like.
 const NAMES: [&str; 16] = [
@@ -32,12 +32,12 @@ pub fn random(seed: u64) -> Table {
     let name = one(&mut random);
     let names: Vec<String> = (0..skills).map(|_| one(&mut random)).collect();
     let count = random.below(5);
-    let rules = (0..count).map(|_| Cited {
+    let rules = (0..count).map(|_| RuleCitation {
         name: one(&mut random),
         requirement: random.chance(30).then(|| one(&mut random)),
         text: format!("never {} twice in a row", one(&mut random)),
     });
-    let rules: Vec<Cited> = rules.collect();
+    let rules: Vec<RuleCitation> = rules.collect();
     let few = skills.min(8);
     let mut table_calls: Vec<u64> = (0..skills).map(|s| 1 << s).collect();
     let salt = random.below(7);

@@ -4,16 +4,18 @@
 //! occurs? Only then is each duty asked separately, in the order of a step. Justice is asked about
 //! the runs without errors.
 
-use super::rules::{Book, Duty, Owed};
-use super::{Closed, FailureKind, Form, Met, OperationFailure, Stuck, Verdict, replay};
+use super::rules::{RuleSet, ScheduledObligation, StepObligation};
+use super::{
+    Closed, DischargeMethod, FailureKind, Form, OperationFailure, StuckComponent, Verdict, replay,
+};
 use crate::machine::COMPLETES;
-use crate::proof::{Broken, Exports, Open};
+use crate::proof::{Exports, Open, Refutation};
 use crate::replay::formula;
 use crate::system::FormulaRef;
 use linewright_core::gr1::{Expr, Time, VarId};
 use linewright_core::source::Span;
 use linewright_solver::game::{
-    Lasso, Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery, Wanted,
+    Lasso, Limit, Limits, Rule, RuleKind, RunQuery, Runs, SafetyViolationQuery,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -28,7 +30,7 @@ fn bits(values: u64) -> u32 {
 
 /// Decides the whole claim.
 pub(super) fn decide(closed: &Closed<'_>, limits: &Limits) -> Result<Verdict, Limit> {
-    let mut book = Book::new(closed);
+    let mut book = RuleSet::new(closed);
     let all_owed = book.all_owed();
     let bits = closed
         .system
@@ -56,7 +58,7 @@ pub(super) fn decide(closed: &Closed<'_>, limits: &Limits) -> Result<Verdict, Li
 
 struct Asked<'a> {
     closed: &'a Closed<'a>,
-    book: Book,
+    book: RuleSet,
     runs: Runs,
     /// Components used as contracts whose justice can be relied on.
     reliable: BTreeSet<usize>,
@@ -90,15 +92,20 @@ impl Asked<'_> {
     }
 
     /// Returns a run up to a step in which this duty is the first not to be met.
-    fn broken(&mut self, owed: &[Owed], place: usize) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+    fn broken(
+        &mut self,
+        owed: &[ScheduledObligation],
+        place: usize,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let duty = &owed[place];
         if duty.both.is_true() {
             return Ok(None);
         }
         let mut last = self.book.last.clone();
         for earlier in &owed[..place] {
-            let before = earlier.component != duty.component || earlier.duty == Duty::Speaks;
-            if before || duty.duty == Duty::Covered {
+            let before =
+                earlier.component != duty.component || earlier.duty == StepObligation::Speaks;
+            if before || duty.duty == StepObligation::Covered {
                 last.extend(earlier.rules);
             }
         }
@@ -118,18 +125,18 @@ impl Asked<'_> {
         })
     }
 
-    fn conclude(&mut self, owed: &Owed, broken: Option<Vec<Vec<i64>>>) {
+    fn conclude(&mut self, owed: &ScheduledObligation, broken: Option<Vec<Vec<i64>>>) {
         match (owed.duty, broken) {
             // The assumptions of a component without outputs are not met in the step in which it
             // has none.
-            (Duty::Assumed(_), None) if self.is_silent(owed.component) => {}
-            (Duty::Assumed(at), None) => self.met(at),
-            (Duty::Assumed(at), Some(trace)) => self.open(at, Broken::Trace(trace)),
-            (Duty::Speaks | Duty::Covered, None) => {}
-            (Duty::Speaks | Duty::Covered, Some(trace)) => {
-                let stuck = Stuck {
+            (StepObligation::Assumed(_), None) if self.is_silent(owed.component) => {}
+            (StepObligation::Assumed(at), None) => self.met(at),
+            (StepObligation::Assumed(at), Some(trace)) => self.open(at, Refutation::Trace(trace)),
+            (StepObligation::Speaks | StepObligation::Covered, None) => {}
+            (StepObligation::Speaks | StepObligation::Covered, Some(trace)) => {
+                let stuck = StuckComponent {
                     component: owed.component,
-                    silent: owed.duty == Duty::Speaks,
+                    silent: owed.duty == StepObligation::Speaks,
                     trace,
                 };
                 if self.is_real(replay::stuck(self.closed, &stuck)) {
@@ -146,15 +153,15 @@ impl Asked<'_> {
 
     fn met(&mut self, at: FormulaRef) {
         let met = if self.book.exported.contains(&at) {
-            Met::Exported
+            DischargeMethod::Exported
         } else {
-            Met::Held
+            DischargeMethod::Held
         };
         self.verdict.met.push((at, met));
     }
 
     /// Records that something is not met, as a run shows.
-    fn open(&mut self, what: FormulaRef, why: Broken) {
+    fn open(&mut self, what: FormulaRef, why: Refutation) {
         let open = Open { what, why };
         if self.is_real(replay::open(self.closed, &open)) {
             self.verdict.open.push(open);
@@ -209,7 +216,7 @@ impl Asked<'_> {
             self.reliable = reliable;
             if waiting.is_empty() || waiting.len() == before || !helps {
                 for (at, _, lasso) in waiting {
-                    self.open(at, Broken::Lasso(lasso));
+                    self.open(at, Refutation::Lasso(lasso));
                 }
                 return Ok(());
             }
@@ -222,7 +229,7 @@ impl Asked<'_> {
 
     /// Returns a run without errors on which, from some step on, a justice is never met.
     fn starved(&mut self, rule: usize) -> Result<Option<Lasso>, Limit> {
-        let wanted = Wanted {
+        let wanted = RunQuery {
             keep: self.book.keep.clone(),
             again: self.again(),
             never_again: vec![rule],
@@ -246,12 +253,12 @@ impl Asked<'_> {
             if at.kind == RuleKind::Justice {
                 match self.starved(rule)? {
                     None => self.met(at),
-                    Some(lasso) => self.open(at, Broken::Lasso(lasso)),
+                    Some(lasso) => self.open(at, Refutation::Lasso(lasso)),
                 }
                 continue;
             }
             match self.slip(self.book.keep.clone(), rule)? {
-                Some(trace) if self.goes_on(rule)? => self.open(at, Broken::Trace(trace)),
+                Some(trace) if self.goes_on(rule)? => self.open(at, Refutation::Trace(trace)),
                 _ => self.met(at),
             }
         }
@@ -281,7 +288,7 @@ impl Asked<'_> {
         let on = Expr::next(slipped).equals(Expr::now(slipped).or(later));
         let on = self.add(RuleKind::Safety, on);
         let seen = self.add(RuleKind::Justice, Expr::now(slipped));
-        let mut wanted = Wanted {
+        let mut wanted = RunQuery {
             keep: self.book.keep.clone(),
             again: self.again(),
             never_again: Vec::new(),

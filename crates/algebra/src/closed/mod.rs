@@ -28,13 +28,13 @@ mod watch;
 pub use table::States;
 pub use watch::Watch;
 
-use super::caller::Called;
+use super::caller::CalledMachine;
 use super::machine::{of_machine, of_promise};
 use super::proof::{Claim, Exports, Open, latest};
-use super::system::{FormulaRef, Half, Part, System, formulas};
+use super::system::{ContractSide, FormulaRef, Part, System, formulas};
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Timing, VarId, Variable};
 use linewright_core::source::Span;
-use linewright_language::contract::machine::{Machine, Promised};
+use linewright_language::contract::machine::{Machine, RefinedContract};
 use linewright_solver::game::{Lasso, Limit, Limits, RuleKind};
 use linewright_solver::mealy::Controller;
 use schemars::JsonSchema;
@@ -88,7 +88,7 @@ pub struct Closed<'a> {
 
 /// How an obligation is met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Met {
+pub enum DischargeMethod {
     /// In every reachable state.
     Held,
     /// In every reachable state except at the beginning of a call, where the caller keeps it.
@@ -97,7 +97,7 @@ pub enum Met {
 
 /// A component that has no answer although its assumptions are kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Stuck {
+pub struct StuckComponent {
     /// Index of the component.
     pub component: usize,
     /// Whether it answers first and has no outputs in its state. A verified table has a row for all
@@ -134,13 +134,13 @@ pub enum FailureKind {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Verdict {
     /// Assumptions of components and formulas of the goal that are met.
-    pub met: Vec<(FormulaRef, Met)>,
+    pub met: Vec<(FormulaRef, DischargeMethod)>,
     /// Those that are not met; each run keeps everything else up to its last step.
     pub open: Vec<Open>,
     /// Those that were not decided because a component was used as its contract.
     pub undecided: Vec<FormulaRef>,
     /// Components without an answer.
-    pub stuck: Vec<Stuck>,
+    pub stuck: Vec<StuckComponent>,
     /// Operations that do not run as declared.
     pub misruns: Vec<OperationFailure>,
     /// Operations for which this was not decided.
@@ -162,7 +162,7 @@ impl Verdict {
     }
 
     /// Returns how an obligation is met, if it is.
-    pub fn is_met(&self, what: FormulaRef) -> Option<Met> {
+    pub fn is_met(&self, what: FormulaRef) -> Option<DischargeMethod> {
         self.met.iter().find(|(at, _)| *at == what).map(|(_, m)| *m)
     }
 
@@ -191,7 +191,7 @@ impl<'a> Closed<'a> {
     pub fn of_promise(
         machine: &'a Machine,
         controllers: &[&'a Controller],
-        promised: &Promised,
+        promised: &RefinedContract,
     ) -> Self {
         let (system, claim) = of_promise(machine, promised);
         Self::new(machine, controllers, system, claim, None)
@@ -204,7 +204,7 @@ impl<'a> Closed<'a> {
     pub fn of_called(
         machine: &'a Machine,
         controllers: &[&'a Controller],
-        called: &Called,
+        called: &CalledMachine,
     ) -> Self {
         let (system, claim) = (called.system.clone(), called.claim.clone());
         Self::new(machine, controllers, system, claim, None)
@@ -281,7 +281,7 @@ impl<'a> Closed<'a> {
     fn assumed(&self, component: usize) -> impl Iterator<Item = (FormulaRef, &Formula)> {
         formulas(&self.part(component).assumptions).map(move |(kind, index, formula)| {
             let part = Some(component);
-            let half = Half::Assumptions;
+            let half = ContractSide::Assumptions;
             let at = FormulaRef {
                 part,
                 half,

@@ -1,8 +1,8 @@
 //! Evaluator of runs of a closed composition: steps the controllers themselves and evaluates
 //! formulas on plain values. It relies on no rule of `rules.rs` and on no decision diagram.
 
-use super::{Closed, FailureKind, OperationFailure, Stuck};
-use crate::proof::{Broken, Exports, Open};
+use super::{Closed, FailureKind, OperationFailure, StuckComponent};
+use crate::proof::{Exports, Open, Refutation};
 use crate::replay::{formula, holds_at, keeps_formula};
 use crate::system::{FormulaRef, formulas, list};
 use linewright_core::gr1::{Formula, Timing, eval};
@@ -302,7 +302,7 @@ impl Closed<'_> {
 ///
 /// # Errors
 /// What is wrong with the run, as text.
-pub fn stuck(closed: &Closed<'_>, found: &Stuck) -> Result<(), String> {
+pub fn stuck(closed: &Closed<'_>, found: &StuckComponent) -> Result<(), String> {
     let steps = &found.trace;
     let component = found.component;
     let last = steps.len().saturating_sub(1);
@@ -337,7 +337,7 @@ pub fn stuck(closed: &Closed<'_>, found: &Stuck) -> Result<(), String> {
 pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
     let what = closed.formula(found.what);
     match &found.why {
-        Broken::Trace(steps) => {
+        Refutation::Trace(steps) => {
             let until = found.what.part.map_or(Until::End, Until::Before);
             closed.play(steps, until)?;
             let last = steps.len() - 1;
@@ -350,7 +350,7 @@ pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
             }
             Ok(())
         }
-        Broken::Lasso(run) => {
+        Refutation::Lasso(run) => {
             closed.play_for_ever(run)?;
             if keeps_formula(found.what.kind, what, run) {
                 return Err(format!("it keeps {}", what.name));

@@ -9,7 +9,7 @@ use linewright_solver::game::{Rule, RuleKind};
 
 /// An obligation of a component before it answers or advances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Duty {
+pub(super) enum StepObligation {
     /// It answers first, and has an answer.
     Speaks,
     /// One of its assumptions is kept.
@@ -20,11 +20,11 @@ pub(super) enum Duty {
 
 /// A duty at its position in the order of a step.
 #[derive(Debug, Clone)]
-pub(super) struct Owed {
+pub(super) struct ScheduledObligation {
     /// Index of the component.
     pub component: usize,
     /// Kind of duty.
-    pub duty: Duty,
+    pub duty: StepObligation,
     /// Condition under which it is met.
     pub both: Both,
     /// The same condition as rules.
@@ -33,7 +33,7 @@ pub(super) struct Owed {
 
 /// Justice of a component.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Again {
+pub(super) struct ComponentJustice {
     /// Assumed justice, without exported assumptions.
     pub assumed: Vec<(FormulaRef, usize)>,
     /// Guaranteed justice of its contract, if it is used as its contract.
@@ -42,7 +42,7 @@ pub(super) struct Again {
 
 /// All rules, grouped by use.
 #[derive(Debug, Default)]
-pub(super) struct Book {
+pub(super) struct RuleSet {
     /// The rules.
     pub rules: Vec<Rule>,
     /// Rules kept in every step without errors.
@@ -57,16 +57,16 @@ pub(super) struct Book {
     /// Justice of the environment.
     pub again: Vec<usize>,
     /// Duties of components, in the order of a step.
-    pub owed: Vec<Owed>,
+    pub owed: Vec<ScheduledObligation>,
     /// Justice by component.
-    pub justice: Vec<Again>,
+    pub justice: Vec<ComponentJustice>,
     /// Assumptions that are handed on.
     pub exported: Vec<FormulaRef>,
     /// Formulas that the components must keep together.
     pub goals: Vec<(FormulaRef, usize)>,
 }
 
-impl Book {
+impl RuleSet {
     /// Builds all rules.
     pub fn new(closed: &Closed<'_>) -> Self {
         let mut book = Self {
@@ -181,7 +181,7 @@ impl Book {
         let loose = self.add_both(moves.or(table.covers().not()));
         self.last.extend(loose);
         self.tables[component] = Some([strict, loose]);
-        self.justice.push(Again::default());
+        self.justice.push(ComponentJustice::default());
     }
 
     /// Adds a contract: it keeps its guarantees in a step in which its assumptions are kept.
@@ -212,7 +212,7 @@ impl Book {
             .iter()
             .map(|f| self.add(rule(RuleKind::Justice, &f.expr)));
         let guaranteed = guaranteed.collect();
-        self.justice.push(Again {
+        self.justice.push(ComponentJustice {
             guaranteed,
             assumed: Vec::new(),
         });
@@ -223,7 +223,7 @@ impl Book {
         let order = closed.order();
         for component in &order {
             if let Some(table) = closed.table(*component) {
-                self.owe(*component, Duty::Speaks, &table.speaks());
+                self.owe(*component, StepObligation::Speaks, &table.speaks());
             }
         }
         for component in order {
@@ -244,21 +244,21 @@ impl Book {
                         _ => Expr::TRUE,
                     };
                 }
-                self.owe(component, Duty::Assumed(at), &both);
+                self.owe(component, StepObligation::Assumed(at), &both);
             }
             if let Some(table) = closed.table(component) {
-                self.owe(component, Duty::Covered, &table.covers());
+                self.owe(component, StepObligation::Covered, &table.covers());
             }
         }
     }
 
-    fn owe(&mut self, component: usize, duty: Duty, both: &Both) {
+    fn owe(&mut self, component: usize, duty: StepObligation, both: &Both) {
         let both = Both {
             first: both.first.simplify(),
             later: both.later.simplify(),
         };
         let rules = self.add_both(both.clone());
-        self.owed.push(Owed {
+        self.owed.push(ScheduledObligation {
             component,
             duty,
             both,

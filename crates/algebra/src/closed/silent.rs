@@ -6,7 +6,7 @@
 //! with. To find the assumptions responsible, they are removed one by one as long as the rest still
 //! contradict each other.
 
-use super::{Closed, Stuck};
+use super::{Closed, StuckComponent};
 use crate::system::formulas;
 use linewright_core::gr1::{Expr, Formula, Owner, Time, VarId, eval};
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
@@ -18,7 +18,11 @@ impl Closed<'_> {
     ///
     /// # Errors
     /// When a limit was reached.
-    pub fn contradiction(&self, stuck: &Stuck, limits: &Limits) -> Result<Vec<&Formula>, Limit> {
+    pub fn contradiction(
+        &self,
+        stuck: &StuckComponent,
+        limits: &Limits,
+    ) -> Result<Vec<&Formula>, Limit> {
         let specification = &*self.machine.components[stuck.component].specification;
         let before = stuck
             .trace

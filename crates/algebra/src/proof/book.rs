@@ -1,7 +1,7 @@
 //! All formulas of a system and a claim as numbered rules, with the variables each one mentions and
 //! defines.
 
-use super::super::system::{FormulaRef, Half, System, formulas, rule};
+use super::super::system::{ContractSide, FormulaRef, System, formulas, rule};
 use super::Claim;
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Time, Timing, VarId, Variable};
 use linewright_core::source::Span;
@@ -27,7 +27,7 @@ pub struct Entry {
 
 /// All rules of a proof.
 #[derive(Debug)]
-pub struct Book<'a> {
+pub struct ProofRules<'a> {
     /// System that the rules are about.
     pub system: &'a System,
     /// Decision procedure for questions about the rules.
@@ -38,7 +38,7 @@ pub struct Book<'a> {
     pub slipped: VarId,
 }
 
-impl<'a> Book<'a> {
+impl<'a> ProofRules<'a> {
     /// Builds the rules of a system and a claim.
     pub fn new(system: &'a System, claim: &Claim, limits: &Limits) -> Result<Self, Limit> {
         let mut variables = system.variables.clone();
@@ -53,21 +53,21 @@ impl<'a> Book<'a> {
         });
         let mut rules = Vec::new();
         let mut entries = Vec::new();
-        let mut add = |side: &Side, part: Option<usize>, half: Option<Half>| {
+        let mut add = |side: &Side, part: Option<usize>, half: Option<ContractSide>| {
             for (kind, index, formula) in formulas(side) {
                 entries.push(entry(system, &formula.expr, kind, index, part, half));
                 rules.push(rule(kind, &formula.expr));
             }
         };
-        add(&claim.given, None, Some(Half::Assumptions));
+        add(&claim.given, None, Some(ContractSide::Assumptions));
         for (i, part) in system.parts.iter().enumerate() {
             add(&part.definitions, Some(i), None);
-            add(&part.guarantees, Some(i), Some(Half::Guarantees));
+            add(&part.guarantees, Some(i), Some(ContractSide::Guarantees));
         }
         for (i, part) in system.parts.iter().enumerate() {
-            add(&part.assumptions, Some(i), Some(Half::Assumptions));
+            add(&part.assumptions, Some(i), Some(ContractSide::Assumptions));
         }
-        add(&claim.goal, None, Some(Half::Guarantees));
+        add(&claim.goal, None, Some(ContractSide::Guarantees));
         Ok(Self {
             system,
             runs: Runs::new(&variables, rules, limits)?,
@@ -203,7 +203,7 @@ fn entry(
     kind: RuleKind,
     index: usize,
     part: Option<usize>,
-    half: Option<Half>,
+    half: Option<ContractSide>,
 ) -> Entry {
     let mentions = mentions(expr);
     let own = |v: &VarId| match part {
@@ -212,10 +212,10 @@ fn entry(
     };
     let mut defines: BTreeSet<VarId> = mentions.iter().copied().filter(own).collect();
     // The goal defines everything that it mentions.
-    if defines.is_empty() || (part.is_none() && half == Some(Half::Guarantees)) {
+    if defines.is_empty() || (part.is_none() && half == Some(ContractSide::Guarantees)) {
         defines.clone_from(&mentions);
     }
-    let guarantee = part.filter(|_| half != Some(Half::Assumptions));
+    let guarantee = part.filter(|_| half != Some(ContractSide::Assumptions));
     let answers_first = guarantee.is_some_and(|p| {
         let part = &system.parts[p];
         part.timing == Timing::Moore && latest(expr, kind).iter().all(|v| part.drives.contains(v))

@@ -1,8 +1,8 @@
 //! The goal that the parts have to keep together, once all assumptions are met.
 
 use super::super::system::FormulaRef;
-use super::prover::{ALL, Found, Prover, is_goal};
-use super::{Broken, Discharged, Open, Reach};
+use super::prover::{ALL, ObligationResult, Prover, is_goal};
+use super::{DischargeRule, Open, Reach, Refutation};
 use linewright_core::gr1::{Expr, Time};
 use linewright_solver::game::{Lasso, Limit, Rule, RuleKind};
 use std::collections::{BTreeSet, VecDeque};
@@ -21,7 +21,7 @@ impl<'a> Prover<'a> {
             .discharges
             .iter()
             .map(|d| match d.rule {
-                Discharged::Justice { turn } => turn + 1,
+                DischargeRule::Justice { turn } => turn + 1,
                 _ => 0,
             })
             .max();
@@ -43,14 +43,14 @@ impl<'a> Prover<'a> {
             let found = match self.step_minimal(rule, None, ALL)? {
                 Some(by) => {
                     self.kept.insert(rule);
-                    Found::Follows(by)
+                    ObligationResult::Follows(by)
                 }
                 None if self.stepwise => self.step_of_goal(rule)?,
                 None => self.fairly(rule, reliable)?,
             };
             match found {
-                Found::Follows(by) => self.show(rule, &by, turns),
-                Found::Fails(why) => self.open(rule, why),
+                ObligationResult::Follows(by) => self.show(rule, &by, turns),
+                ObligationResult::Fails(why) => self.open(rule, why),
             }
         }
         self.ready_lemmas(&mut lemmas, &[], turns)?;
@@ -130,7 +130,7 @@ impl<'a> Prover<'a> {
             match self.again_minimal(rule, reliable, ALL)? {
                 Some(by) => self.show(rule, &by, turn),
                 None => match self.never_again(rule, reliable)? {
-                    Some(lasso) => self.open(rule, Broken::Lasso(lasso)),
+                    Some(lasso) => self.open(rule, Refutation::Lasso(lasso)),
                     None => unreachable!("what follows was found; please report this"),
                 },
             }
@@ -203,7 +203,7 @@ impl<'a> Prover<'a> {
             .iter()
             .filter(|d| after.contains(&d.what))
             .filter_map(|d| match d.rule {
-                Discharged::Justice { turn } => Some(turn + 1),
+                DischargeRule::Justice { turn } => Some(turn + 1),
                 _ => None,
             });
         let turn = turns.fold(first, usize::max);
@@ -211,28 +211,32 @@ impl<'a> Prover<'a> {
         self.shown.push(rule);
     }
 
-    fn open(&mut self, rule: usize, why: Broken) {
+    fn open(&mut self, rule: usize, why: Refutation) {
         let what = self.at(rule);
         self.proof.open.push(Open { what, why });
     }
 
     /// Tries safety of the goal with everything kept so far.
-    fn step_of_goal(&mut self, rule: usize) -> Result<Found, Limit> {
+    fn step_of_goal(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
         let mut all = self.with_assumptions(self.hypotheses());
         if self.book.rule(rule).kind == RuleKind::Initial {
             let first = [RuleKind::Initial, RuleKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         if let Some(trace) = self.step(&all, rule, None)? {
-            return Ok(Found::Fails(Broken::Trace(trace)));
+            return Ok(ObligationResult::Fails(Refutation::Trace(trace)));
         }
         let mut holds = |p: &mut Self, kept: &[usize]| p.step_holds(kept, rule, None);
-        Ok(Found::Follows(self.fewest(&all, &mut holds)?))
+        Ok(ObligationResult::Follows(self.fewest(&all, &mut holds)?))
     }
 
     /// Tries safety of the goal again, on infinite runs only: a step to a state where no run
     /// continues breaks nothing.
-    fn fairly(&mut self, rule: usize, reliable: &BTreeSet<usize>) -> Result<Found, Limit> {
+    fn fairly(
+        &mut self,
+        rule: usize,
+        reliable: &BTreeSet<usize>,
+    ) -> Result<ObligationResult, Limit> {
         let slipped = self.book.slipped;
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let first = match kind {
@@ -269,13 +273,15 @@ impl<'a> Prover<'a> {
         match slips(self, &candidates)? {
             None => {
                 let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
-                Ok(Found::Follows(self.fewest(&candidates, &mut holds)?))
+                Ok(ObligationResult::Follows(
+                    self.fewest(&candidates, &mut holds)?,
+                ))
             }
             Some(lasso) => {
                 let mut steps = [lasso.prefix, lasso.cycle].concat();
                 let first = steps.iter().position(|s| s[slipped.index()] != 0);
                 steps.truncate(first.map_or(steps.len(), |i| i + 1));
-                Ok(Found::Fails(Broken::Trace(steps)))
+                Ok(ObligationResult::Fails(Refutation::Trace(steps)))
             }
         }
     }

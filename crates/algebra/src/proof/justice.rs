@@ -2,8 +2,8 @@
 
 use super::loops::way_back;
 use super::prover::{ALL, Prover, is_assumption, is_given, is_guarantee};
-use super::{Broken, Circle, Discharged, Open};
-use linewright_solver::game::{Lasso, Limit, RuleKind, Wanted};
+use super::{Circle, DischargeRule, Open, Refutation};
+use linewright_solver::game::{Lasso, Limit, RuleKind, RunQuery};
 use std::collections::BTreeSet;
 
 impl Prover<'_> {
@@ -44,7 +44,7 @@ impl Prover<'_> {
             for rule in &left {
                 if let Some(lasso) = self.never_again(*rule, &reliable)? {
                     let what = self.at(*rule);
-                    let why = Broken::Lasso(lasso);
+                    let why = Refutation::Lasso(lasso);
                     self.proof.open.push(Open { what, why });
                 }
             }
@@ -103,9 +103,9 @@ impl Prover<'_> {
     pub(super) fn record_again(&mut self, rule: usize, by: &[usize], turn: usize) {
         let environments = by.iter().all(|i| self.is_environments(*i));
         let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
-            (true, _) => Discharged::Environment,
-            (false, false) => Discharged::Induction,
-            (false, true) => Discharged::Justice { turn },
+            (true, _) => DischargeRule::Environment,
+            (false, false) => DischargeRule::Induction,
+            (false, true) => DischargeRule::Justice { turn },
         };
         self.record(rule, kind, by);
     }
@@ -175,7 +175,7 @@ impl Prover<'_> {
 
     fn starved(&mut self, kept: &[usize], rule: usize) -> Result<Option<Lasso>, Limit> {
         let wanted = self.wanted(kept, &[rule]);
-        self.book.runs.lasso(&Wanted {
+        self.book.runs.lasso(&RunQuery {
             never_again: vec![rule],
             ..wanted
         })
@@ -183,20 +183,20 @@ impl Prover<'_> {
 
     fn is_starved(&mut self, kept: &[usize], rule: usize) -> Result<bool, Limit> {
         let wanted = self.wanted(kept, &[rule]);
-        self.book.runs.any_lasso(&Wanted {
+        self.book.runs.any_lasso(&RunQuery {
             never_again: vec![rule],
             ..wanted
         })
     }
 
     /// Returns the query for runs that keep these rules, including the monitors of `others`.
-    pub(super) fn wanted(&self, kept: &[usize], others: &[usize]) -> Wanted {
+    pub(super) fn wanted(&self, kept: &[usize], others: &[usize]) -> RunQuery {
         let all = kept.iter().chain(others).copied();
         let mut keep = self.book.definitions(all);
         let (again, safe): (Vec<usize>, Vec<usize>) =
             kept.iter().copied().partition(|i| self.book.is_justice(*i));
         keep.extend(safe);
-        Wanted {
+        RunQuery {
             keep,
             again,
             never_again: Vec::new(),

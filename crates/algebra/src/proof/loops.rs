@@ -4,26 +4,26 @@
 //! possible answers depend on them. This is decided from the meaning of its guarantees, not from
 //! their text. A part that answers first waits for no one.
 
-use super::super::system::{Half, System};
+use super::super::system::{ContractSide, System};
 use super::SameStepLoop;
-use super::book::Book;
+use super::book::ProofRules;
 use linewright_core::gr1::{Timing, VarId};
 use linewright_solver::game::Limit;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Which answers wait for which.
 #[derive(Debug, Clone, Default)]
-pub struct Waits {
+pub struct AnswerDependencies {
     /// For every variable that waits: the variables of other parts that it waits for.
     pub variables: BTreeMap<VarId, BTreeSet<VarId>>,
     /// For every part: the parts whose answers it waits for.
     pub parts: Vec<BTreeSet<usize>>,
 }
 
-impl Waits {
+impl AnswerDependencies {
     /// Computes the dependencies. Parts that are in no circle by their wires alone are not examined
     /// further.
-    pub fn new(book: &mut Book<'_>) -> Result<Self, Limit> {
+    pub fn new(book: &mut ProofRules<'_>) -> Result<Self, Limit> {
         let system = book.system;
         let mut waits = Self {
             parts: wires(system),
@@ -36,7 +36,9 @@ impl Waits {
                 .filter(|i| {
                     let entry = &book.entries[*i];
                     let own = entry.part == Some(part) && !book.is_justice(*i);
-                    own && entry.at.is_none_or(|at| at.half == Half::Guarantees)
+                    own && entry
+                        .at
+                        .is_none_or(|at| at.half == ContractSide::Guarantees)
                 })
                 .collect();
             for answer in &own {

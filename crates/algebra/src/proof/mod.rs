@@ -29,7 +29,7 @@ mod prover;
 
 pub use book::{last_step, latest};
 
-use super::system::{FormulaRef, Half, System, formulas, list_mut};
+use super::system::{ContractSide, FormulaRef, System, formulas, list_mut};
 use linewright_core::gr1::{Formula, Side, VarId};
 use linewright_solver::game::{Lasso, Limit, Limits};
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,7 +59,7 @@ impl Claim {
         formulas(&self.goal).map(|(kind, index, formula)| {
             let at = FormulaRef {
                 part: None,
-                half: Half::Guarantees,
+                half: ContractSide::Guarantees,
                 kind,
                 index,
             };
@@ -112,14 +112,14 @@ pub struct Discharge {
     /// Assumption, or formula of the goal.
     pub what: FormulaRef,
     /// Rule that discharges it.
-    pub rule: Discharged,
+    pub rule: DischargeRule,
     /// Minimal set of formulas that it rests on: guarantees of parts, and givens.
     pub by: Vec<FormulaRef>,
 }
 
 /// Rules of discharge, in the order in which they are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Discharged {
+pub enum DischargeRule {
     /// It follows from the environment's givens.
     Environment,
     /// It is handed on: the environment has to keep it.
@@ -140,12 +140,12 @@ pub struct Open {
     /// Assumption, or formula of the goal.
     pub what: FormulaRef,
     /// Counterexample.
-    pub why: Broken,
+    pub why: Refutation,
 }
 
 /// A counterexample, over all variables of the system.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Broken {
+pub enum Refutation {
     /// The last step breaks it, although everything was kept in every earlier step.
     Trace(Vec<Vec<i64>>),
     /// From some step on it is never met again.

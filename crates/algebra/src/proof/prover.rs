@@ -1,9 +1,9 @@
 //! Proof of each obligation: what it follows from, or how it is broken.
 
-use super::super::system::{FormulaRef, Half, System};
-use super::book::{Book, latest};
-use super::loops::Waits;
-use super::{Broken, Claim, Discharge, Discharged, Exports, Open, Proof};
+use super::super::system::{ContractSide, FormulaRef, System};
+use super::book::{ProofRules, latest};
+use super::loops::AnswerDependencies;
+use super::{Claim, Discharge, DischargeRule, Exports, Open, Proof, Refutation};
 use linewright_core::gr1::{Expr, Time};
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, SafetyViolationQuery, quick_xplain};
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,7 +16,7 @@ pub(super) const ALL: usize = usize::MAX;
 
 /// State of a proof.
 pub struct Prover<'a> {
-    pub(super) book: Book<'a>,
+    pub(super) book: ProofRules<'a>,
     pub(super) claim: &'a Claim,
     /// Order in which parts answer in a step.
     order: Order,
@@ -51,18 +51,18 @@ impl Order {
 }
 
 /// Result for one obligation.
-pub(super) enum Found {
+pub(super) enum ObligationResult {
     /// It follows from these rules.
     Follows(Vec<usize>),
     /// It does not follow, as this counterexample shows.
-    Fails(Broken),
+    Fails(Refutation),
 }
 
 impl<'a> Prover<'a> {
     /// Creates the state at the beginning of a proof.
     pub fn new(system: &'a System, claim: &'a Claim, limits: &Limits) -> Result<Self, Limit> {
         Ok(Self {
-            book: Book::new(system, claim, limits)?,
+            book: ProofRules::new(system, claim, limits)?,
             claim,
             order: Order::default(),
             exported: Vec::new(),
@@ -92,7 +92,7 @@ impl<'a> Prover<'a> {
 
     /// Runs the proof.
     pub fn prove(mut self) -> Result<Proof, Limit> {
-        let waits = Waits::new(&mut self.book)?;
+        let waits = AnswerDependencies::new(&mut self.book)?;
         self.proof.loops = waits.loops();
         if !self.proof.loops.is_empty() {
             return Ok(self.proof);
@@ -110,7 +110,7 @@ impl<'a> Prover<'a> {
 
     /// Computes the order: a part comes after those whose answers its own wait for, and after those
     /// that its assumptions mention.
-    fn order_of(&self, waits: &Waits) -> Order {
+    fn order_of(&self, waits: &AnswerDependencies) -> Order {
         let system = self.book.system;
         let mut edges = waits.parts.clone();
         for (i, part) in system.parts.iter().enumerate() {
@@ -208,8 +208,8 @@ impl<'a> Prover<'a> {
                     }
                 }
                 match self.assumption(rule)? {
-                    Found::Follows(by) => self.discharged(rule, &by),
-                    Found::Fails(why) => failed.push((rule, why)),
+                    ObligationResult::Follows(by) => self.discharged(rule, &by),
+                    ObligationResult::Fails(why) => failed.push((rule, why)),
                 }
             }
             // Assumptions that only the environment can keep are handed on; with them, more may
@@ -233,7 +233,7 @@ impl<'a> Prover<'a> {
 
     /// Retries assumptions that failed without the answers of parts that may wait for one another,
     /// now with those answers, if the parts can be ordered.
-    fn within_a_step(&mut self, failed: Vec<(usize, Broken)>) -> Result<(), Limit> {
+    fn within_a_step(&mut self, failed: Vec<(usize, Refutation)>) -> Result<(), Limit> {
         let mut needs: Vec<(usize, BTreeSet<usize>, Vec<usize>)> = Vec::new();
         let mut open = Vec::new();
         for (rule, why) in failed {
@@ -325,10 +325,10 @@ impl<'a> Prover<'a> {
     }
 
     /// Proves an assumption of a part, by induction over time.
-    fn assumption(&mut self, rule: usize) -> Result<Found, Limit> {
+    fn assumption(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
         let part = self.part_of(rule);
         if let Some(by) = self.step_minimal(rule, Some(rule), ALL)? {
-            return Ok(Found::Follows(by));
+            return Ok(ObligationResult::Follows(by));
         }
         // Other assumptions were kept so far as well.
         let mut all = self.with_assumptions(self.hypotheses());
@@ -337,10 +337,15 @@ impl<'a> Prover<'a> {
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         if let Some(trace) = self.step(&all, rule, Some(part))? {
-            return Ok(Found::Fails(Broken::Trace(trace)));
+            return Ok(ObligationResult::Fails(Refutation::Trace(trace)));
         }
         let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
-        Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
+        Ok(ObligationResult::Follows(quick_xplain(
+            &mut holds,
+            &[],
+            false,
+            &all,
+        )?))
     }
 
     /// Returns the smallest subset of the hypotheses from which a rule follows step by step, within
@@ -488,7 +493,7 @@ impl<'a> Prover<'a> {
     pub(super) fn export(
         &mut self,
         rule: usize,
-    ) -> Result<Result<Vec<usize>, Option<Broken>>, Limit> {
+    ) -> Result<Result<Vec<usize>, Option<Refutation>>, Limit> {
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let outside = self.is_about_outside(rule);
         let after = match &self.claim.exports {
@@ -531,7 +536,7 @@ impl<'a> Prover<'a> {
         } else {
             let all = self.with_assumptions(candidates);
             if let Some(trace) = slips(self, &all)? {
-                return Ok(Err(Some(Broken::Trace(trace))));
+                return Ok(Err(Some(Refutation::Trace(trace))));
             }
             self.fewest(&all, &mut holds)?
         };
@@ -544,7 +549,7 @@ impl<'a> Prover<'a> {
         let by = by.iter().map(|i| self.at(*i)).collect();
         self.proof.discharges.push(Discharge {
             what,
-            rule: Discharged::Exported,
+            rule: DischargeRule::Exported,
             by,
         });
     }
@@ -552,14 +557,14 @@ impl<'a> Prover<'a> {
     fn discharged(&mut self, rule: usize, by: &[usize]) {
         let of_the_environment = by.iter().all(|i| self.is_environments(*i));
         let kind = if of_the_environment {
-            Discharged::Environment
+            DischargeRule::Environment
         } else {
-            Discharged::Induction
+            DischargeRule::Induction
         };
         self.record(rule, kind, by);
     }
 
-    pub(super) fn record(&mut self, rule: usize, kind: Discharged, by: &[usize]) {
+    pub(super) fn record(&mut self, rule: usize, kind: DischargeRule, by: &[usize]) {
         let what = self.at(rule);
         let by = by.iter().map(|i| self.at(*i)).collect();
         self.proof.discharges.push(Discharge {
@@ -581,19 +586,19 @@ impl<'a> Prover<'a> {
 }
 
 pub(super) fn is_given(at: FormulaRef) -> bool {
-    at.part.is_none() && at.half == Half::Assumptions
+    at.part.is_none() && at.half == ContractSide::Assumptions
 }
 
 pub(super) fn is_goal(at: FormulaRef) -> bool {
-    at.part.is_none() && at.half == Half::Guarantees
+    at.part.is_none() && at.half == ContractSide::Guarantees
 }
 
 pub(super) fn is_guarantee(at: FormulaRef) -> bool {
-    at.part.is_some() && at.half == Half::Guarantees
+    at.part.is_some() && at.half == ContractSide::Guarantees
 }
 
 pub(super) fn is_assumption(at: FormulaRef) -> bool {
-    at.part.is_some() && at.half == Half::Assumptions
+    at.part.is_some() && at.half == ContractSide::Assumptions
 }
 
 /// Returns a sort key: parts in order, the goal last.

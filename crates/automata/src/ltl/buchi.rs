@@ -10,7 +10,7 @@
 
 use super::formula::{Formulas, Node};
 use super::progression::{Condition, Progression, Reading};
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use crate::symbolic::{Automaton, Values};
 
 /// Remaining condition, watched debts, and whether a round has just ended.
@@ -20,7 +20,7 @@ type Round = (Condition, Condition, bool);
 ///
 /// # Errors
 /// When it is too large for [`Automaton::explore`].
-pub fn buchi(formulas: &Formulas, formula: Node, atoms: usize) -> Result<Automaton, TooLarge> {
+pub fn buchi(formulas: &Formulas, formula: Node, atoms: usize) -> Result<Automaton, BoundExceeded> {
     let mut progression = Progression::new(formulas, Reading::Clauses, usize::MAX);
     let lost = progression.constant(false);
     let start: Round = (progression.ahead(formula)?, Condition::none(), false);

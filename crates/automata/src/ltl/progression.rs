@@ -2,7 +2,7 @@
 
 use super::formula::{Formula, Formulas, Node};
 use crate::antichain::Antichain;
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use std::collections::BTreeMap;
 
 /// Obligation from the next step on.
@@ -43,9 +43,9 @@ impl<'f> Progression<'f> {
         }
     }
 
-    fn bounded(&self, condition: Condition) -> Result<Condition, TooLarge> {
+    fn bounded(&self, condition: Condition) -> Result<Condition, BoundExceeded> {
         if condition.len() > self.most {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "alternatives in a state",
                 limit: self.most,
             });
@@ -53,7 +53,7 @@ impl<'f> Progression<'f> {
         Ok(condition)
     }
 
-    fn joined(&self, and: bool, a: &Condition, b: &Condition) -> Result<Condition, TooLarge> {
+    fn joined(&self, and: bool, a: &Condition, b: &Condition) -> Result<Condition, BoundExceeded> {
         self.bounded(if and == (self.reading == Reading::Terms) {
             a.product(b)
         } else {
@@ -66,8 +66,8 @@ impl<'f> Progression<'f> {
         &mut self,
         and: bool,
         list: &[Node],
-        of: impl Fn(&mut Self, Node) -> Result<Condition, TooLarge>,
-    ) -> Result<Condition, TooLarge> {
+        of: impl Fn(&mut Self, Node) -> Result<Condition, BoundExceeded>,
+    ) -> Result<Condition, BoundExceeded> {
         let mut found = self.constant(and);
         for node in list {
             let part = of(self, *node)?;
@@ -77,7 +77,7 @@ impl<'f> Progression<'f> {
     }
 
     /// Returns a formula as a condition on the steps to come.
-    pub fn ahead(&mut self, node: Node) -> Result<Condition, TooLarge> {
+    pub fn ahead(&mut self, node: Node) -> Result<Condition, BoundExceeded> {
         let formulas = self.formulas;
         match formulas.formula(node) {
             Formula::Constant(value) => Ok(self.constant(*value)),
@@ -88,7 +88,7 @@ impl<'f> Progression<'f> {
     }
 
     /// Returns what remains of a formula after a step in which these atoms hold, as bits.
-    fn after(&mut self, node: Node, letter: u32) -> Result<Condition, TooLarge> {
+    fn after(&mut self, node: Node, letter: u32) -> Result<Condition, BoundExceeded> {
         if let Some(known) = self.known.get(&(node, letter)) {
             return Ok(known.clone());
         }
@@ -118,7 +118,11 @@ impl<'f> Progression<'f> {
     }
 
     /// Returns what remains of a condition after such a step.
-    pub fn all_after(&mut self, condition: &Condition, letter: u32) -> Result<Condition, TooLarge> {
+    pub fn all_after(
+        &mut self,
+        condition: &Condition,
+        letter: u32,
+    ) -> Result<Condition, BoundExceeded> {
         // "And" and "or" swap with the reading, and so do these two.
         let mut found = Condition::none();
         for set in condition.sets() {

@@ -2,7 +2,7 @@
 
 use super::formula::{Formulas, Node};
 use super::progression::{Progression, Reading};
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use crate::dfa::Dfa;
 
 /// Limits on the size of an automaton.
@@ -24,7 +24,7 @@ pub fn safety(
     formula: Node,
     letters: &[u32],
     limits: Limits,
-) -> Result<Dfa, TooLarge> {
+) -> Result<Dfa, BoundExceeded> {
     // Each step asks what can still be kept in some way, so states are terms.
     let mut progression = Progression::new(formulas, Reading::Terms, limits.alternatives);
     let start = progression.ahead(formula)?;

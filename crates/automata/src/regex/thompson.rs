@@ -4,7 +4,7 @@
 //! expression search algorithm", 1968), which the subset construction makes deterministic.
 
 use super::tree::Regex;
-use crate::bound::{Bound, TooLarge};
+use crate::bound::{BoundExceeded, ExplorationBound};
 use crate::dfa::Dfa;
 use std::collections::BTreeSet;
 
@@ -23,9 +23,9 @@ struct Places {
 }
 
 impl Places {
-    fn new_place(&mut self) -> Result<usize, TooLarge> {
+    fn new_place(&mut self) -> Result<usize, BoundExceeded> {
         if self.from.len() == MOST_PLACES {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "places in a regular expression",
                 limit: MOST_PLACES,
             });
@@ -43,7 +43,7 @@ impl Places {
     }
 
     /// Adds the expression behind `from`; returns the place where its words end.
-    fn lay(&mut self, regex: &Regex, from: usize) -> Result<usize, TooLarge> {
+    fn lay(&mut self, regex: &Regex, from: usize) -> Result<usize, BoundExceeded> {
         match regex {
             Regex::Nothing => self.new_place(),
             Regex::Empty => Ok(from),
@@ -91,16 +91,16 @@ impl Places {
         }
     }
 
-    fn lay_one(&mut self, step: Move, from: usize) -> Result<usize, TooLarge> {
+    fn lay_one(&mut self, step: Move, from: usize) -> Result<usize, BoundExceeded> {
         let to = self.new_place()?;
         self.from[from].push((step, to));
         Ok(to)
     }
 
     /// Adds a place for every set of letters read so far.
-    fn lay_any_order(&mut self, letters: &[usize], from: usize) -> Result<usize, TooLarge> {
+    fn lay_any_order(&mut self, letters: &[usize], from: usize) -> Result<usize, BoundExceeded> {
         if letters.len() >= MOST_PLACES.ilog2() as usize {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "places in a regular expression",
                 limit: MOST_PLACES,
             });
@@ -141,7 +141,11 @@ impl Places {
 /// # Errors
 /// When the expression has more than [`MOST_PLACES`] places, when the automaton has more states
 /// than `bound` allows, or when the deadline has passed.
-pub fn automaton(regex: &Regex, letters: usize, bound: impl Into<Bound>) -> Result<Dfa, TooLarge> {
+pub fn automaton(
+    regex: &Regex,
+    letters: usize,
+    bound: impl Into<ExplorationBound>,
+) -> Result<Dfa, BoundExceeded> {
     let mut places = Places {
         letters,
         from: vec![Vec::new()],

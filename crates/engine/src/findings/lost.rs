@@ -1,7 +1,7 @@
 //! LW203: why there is no controller, a play that shows it, and possible repairs.
 
 use super::{list, play};
-use crate::pipeline::Explained;
+use crate::pipeline::Explanation;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::text::{operand, text};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Specification};
@@ -17,7 +17,7 @@ pub fn finding(
     specification: &Specification,
     span: Span,
     core: &[String],
-    explained: Option<&Explained>,
+    explained: Option<&Explanation>,
 ) -> Diagnostic {
     let s = specification;
     let name = &s.name;
@@ -289,7 +289,7 @@ pub(super) fn percent(share: f64) -> String {
 }
 
 /// Names of the assumptions that matter, for JSON documents.
-pub fn matter_names(s: &Specification, explained: &Explained) -> Vec<String> {
+pub fn matter_names(s: &Specification, explained: &Explanation) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in matters(s, explained.advice.as_ref()) {
         if !names.contains(&name) {

@@ -12,7 +12,7 @@ const MOST_NODES: u64 = 2_000_000;
 
 /// Explanation of an unrealizable contract.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Explained {
+pub struct Explanation {
     /// The play that shows it.
     pub play: Option<Play>,
     /// A machine of the plant that beats every controller, verified; see [`mealy::counter`].
@@ -28,15 +28,15 @@ pub(super) fn explain(
     specification: &Specification,
     core: &[GuaranteeRef],
     limits: &Limits,
-    report: &mut dyn FnMut(&Explained),
-) -> Result<Explained, InternalError> {
+    report: &mut dyn FnMut(&Explanation),
+) -> Result<Explanation, InternalError> {
     let limits = Limits {
         most_nodes: Some(MOST_NODES),
         ..*limits
     };
-    let mut explained = Explained {
+    let mut explained = Explanation {
         complete: true,
-        ..Explained::default()
+        ..Explanation::default()
     };
     let small = game::reduced(specification, core);
     let attack = match game::attack(&small, &specification.guarantees.initial, &limits) {
@@ -67,7 +67,7 @@ pub(super) fn explain(
     Ok(explained)
 }
 
-impl Explained {
+impl Explanation {
     /// A time limit may give another result in another run.
     fn stopped(mut self, limit: Limit) -> Self {
         self.complete &= !matches!(limit, Limit::Late(_));

@@ -1,8 +1,8 @@
 //! Intermediate results of a contract, and their conversion to findings.
 
-use super::Explained;
+use super::Explanation;
 use super::{CheckedContract, Goal, Job, Verdict};
-use crate::cache::Examined;
+use crate::cache::ExaminationDepth;
 use crate::controller::Controller;
 use crate::findings::{environment, lost, shape};
 use crate::statistics::Statistics;
@@ -14,13 +14,13 @@ use linewright_solver::mealy;
 
 /// Results about a contract before they are put into words.
 #[derive(Debug, Clone)]
-pub(super) struct Known {
+pub(super) struct Analysis {
     pub(super) realizable: bool,
     pub(super) core: Option<Vec<GuaranteeRef>>,
-    pub(super) examined: Examined,
+    pub(super) examined: ExaminationDepth,
     pub(super) environment: Option<EnvironmentFindings>,
     pub(super) shape: Option<Shape>,
-    pub(super) lost: Option<Box<Explained>>,
+    pub(super) lost: Option<Box<Explanation>>,
     pub(super) controller: Controller,
     pub(super) ranking: Option<Ranking>,
     /// For each inquiry, the answers to its questions; `None` if a limit was reached first.
@@ -29,13 +29,13 @@ pub(super) struct Known {
     pub(super) statistics: Statistics,
 }
 
-impl Known {
+impl Analysis {
     /// Only the statistics so far: an unrealizable contract without a core.
     pub(super) fn new(statistics: Statistics) -> Self {
         Self {
             realizable: false,
             core: None,
-            examined: Examined::Nothing,
+            examined: ExaminationDepth::Nothing,
             environment: None,
             shape: None,
             lost: None,

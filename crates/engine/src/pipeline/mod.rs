@@ -10,7 +10,7 @@ mod known;
 mod memory;
 mod task;
 
-pub use explain::Explained;
+pub use explain::Explanation;
 pub use memory::Memory;
 
 use super::cache::Cache;
@@ -85,7 +85,7 @@ pub struct CheckedContract {
     /// Findings about the environment of a realizable contract.
     pub environment: Option<EnvironmentFindings>,
     /// Why there is no controller.
-    pub lost: Option<Box<Explained>>,
+    pub lost: Option<Box<Explanation>>,
     /// The verified controller. A realizable contract has none if it was not requested or a limit
     /// was reached after the verdict; the findings say so.
     pub controller: Option<mealy::Controller>,

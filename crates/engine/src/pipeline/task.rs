@@ -1,13 +1,13 @@
 //! Takes one contract through the pipeline, from the cache or by solving it.
 
 use super::explain::explain;
-use super::known::{Known, gave_up};
+use super::known::{Analysis, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Settings};
-use crate::cache::{self, Cache, Entry, Examined, Hints, Key, Version};
+use crate::cache::{self, Cache, Entry, ExaminationDepth, Hints, Key, Version};
 use crate::controller::{Controller, ExtractionOptions, controller};
 use crate::internal::within;
 use crate::statistics::Statistics;
-use crate::worker::{self, Ended};
+use crate::worker::{self, Completion};
 use linewright_core::gr1::Specification;
 use linewright_solver::game::{self, Heuristic, Limit, Limits, Outcome, Phase, Progress};
 use linewright_solver::mealy;
@@ -39,16 +39,16 @@ impl Task {
             gave_up(&job, late.into(), &solve)
         } else {
             match worker::run(deadline, move |report| self.check(report)) {
-                Ended::Done(Err(error)) => return Err(error),
-                Ended::Done(Ok(Ok(known))) => known.told(&job, examine),
-                Ended::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
+                Completion::Done(Err(error)) => return Err(error),
+                Completion::Done(Ok(Ok(known))) => known.told(&job, examine),
+                Completion::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
                 // In this phase the guarantees that clash are being searched.
-                Ended::Left(_, None) if solve.phase() == Phase::Core => {
-                    Known::lost(&solve, &job.specification).told(&job, examine)
+                Completion::Left(_, None) if solve.phase() == Phase::Core => {
+                    Analysis::lost(&solve, &job.specification).told(&job, examine)
                 }
-                Ended::Left(late, None) => gave_up(&job, late.into(), &solve),
-                Ended::Left(late, Some(known)) => {
-                    let known: Known = known;
+                Completion::Left(late, None) => gave_up(&job, late.into(), &solve),
+                Completion::Left(late, Some(known)) => {
+                    let known: Analysis = known;
                     known.stopped(late.into(), &job).told(&job, examine)
                 }
             }
@@ -62,7 +62,7 @@ impl Task {
     /// Solves the specification, extracts its controller, and verifies it; also searches for what
     /// makes a realizable contract mean less than it seems to. The verdict is passed to `report` as
     /// soon as it is known.
-    fn check(&self, report: &dyn Fn(Known)) -> Result<Result<Known, Limit>, InternalError> {
+    fn check(&self, report: &dyn Fn(Analysis)) -> Result<Result<Analysis, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let heuristics: Vec<Heuristic> = Heuristic::ALL
             .into_iter()
@@ -150,8 +150,8 @@ impl Task {
     fn solve(
         &self,
         cache: Option<&Cache>,
-        report: &dyn Fn(Known),
-    ) -> Result<Result<Known, Limit>, InternalError> {
+        report: &dyn Fn(Analysis),
+    ) -> Result<Result<Analysis, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let limits = &self.settings.limits;
         // The form of a written controller may depend on the order. So a search may start from
@@ -169,7 +169,7 @@ impl Task {
             statistics.known_region = hints.region.is_some();
         }
         let last_order = solved.statistics.last_order;
-        let mut known = Known::new(statistics);
+        let mut known = Analysis::new(statistics);
         let won = match solved.outcome {
             Outcome::GaveUp(limit) => return Ok(Err(limit)),
             Outcome::Unrealizable(lost) => {
@@ -186,7 +186,7 @@ impl Task {
         report(known.clone());
         if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
             let names = &known.statistics.order_after;
-            let region = won.as_ref().map(game::Won::region);
+            let region = won.as_ref().map(game::WonGame::region);
             cache.keep_version(
                 specification,
                 &Version::new(specification, order, names, region),
@@ -199,7 +199,7 @@ impl Task {
                 let lost = within("saying why it is unrealizable", || {
                     explain(specification, &core, limits, &mut |lost| {
                         let lost = Some(Box::new(lost.clone()));
-                        report(Known {
+                        report(Analysis {
                             lost,
                             ..known.clone()
                         });
@@ -243,7 +243,7 @@ impl Task {
             let is_late = matches!(environment, Err(Limit::Late(_)));
             known.environment = environment.ok();
             if !is_late {
-                known.examined = Examined::Plant;
+                known.examined = ExaminationDepth::Plant;
             }
             if known.tells_shape(&self.job) {
                 report(known.clone());
@@ -251,7 +251,7 @@ impl Task {
                     won.shape(specification, &limits)
                 });
                 if !is_late && !matches!(shape, Err(Limit::Late(_))) {
-                    known.examined = Examined::Whole;
+                    known.examined = ExaminationDepth::Whole;
                 }
                 known.shape = shape.ok();
             }
@@ -259,7 +259,7 @@ impl Task {
         Ok(Ok(known))
     }
 
-    fn play(&self, hints: &Hints) -> game::Solved {
+    fn play(&self, hints: &Hints) -> game::Solution {
         let heuristics = self.settings.heuristics;
         let options = game::Options {
             limits: self.settings.limits,
@@ -279,7 +279,7 @@ impl Task {
 
     /// Restores an entry, reduced to what would be known without it. `None` if the entry is
     /// incomplete.
-    fn recall(&self, entry: Entry) -> Option<Known> {
+    fn recall(&self, entry: Entry) -> Option<Analysis> {
         let large = entry.statistics.large;
         let extracts = entry.realizable && self.extracts(large);
         let examines = entry.realizable && self.examines(large);
@@ -289,7 +289,7 @@ impl Task {
         let other = examines && self.job.own.is_some();
         if other
             || extracts && !entry.extracted
-            || examines && entry.examined == Examined::Nothing
+            || examines && entry.examined == ExaminationDepth::Nothing
             || explains && (entry.core.is_none() || !explained)
         {
             return None;
@@ -300,13 +300,13 @@ impl Task {
         if !extracts && let Some(seconds) = &mut statistics.seconds {
             (seconds.extract, seconds.verify) = (None, None);
         }
-        let known = Known {
+        let known = Analysis {
             realizable: entry.realizable,
             core: entry.core,
             examined: if examines {
                 entry.examined
             } else {
-                Examined::Nothing
+                ExaminationDepth::Nothing
             },
             environment: entry.environment.filter(|_| examines),
             shape: entry.shape.filter(|_| examines),
@@ -325,12 +325,13 @@ impl Task {
             statistics,
         };
         // The entry may come from another tool's file, for which less was examined.
-        let says_enough = known.examined == Examined::Whole || !known.tells_shape(&self.job);
+        let says_enough =
+            known.examined == ExaminationDepth::Whole || !known.tells_shape(&self.job);
         (says_enough || !examines).then_some(known)
     }
 
     /// The entry to store. `None` if a time or memory limit affected the result.
-    fn entry(&self, known: &Known) -> Option<Entry> {
+    fn entry(&self, known: &Analysis) -> Option<Entry> {
         let (extracted, machine, functions) = match &known.controller {
             Controller::NotRequested => (false, None, None),
             Controller::Stopped(Limit::Size) => (true, None, None),
@@ -341,7 +342,7 @@ impl Task {
         let examines = known.realizable && self.examines(known.statistics.large);
         let explains = !known.realizable && self.job.goal > Goal::Answer;
         let explained = known.lost.as_ref().is_some_and(|l| l.complete);
-        if examines && (known.examined == Examined::Nothing || self.job.own.is_some())
+        if examines && (known.examined == ExaminationDepth::Nothing || self.job.own.is_some())
             || explains && (known.core.is_none() || !explained)
         {
             return None;

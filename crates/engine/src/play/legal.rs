@@ -36,7 +36,7 @@ pub(super) struct Moves<'a> {
 
 /// The maximum number of tries was exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooMany;
+pub(super) struct EnumerationLimit;
 
 /// Values of variables.
 pub(super) type Values = Vec<(VarId, i64)>;
@@ -133,11 +133,11 @@ impl<'a> Moves<'a> {
 
     /// A legal move with these values that a step can follow, as far as the rules of this step
     /// alone show; otherwise any legal move.
-    pub fn find_lasting(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, TooMany> {
+    pub fn find_lasting(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, EnumerationLimit> {
         let all = self.rules.iter().chain(&self.leaving);
         match self.find_under(all, fixed) {
             Ok(Some(values)) => Ok(Some(values)),
-            Ok(None) | Err(TooMany) => self.find(fixed),
+            Ok(None) | Err(EnumerationLimit) => self.find(fixed),
         }
     }
 
@@ -149,7 +149,7 @@ impl<'a> Moves<'a> {
     }
 
     /// A legal move with these values, as values of all open variables.
-    pub fn find(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, TooMany> {
+    pub fn find(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, EnumerationLimit> {
         self.find_under(self.rules.iter(), fixed)
     }
 
@@ -158,7 +158,7 @@ impl<'a> Moves<'a> {
         &self,
         rules: impl Iterator<Item = &'r Rule<'a>>,
         fixed: &[(VarId, i64)],
-    ) -> Result<Option<Values>, TooMany>
+    ) -> Result<Option<Values>, EnumerationLimit>
     where
         'a: 'r,
     {
@@ -172,7 +172,7 @@ impl<'a> Moves<'a> {
     }
 
     /// All legal moves, as values of the variables that matter. `visit` may stop the search.
-    pub fn each(&self, visit: &mut Visit<'_>) -> Result<(), TooMany> {
+    pub fn each(&self, visit: &mut Visit<'_>) -> Result<(), EnumerationLimit> {
         let open = self.open.iter().copied();
         let matter: Values = open.filter(|(v, _)| self.matters(*v)).collect();
         let mut search = Search::new(self, true);
@@ -228,7 +228,7 @@ impl<'a> Search<'a> {
         mut left: Vec<Expr>,
         open: &[(VarId, i64)],
         visit: &mut Visit<'_>,
-    ) -> Result<ControlFlow<()>, TooMany> {
+    ) -> Result<ControlFlow<()>, EnumerationLimit> {
         let domain = |v: VarId| Interval::of(&self.specification.variable(v).domain);
         let bounds = |e: &Expr| interval(e, &domain).unwrap_or(Interval::BOOL);
         if left.iter().any(|e| bounds(e).high == 0) {
@@ -245,7 +245,7 @@ impl<'a> Search<'a> {
         for value in std::iter::once(*first).chain(others) {
             self.tries += 1;
             if self.tries > MOST_TRIES {
-                return Err(TooMany);
+                return Err(EnumerationLimit);
             }
             let with = |e: &Expr| put(e, *variable, value).unwrap_or_else(|| e.clone());
             let left: Vec<Expr> = left.iter().map(with).collect();

@@ -1,11 +1,11 @@
 //! A play with its history and the commands of the person.
 
 use super::command::{self, Command, HELP, Part};
-use super::legal::{Moves, Rule, TooMany, Values};
+use super::legal::{EnumerationLimit, Moves, Rule, Values};
 use super::opponent::{Opponent, Place};
 use super::show;
 use super::values::{listed, resolve, shown};
-use super::why::{Book, Verdict, verdict, verdict_of_leaving};
+use super::why::{RulePrinter, Verdict, verdict, verdict_of_leaving};
 use linewright_core::gr1::{Owner, Specification, VarId};
 use linewright_core::source::SourceMap;
 use serde_json::{Value, json};
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 #[derive(Debug)]
 pub struct Session<'a> {
     pub(super) specification: &'a Specification,
-    pub(super) book: Book<'a>,
+    pub(super) book: RulePrinter<'a>,
     opponent: Opponent,
     /// Values of all variables in each step so far.
     pub(super) steps: Vec<Vec<i64>>,
@@ -60,7 +60,7 @@ impl<'a> Session<'a> {
         let places = vec![opponent.start()];
         Self {
             specification,
-            book: Book {
+            book: RulePrinter {
                 specification,
                 sources,
             },
@@ -191,7 +191,7 @@ impl<'a> Session<'a> {
                     self.role()
                 ))
             }
-            Ok(Verdict::Legal(_)) | Err(TooMany) => None,
+            Ok(Verdict::Legal(_)) | Err(EnumerationLimit) => None,
         }
     }
 
@@ -213,7 +213,7 @@ impl<'a> Session<'a> {
                 self.refused = Some(fixed.to_vec());
                 Err(format!("this move is not legal; {why}"))
             }
-            Err(TooMany) => {
+            Err(EnumerationLimit) => {
                 Err("it takes too long to complete this move: give more of its values".to_owned())
             }
         }
@@ -307,7 +307,7 @@ impl<'a> Session<'a> {
             let values = match moves.find_lasting(&[]) {
                 Ok(Some(values)) => values,
                 Ok(None) => return Err("there is no legal move".to_owned()),
-                Err(TooMany) => return Err("it takes too long to find a move".to_owned()),
+                Err(EnumerationLimit) => return Err("it takes too long to find a move".to_owned()),
             };
             let reply = self.make(&values)?;
             all.text += &reply.text;
@@ -353,7 +353,7 @@ impl<'a> Session<'a> {
                         return self.last(&moves, fixed, &rules);
                     }
                     Ok(Verdict::Legal(values)) => values,
-                    Err(TooMany) => values,
+                    Err(EnumerationLimit) => values,
                 };
                 let own = shown(self.specification, self.person());
                 let values: Values = values
@@ -370,7 +370,7 @@ impl<'a> Session<'a> {
             Ok(Verdict::Together(found)) => {
                 format!("these forbid it together:\n{}", rules(&found))
             }
-            Err(TooMany) => "it takes too long to find out: give more values\n".to_owned(),
+            Err(EnumerationLimit) => "it takes too long to find out: give more values\n".to_owned(),
         }
     }
 

@@ -1,13 +1,13 @@
 //! Finds the rules that forbid a move, in the words of the contract.
 
-use super::legal::{Moves, Rule, TooMany, Values};
+use super::legal::{EnumerationLimit, Moves, Rule, Values};
 use super::values::listed;
 use linewright_core::gr1::{Expr, Formula, Owner, Specification, Time, VarId};
 use linewright_core::source::SourceMap;
 
 /// Formats rules.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Book<'a> {
+pub(super) struct RulePrinter<'a> {
     pub specification: &'a Specification,
     pub sources: &'a SourceMap,
 }
@@ -27,7 +27,7 @@ pub(super) enum Verdict<'a, 'm> {
 pub(super) fn verdict<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
-) -> Result<Verdict<'a, 'm>, TooMany> {
+) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
     among(moves, moves.rules.iter(), fixed)
 }
 
@@ -35,7 +35,7 @@ pub(super) fn verdict<'a, 'm>(
 pub(super) fn verdict_of_leaving<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
-) -> Result<Verdict<'a, 'm>, TooMany> {
+) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
     among(moves, moves.rules.iter().chain(&moves.leaving), fixed)
 }
 
@@ -43,8 +43,8 @@ fn among<'a, 'm>(
     moves: &'m Moves<'a>,
     rules: impl Iterator<Item = &'m Rule<'a>>,
     fixed: &[(VarId, i64)],
-) -> Result<Verdict<'a, 'm>, TooMany> {
-    let possible = |rules: &[&'m Rule<'a>]| -> Result<Option<Values>, TooMany> {
+) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
+    let possible = |rules: &[&'m Rule<'a>]| -> Result<Option<Values>, EnumerationLimit> {
         moves.find_under(rules.iter().copied(), fixed)
     };
     let all: Vec<&Rule<'a>> = rules.filter(|r| r.left != Expr::TRUE).collect();
@@ -74,7 +74,7 @@ fn among<'a, 'm>(
     Ok(Verdict::Together(together))
 }
 
-impl<'a> Book<'a> {
+impl<'a> RulePrinter<'a> {
     /// Lists rules, one per line, with the place and relevant values of each.
     pub fn rules(
         &self,

@@ -19,7 +19,7 @@ use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
 use linewright_core::gr1::{Side, Time, Variable};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
-use refusal::Around;
+use refusal::EnclosingQuantifier;
 
 /// Names of a formula and its parts in reports.
 pub(super) struct Label<'t> {
@@ -45,7 +45,7 @@ struct At<'a> {
     /// Values of the enclosing quantifiers, for the formula's text.
     instance: String,
     /// Enclosing quantifiers.
-    around: Vec<Around<'a>>,
+    around: Vec<EnclosingQuantifier<'a>>,
 }
 
 impl At<'_> {

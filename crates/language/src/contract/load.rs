@@ -2,7 +2,7 @@
 
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
-use super::uses::{self, Doubt};
+use super::uses::{self, PossibleUses};
 use super::{Library, Loader, lines, machines, skills};
 use crate::order::Skills;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
@@ -210,7 +210,7 @@ fn unused(
         spans.map(|span| (sources.text(span), span)).collect()
     };
     let errors = findings.iter().filter(|f| f.severity == Severity::Error);
-    let mut doubt = Doubt {
+    let mut doubt = PossibleUses {
         syntax: file.syntax.clone(),
         unknown: words(codes::NAME_UNKNOWN),
         double: words(codes::NAME_DOUBLE),

@@ -72,7 +72,7 @@ pub struct Machine {
     /// Breakdowns, if any.
     pub failures: Option<Failures>,
     /// Contracts that it is claimed to refine.
-    pub refines: Vec<Promised>,
+    pub refines: Vec<RefinedContract>,
     /// Guarantees of the whole machine, over wires.
     pub guarantees: Rules,
     /// Sets of skills that it calls, with their orders: its own, then those of inner machines.
@@ -108,7 +108,7 @@ pub struct Inner {
 /// A contract that a machine is claimed to refine: the machine may be used wherever the contract
 /// is.
 #[derive(Debug, Clone)]
-pub struct Promised {
+pub struct RefinedContract {
     /// Name of the contract.
     pub contract: String,
     /// Formulas with these arguments.

@@ -13,7 +13,7 @@ use linewright_syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
 use mentions::Mentions;
 
 /// Reasons why a seemingly unused declaration may be used.
-pub(super) struct Doubt<'d> {
+pub(super) struct PossibleUses<'d> {
     /// Places of syntax errors.
     pub syntax: Vec<Span>,
     /// Undeclared names and their places.
@@ -24,7 +24,7 @@ pub(super) struct Doubt<'d> {
     pub errors: Vec<Span>,
 }
 
-impl Doubt<'_> {
+impl PossibleUses<'_> {
     /// Returns whether a declaration is not reported, because it may be used or has to be repaired
     /// anyway. `end` is the place of its last part, `extent` is where it can be used.
     fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
@@ -54,7 +54,7 @@ pub(super) fn contract(
     contract: &ast::Contract,
     extent: Span,
     sources: &SourceMap,
-    doubt: &Doubt<'_>,
+    doubt: &PossibleUses<'_>,
 ) -> Vec<Diagnostic> {
     let mut used = Mentions::default();
     used.contract(contract);
@@ -156,7 +156,7 @@ fn parameter_end(parameter: &ast::Parameter) -> Span {
     default.map_or(parameter.domain.span, |e| e.span)
 }
 
-fn typed_end(typed: &ast::Typed) -> Span {
+fn typed_end(typed: &ast::TypedDecl) -> Span {
     typed.values.last().map_or(typed.domain.span, |e| e.span)
 }
 
@@ -213,7 +213,7 @@ pub(super) fn machine<'a>(
     contracts: &[&'a ast::Contract],
     machines: &[&'a ast::Machine],
     extent: Span,
-    doubt: &Doubt<'_>,
+    doubt: &PossibleUses<'_>,
 ) -> Vec<Diagnostic> {
     let mut used = Mentions::default();
     used.machine(machine);
@@ -267,7 +267,7 @@ pub(super) fn file(
     tree: &ast::File,
     importers: &[&ast::File],
     extent: Span,
-    doubt: &Doubt<'_>,
+    doubt: &PossibleUses<'_>,
 ) -> Vec<Diagnostic> {
     let holds = |item: &Item| matches!(item, Item::Contract(_) | Item::Machine(_) | Item::Line(_));
     if !tree.items.iter().any(holds) {

@@ -5,10 +5,10 @@
 //! (deletion, as for the cores of contracts): none of the named rules can be omitted.
 
 use super::fsm::{Fsm, telling};
-use super::program::{self, Apart};
+use super::program::{self, DifferenceOptions};
 use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::REFUSED;
 use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -43,15 +43,15 @@ pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
     findings
 }
 
-fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
+fn too_large(skills: &Skills, error: &BoundExceeded) -> Diagnostic {
     let message = format!(
         "what the rules of `{}` come to was not decided: {error}",
         skills.name
     );
     let finding = Diagnostic::warning(codes::TOO_LARGE, skills.span, message);
     match error {
-        TooLarge::Late(late) => finding.with_help(late.remedy()).giving_up(true),
-        TooLarge::Count { .. } => {
+        BoundExceeded::Late(late) => finding.with_help(late.remedy()).giving_up(true),
+        BoundExceeded::Count { .. } => {
             finding.with_help("fewer rules, or fewer repetitions in a sequence, let it be decided")
         }
     }
@@ -63,8 +63,8 @@ fn at_level(
     level: Level,
     until: Deadline,
     findings: &mut Vec<Diagnostic>,
-) -> Result<(), TooLarge> {
-    let examined = Examined {
+) -> Result<(), BoundExceeded> {
+    let examined = OrderExamination {
         skills,
         calls: telling(skills),
         options: Options {
@@ -94,19 +94,19 @@ fn at_level(
     examined.redundant(&all, findings)
 }
 
-struct Examined<'a> {
+struct OrderExamination<'a> {
     skills: &'a Skills,
     /// Calls to examine.
     calls: Vec<Call>,
     options: Options,
 }
 
-impl Examined<'_> {
+impl OrderExamination<'_> {
     fn only(&self, rules: &[usize]) -> Skills {
         self.skills.with_rules(rules)
     }
 
-    fn fsm(&self, rules: &[usize]) -> Result<Fsm, TooLarge> {
+    fn fsm(&self, rules: &[usize]) -> Result<Fsm, BoundExceeded> {
         let skills = self.only(rules);
         let mut supervisor = Supervisor::new(&skills, self.options)?.lean();
         Fsm::explore_within(&mut supervisor, self.calls.clone(), MOST_EXAMINED)
@@ -115,8 +115,8 @@ impl Examined<'_> {
     /// Returns a minimal set of rules with the fault.
     fn core(
         rules: &[usize],
-        fault: impl Fn(&[usize]) -> Result<bool, TooLarge>,
-    ) -> Result<Vec<usize>, TooLarge> {
+        fault: impl Fn(&[usize]) -> Result<bool, BoundExceeded>,
+    ) -> Result<Vec<usize>, BoundExceeded> {
         let mut core = rules.to_vec();
         let mut at = 0;
         while at < core.len() {
@@ -132,7 +132,7 @@ impl Examined<'_> {
     }
 
     /// Returns whether nothing may be called after these calls, all of which are allowed.
-    fn is_stuck(&self, rules: &[usize], word: &[Call]) -> Result<bool, TooLarge> {
+    fn is_stuck(&self, rules: &[usize], word: &[Call]) -> Result<bool, BoundExceeded> {
         let skills = self.only(rules);
         let mut supervisor = Supervisor::new(&skills, self.options)?;
         let mut state = supervisor.start();
@@ -147,7 +147,7 @@ impl Examined<'_> {
     }
 
     /// Finds rules with which nothing may be called at all.
-    fn nothing(&self, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+    fn nothing(&self, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
         if !self.is_stuck(all, &[])? {
             return Ok(None);
         }
@@ -170,7 +170,7 @@ impl Examined<'_> {
     }
 
     /// Finds rules that together leave nothing to be called, although each of them alone would.
-    fn dead_end(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+    fn dead_end(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
         let letters = fsm.dfa.letters();
         let is_stuck = |state: u32| (0..letters).all(|l| fsm.dfa.next(state, l) == REFUSED);
         for state in (0..fsm.states.len() as u32).filter(|s| is_stuck(*s)) {
@@ -204,7 +204,7 @@ impl Examined<'_> {
         fsm: &Fsm,
         all: &[usize],
         findings: &mut Vec<Diagnostic>,
-    ) -> Result<(), TooLarge> {
+    ) -> Result<(), BoundExceeded> {
         let is_called = |fsm: &Fsm, skill: usize| {
             let mut columns = fsm
                 .calls
@@ -254,7 +254,11 @@ impl Examined<'_> {
 
     /// Finds calls of several skills that a rule mentions and itself never allows, since it rejects
     /// one of the skills by itself, or all of them after one.
-    fn never_at_once(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
+    fn never_at_once(
+        &self,
+        all: &[usize],
+        findings: &mut Vec<Diagnostic>,
+    ) -> Result<(), BoundExceeded> {
         for rule in all {
             let of = &self.skills.rules[*rule];
             let mut events: Vec<Call> = Vec::new();
@@ -307,7 +311,7 @@ impl Examined<'_> {
     }
 
     /// Finds a sequence that can no longer be completed because of other rules.
-    fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+    fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
         // The first word that is a prefix of some word, but not of one that can be completed.
         let begun = fsm.dfa.clone().prefix_closed();
         let completed = fsm.dfa.clone().trimmed().prefix_closed();
@@ -344,7 +348,11 @@ impl Examined<'_> {
     }
 
     /// Finds rules that forbid nothing beyond the others.
-    fn redundant(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
+    fn redundant(
+        &self,
+        all: &[usize],
+        findings: &mut Vec<Diagnostic>,
+    ) -> Result<(), BoundExceeded> {
         for (at, rule) in all.iter().enumerate() {
             // A rule of a lower level was checked there.
             if self.skills.rules[*rule].level < self.options.level {
@@ -353,7 +361,7 @@ impl Examined<'_> {
             let mut others = all.to_vec();
             others.remove(at);
             let (with, without) = (self.only(all), self.only(&others));
-            let whole = Apart {
+            let whole = DifferenceOptions {
                 whole: true,
                 one_way: false,
                 entries: MOST_COMPARED / all.len(),

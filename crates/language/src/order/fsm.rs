@@ -3,7 +3,7 @@
 
 use super::Skills;
 use super::supervisor::{Call, Options, State, Supervisor};
-use linewright_automata::bound::{Bound, TooLarge};
+use linewright_automata::bound::{BoundExceeded, ExplorationBound};
 use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_automata::search::shortest;
 use std::collections::BTreeMap;
@@ -121,7 +121,10 @@ impl Fsm {
     ///
     /// # Errors
     /// When the table would have more than [`MOST_ENTRIES`] entries, or the deadline has passed.
-    pub fn explore(supervisor: &mut Supervisor<'_>, calls: Vec<Call>) -> Result<Self, TooLarge> {
+    pub fn explore(
+        supervisor: &mut Supervisor<'_>,
+        calls: Vec<Call>,
+    ) -> Result<Self, BoundExceeded> {
         Self::explore_within(supervisor, calls, MOST_ENTRIES)
     }
 
@@ -133,7 +136,7 @@ impl Fsm {
         supervisor: &mut Supervisor<'_>,
         calls: Vec<Call>,
         entries: usize,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let limit = entries / calls.len().max(1);
         let start = supervisor.start();
         let until = supervisor.options().until;
@@ -142,7 +145,7 @@ impl Fsm {
         let explored = Dfa::explore_all(
             calls.len(),
             &[start],
-            Bound::new(limit, until),
+            ExplorationBound::new(limit, until),
             |state, column| match supervisor.call(state, calls[column]) {
                 Ok(after) => after.ok(),
                 Err(error) => {
@@ -171,7 +174,7 @@ impl Fsm {
     ///
     /// # Errors
     /// When it is too large.
-    pub fn of(skills: &Skills, options: Options, most: usize) -> Result<Self, TooLarge> {
+    pub fn of(skills: &Skills, options: Options, most: usize) -> Result<Self, BoundExceeded> {
         let mut supervisor = Supervisor::new(skills, options)?;
         Self::explore(&mut supervisor, calls(skills, most))
     }
@@ -181,7 +184,7 @@ impl Fsm {
     ///
     /// # Errors
     /// When it is too large.
-    pub fn of_words(skills: &Skills, options: Options, most: usize) -> Result<Self, TooLarge> {
+    pub fn of_words(skills: &Skills, options: Options, most: usize) -> Result<Self, BoundExceeded> {
         let mut supervisor = Supervisor::new(skills, options)?.lean();
         Self::explore(&mut supervisor, calls(skills, most))
     }

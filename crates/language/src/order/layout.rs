@@ -5,7 +5,7 @@
 //! The same numbers are used by the monitor of this process, the one in C and the one in Structured
 //! Text.
 
-use super::monitor::Why;
+use super::monitor::RefusalReason;
 use super::table::{RECALL, REFUSED, TOGETHER, Table};
 
 /// Rows of single skills, and rows of sets of skills.
@@ -63,7 +63,7 @@ impl Layout {
         for state in 0..table.states {
             let row = singles.iter().map(|column| match column {
                 Some(column) => layout.entry(table, state, *column),
-                None => layout.code(Why::Unknown),
+                None => layout.code(RefusalReason::Unknown),
             });
             let row: Vec<u32> = row.collect();
             layout.single.extend(row);
@@ -80,32 +80,32 @@ impl Layout {
         let place = state * table.calls.len() + column;
         match table.next[place] {
             REFUSED => self.code(match table.why[place] {
-                RECALL => Why::Recall,
-                TOGETHER => Why::Together,
-                rule => Why::Rule(usize::from(rule)),
+                RECALL => RefusalReason::Recall,
+                TOGETHER => RefusalReason::Together,
+                rule => RefusalReason::Rule(usize::from(rule)),
             }),
             to => to * self.stride as u32,
         }
     }
 
     /// Returns the entry for a refused call.
-    pub fn code(&self, why: Why) -> u32 {
+    pub fn code(&self, why: RefusalReason) -> u32 {
         self.refused
             + match why {
-                Why::Rule(rule) => rule as u32,
-                Why::Recall => self.rules,
-                Why::Together => self.rules + 1,
-                Why::Unknown => self.rules + 2,
+                RefusalReason::Rule(rule) => rule as u32,
+                RefusalReason::Recall => self.rules,
+                RefusalReason::Together => self.rules + 1,
+                RefusalReason::Unknown => self.rules + 2,
             }
     }
 
     /// Returns why a call is refused, from an entry that is no state.
-    pub fn why(&self, entry: u32) -> Why {
+    pub fn why(&self, entry: u32) -> RefusalReason {
         match entry - self.refused {
-            rule if rule < self.rules => Why::Rule(rule as usize),
-            other if other == self.rules => Why::Recall,
-            other if other == self.rules + 1 => Why::Together,
-            _ => Why::Unknown,
+            rule if rule < self.rules => RefusalReason::Rule(rule as usize),
+            other if other == self.rules => RefusalReason::Recall,
+            other if other == self.rules + 1 => RefusalReason::Together,
+            _ => RefusalReason::Unknown,
         }
     }
 }

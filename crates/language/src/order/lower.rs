@@ -9,10 +9,10 @@
 //! [`super::serial`] builds, so every order of them has to be allowed.
 
 use super::rule::{self, Alphabet};
-use super::serial::{Known, Serial};
+use super::serial::{Serial, StateSetId};
 use super::strongest::recall;
 use super::{Level, Rule, Serialisation, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_core::deadline::Deadline;
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 
@@ -31,7 +31,7 @@ pub fn rule_of(formula: &str) -> Option<&str> {
 
 /// Lowered form of one rule.
 #[derive(Debug, Clone)]
-pub struct Lowered {
+pub struct LoweredRule {
     /// Indices of the skills that it mentions.
     pub speaks_of: Vec<usize>,
     /// State of its automaton; `None` if there is only one. Its id is the requested one.
@@ -106,7 +106,7 @@ pub fn lower(
     when: Conditions<'_>,
     variable: VarId,
     taken: impl Fn(&str) -> bool,
-) -> Result<Lowered, TooLarge> {
+) -> Result<LoweredRule, BoundExceeded> {
     let alphabet = Alphabet::of(skills);
     let automaton = rule::automaton(rule, skills, &alphabet, Deadline::NONE)?;
     let mut serial = Serial::new(automaton, Serialisation::Every);
@@ -128,7 +128,7 @@ pub fn lower(
     while taken(&name) {
         name.push('_');
     }
-    let mut lowered = Lowered {
+    let mut lowered = LoweredRule {
         speaks_of: spoken,
         variable: at.map(|_| Variable {
             name,
@@ -148,8 +148,8 @@ pub fn lower(
         let first = table.next(0, &now);
         let first = Expr::now(at).equals(first);
         lowered.definitions.initial.push(formula(first, AT_FIRST));
-        let mut later = table.next(states as Known - 1, &rising);
-        for state in (0..states as Known - 1).rev() {
+        let mut later = table.next(states as StateSetId - 1, &rising);
+        for state in (0..states as StateSetId - 1).rev() {
             let here = Expr::now(at).equals(Expr::Const(i64::from(state)));
             let then = table.next(state, &rising);
             later = Expr::If(Box::new(here), Box::new(then), Box::new(later));
@@ -161,7 +161,7 @@ pub fn lower(
     if first != Expr::TRUE {
         lowered.rule.initial.push(formula(first, AT_FIRST));
     }
-    let later = (0..states as Known).fold(Expr::TRUE, |all, state| {
+    let later = (0..states as StateSetId).fold(Expr::TRUE, |all, state| {
         let allowed = table.allowed(state, &rising);
         match at {
             _ if allowed == Expr::TRUE => all,
@@ -204,7 +204,7 @@ struct Cases {
     components: Vec<Vec<usize>>,
     /// By state: a mask of skills, and the state after it, `None` if it is refused. Smaller sets
     /// first.
-    after: Vec<Vec<(u64, Option<Known>)>>,
+    after: Vec<Vec<(u64, Option<StateSetId>)>>,
 }
 
 impl Cases {
@@ -213,7 +213,7 @@ impl Cases {
         alphabet: &Alphabet,
         serial: &mut Serial,
         spoken: &[usize],
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let components = (0..skills.components.len()).map(|c| {
             let own = spoken.iter().copied();
             own.filter(|s| skills.skills[*s].component == c).collect()
@@ -238,7 +238,7 @@ impl Cases {
             let mut row = Vec::with_capacity(sets.len());
             for set in &sets {
                 let letters = alphabet.letters(*set);
-                row.push((*set, serial.call(state as Known, &letters)?));
+                row.push((*set, serial.call(state as StateSetId, &letters)?));
             }
             after.push(row);
             state += 1;
@@ -249,14 +249,14 @@ impl Cases {
         Ok(Self { components, after })
     }
 
-    fn to(&self, state: Known, set: u64) -> Option<Known> {
+    fn to(&self, state: StateSetId, set: u64) -> Option<StateSetId> {
         let row = &self.after[state as usize];
         let found = row.iter().find(|(known, _)| *known == set);
         found.expect("all sets are there; please report this").1
     }
 
     /// Returns the state after a call; it stays the same if the call is refused.
-    fn next(&self, state: Known, called: &impl Fn(usize) -> Expr) -> Expr {
+    fn next(&self, state: StateSetId, called: &impl Fn(usize) -> Expr) -> Expr {
         self.decide(
             0,
             0,
@@ -291,7 +291,7 @@ impl Cases {
 
     /// Returns the condition on allowed calls in a state: no minimal refused set is called. A set
     /// that contains a refused set is refused, since the skills of the smaller one may come first.
-    fn allowed(&self, state: Known, called: &impl Fn(usize) -> Expr) -> Expr {
+    fn allowed(&self, state: StateSetId, called: &impl Fn(usize) -> Expr) -> Expr {
         let mut least: Vec<u64> = Vec::new();
         for (set, to) in &self.after[state as usize] {
             if to.is_none() && least.iter().all(|l| l & set != *l) {
@@ -311,8 +311,8 @@ impl Cases {
     }
 }
 
-fn too_many() -> TooLarge {
-    TooLarge::Count {
+fn too_many() -> BoundExceeded {
+    BoundExceeded::Count {
         what: "combinations of what is known of a rule and what is called",
         limit: MOST_CASES,
     }

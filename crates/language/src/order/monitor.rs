@@ -5,12 +5,12 @@
 
 use super::layout::Layout;
 use super::supervisor::{Call, Refusal as Refused, State, Supervisor};
-use super::table::{Cited, Table};
-use linewright_automata::bound::TooLarge;
+use super::table::{RuleCitation, Table};
+use linewright_automata::bound::BoundExceeded;
 
 /// Reason why a call is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Why {
+pub enum RefusalReason {
     /// This rule forbids it, by its index in [`Table::rules`]; the first of them if there are
     /// several.
     Rule(usize),
@@ -29,7 +29,7 @@ pub enum Verdict {
     /// The call may be made.
     Allowed,
     /// The call must not be made.
-    Refused(Why),
+    Refused(RefusalReason),
 }
 
 /// The first refused call of several.
@@ -38,7 +38,7 @@ pub struct Refusal {
     /// Number of calls before it.
     pub at: usize,
     /// Reason for the refusal.
-    pub why: Why,
+    pub why: RefusalReason,
 }
 
 /// The state of a monitor of a table between two calls.
@@ -57,9 +57,9 @@ impl Verdict {
     }
 }
 
-impl Why {
+impl RefusalReason {
     /// Describes the verdict: the rule with its name, or what is wrong with the call.
-    pub fn text(self, rules: &[Cited]) -> String {
+    pub fn text(self, rules: &[RuleCitation]) -> String {
         match self {
             Self::Rule(rule) => rules[rule].to_string(),
             Self::Recall => {
@@ -172,7 +172,7 @@ impl<'a> Monitor<'a> {
         if skill < self.layout.stride {
             self.layout.single[self.state as usize + skill]
         } else {
-            self.layout.code(Why::Unknown)
+            self.layout.code(RefusalReason::Unknown)
         }
     }
 
@@ -182,13 +182,13 @@ impl<'a> Monitor<'a> {
         match skills.count_ones() {
             0 => self.state,
             1 => self.single(skills.trailing_zeros() as u8),
-            _ if known < 64 && skills >> known != 0 => self.layout.code(Why::Unknown),
+            _ if known < 64 && skills >> known != 0 => self.layout.code(RefusalReason::Unknown),
             _ => match self.layout.sets.binary_search(&skills) {
                 Ok(set) => {
                     let row = self.state as usize / self.layout.stride;
                     self.layout.at_once[row * self.layout.sets.len() + set]
                 }
-                Err(_) => self.layout.code(Why::Together),
+                Err(_) => self.layout.code(RefusalReason::Together),
             },
         }
     }
@@ -222,10 +222,10 @@ impl<'a> Unfolding<'a> {
             return Verdict::Allowed;
         }
         if known < 64 && skills >> known != 0 {
-            return Verdict::Refused(Why::Unknown);
+            return Verdict::Refused(RefusalReason::Unknown);
         }
         if skills.count_ones() > self.at_once {
-            return Verdict::Refused(Why::Together);
+            return Verdict::Refused(RefusalReason::Together);
         }
         match self.supervisor.call(&self.state, Call(skills)) {
             Ok(Ok(after)) => {
@@ -233,11 +233,13 @@ impl<'a> Unfolding<'a> {
                 Verdict::Allowed
             }
             Ok(Err(refusal)) => Verdict::Refused(match refusal {
-                Refused::SameComponent { .. } => Why::Together,
-                Refused::Recall { .. } => Why::Recall,
-                Refused::Rule { rule, .. } | Refused::Deleted { rule } => Why::Rule(rule),
+                Refused::SameComponent { .. } => RefusalReason::Together,
+                Refused::Recall { .. } => RefusalReason::Recall,
+                Refused::Rule { rule, .. } | Refused::Deleted { rule } => RefusalReason::Rule(rule),
             }),
-            Err(TooLarge::Count { .. } | TooLarge::Late(_)) => Verdict::Refused(Why::Together),
+            Err(BoundExceeded::Count { .. } | BoundExceeded::Late(_)) => {
+                Verdict::Refused(RefusalReason::Together)
+            }
         }
     }
 }

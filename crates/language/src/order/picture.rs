@@ -9,7 +9,7 @@ use super::fsm::Fsm;
 use super::rule::{self, Alphabet};
 use super::supervisor::{Call, Options};
 use super::{Level, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::REFUSED;
 use linewright_core::drawing::{Edge, Graph, Region};
 use std::collections::BTreeMap;
@@ -73,7 +73,7 @@ fn lines(texts: impl Iterator<Item = String>) -> Vec<String> {
 ///
 /// # Errors
 /// When a rule's automaton is too large.
-pub fn regions(skills: &Skills, options: Options) -> Result<Vec<Region>, TooLarge> {
+pub fn regions(skills: &Skills, options: Options) -> Result<Vec<Region>, BoundExceeded> {
     let mut regions = Vec::new();
     for (number, component) in skills.components.iter().enumerate() {
         regions.push(Region {

@@ -3,8 +3,8 @@
 
 use super::fsm::{MOST_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
-use linewright_automata::bound::TooLarge;
-use linewright_automata::search::{Found, way};
+use linewright_automata::bound::BoundExceeded;
+use linewright_automata::search::{SearchNode, way};
 use rustc_hash::FxHashSet;
 
 /// Maximum number of calls explored in one search.
@@ -12,7 +12,7 @@ pub const MOST_SOUGHT: usize = 1 << 20;
 
 /// Result of checking a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Checked {
+pub struct ProgramCheck {
     /// Number of allowed calls from the start; all of them if there is no violation.
     pub allowed: usize,
     /// First call that is not allowed.
@@ -23,11 +23,11 @@ pub struct Checked {
     pub unfinished: Vec<usize>,
     /// Shortest calls that would complete it; `None` if it is complete, or never can be. An error
     /// if the search is too large.
-    pub completion: Sought,
+    pub completion: SearchResult,
 }
 
 /// The shortest calls that reach a goal, if there are any.
-pub type Sought = Result<Option<Vec<Call>>, TooLarge>;
+pub type SearchResult = Result<Option<Vec<Call>>, BoundExceeded>;
 
 /// A refused call.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub struct Violation {
     pub refusal: Refusal,
     /// Shortest calls after which it is allowed; `None` if there are none. An error if the search
     /// is too large.
-    pub detour: Sought,
+    pub detour: SearchResult,
     /// Calls allowed in its place: single skills, and up to as many at once as in the call.
     pub instead: Vec<Call>,
 }
@@ -49,7 +49,10 @@ pub struct Violation {
 ///
 /// # Errors
 /// When one rule mentions too many of the skills of one call.
-pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checked, TooLarge> {
+pub fn check(
+    supervisor: &mut Supervisor<'_>,
+    program: &[Call],
+) -> Result<ProgramCheck, BoundExceeded> {
     let mut state = supervisor.start();
     for (step, call) in program.iter().enumerate() {
         match supervisor.call(&state, *call)? {
@@ -62,7 +65,7 @@ pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checke
                     detour: detour(supervisor, &state, *call, MOST_SOUGHT),
                     instead: allowed(supervisor, &state, call.skills().count())?,
                 };
-                return Ok(Checked {
+                return Ok(ProgramCheck {
                     allowed: step,
                     violation: Some(violation),
                     unfinished: Vec::new(),
@@ -77,7 +80,7 @@ pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checke
     } else {
         completion(supervisor, &state)
     };
-    Ok(Checked {
+    Ok(ProgramCheck {
         allowed: program.len(),
         violation: None,
         unfinished: supervisor.unfinished(&state),
@@ -94,7 +97,7 @@ pub fn allowed(
     supervisor: &mut Supervisor<'_>,
     state: &State,
     most: usize,
-) -> Result<Vec<Call>, TooLarge> {
+) -> Result<Vec<Call>, BoundExceeded> {
     let mut allowed = Vec::new();
     for call in calls(supervisor.skills(), most) {
         if supervisor.call(state, call)?.is_ok() {
@@ -109,7 +112,12 @@ pub fn allowed(
 ///
 /// # Errors
 /// When more than `entries` calls would be explored, or the deadline has passed.
-pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call, entries: usize) -> Sought {
+pub fn detour(
+    supervisor: &mut Supervisor<'_>,
+    from: &State,
+    call: Call,
+    entries: usize,
+) -> SearchResult {
     search(supervisor, from, entries, |supervisor, state| {
         matches!(supervisor.call(state, call), Ok(Ok(_)))
     })
@@ -120,7 +128,7 @@ pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call, entries
 ///
 /// # Errors
 /// When too many states would be explored, or the deadline has passed.
-pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> Sought {
+pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> SearchResult {
     search(supervisor, from, MOST_SOUGHT, |supervisor, state| {
         supervisor.is_complete(state)
     })
@@ -131,16 +139,16 @@ fn search(
     from: &State,
     entries: usize,
     mut wanted: impl FnMut(&mut Supervisor<'_>, &State) -> bool,
-) -> Sought {
+) -> SearchResult {
     let singles = calls(supervisor.skills(), 1);
     let limit = entries / singles.len().max(1) + 1;
     let until = supervisor.options().until;
     let mut seen = FxHashSet::from_iter([supervisor.essence(from)]);
-    let mut found: Vec<Found<State, Call>> = vec![(from.clone(), None)];
+    let mut found: Vec<SearchNode<State, Call>> = vec![(from.clone(), None)];
     let mut at = 0;
     while at < found.len() {
         if found.len() >= limit {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "states",
                 limit,
             });
@@ -175,7 +183,7 @@ pub struct Difference {
 
 /// Criteria for a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Apart {
+pub struct DifferenceOptions {
     /// Whether programs that only one set lets end count as well.
     pub whole: bool,
     /// Whether only calls that the first allows and the second refuses count.
@@ -184,7 +192,7 @@ pub struct Apart {
     pub entries: usize,
 }
 
-impl Default for Apart {
+impl Default for DifferenceOptions {
     fn default() -> Self {
         Self {
             whole: false,
@@ -202,8 +210,8 @@ pub fn difference(
     first: &Supervisor<'_>,
     second: &Supervisor<'_>,
     calls: &[Call],
-    apart: Apart,
-) -> Result<Option<Difference>, TooLarge> {
+    apart: DifferenceOptions,
+) -> Result<Option<Difference>, BoundExceeded> {
     let (first, second) = (&mut first.clone().lean(), &mut second.clone().lean());
     let limit = apart.entries / calls.len().max(1);
     let start = (first.start(), second.start());
@@ -221,7 +229,7 @@ pub fn difference(
         }));
     }
     let mut seen = FxHashSet::from_iter([start.clone()]);
-    let mut found: Vec<Found<(State, State), Call>> = vec![(start, None)];
+    let mut found: Vec<SearchNode<(State, State), Call>> = vec![(start, None)];
     let mut at = 0;
     let until = first.options().until;
     while at < found.len() {
@@ -246,7 +254,7 @@ pub fn difference(
                 continue;
             }
             if found.len() == limit {
-                return Err(TooLarge::Count {
+                return Err(BoundExceeded::Count {
                     what: "pairs of states",
                     limit,
                 });

@@ -7,7 +7,7 @@
 
 use super::standing::{Window, standing};
 use super::{Event, Kind, Rule, Skills};
-use linewright_automata::bound::{Bound, MOST_STATES, TooLarge};
+use linewright_automata::bound::{BoundExceeded, ExplorationBound, MOST_STATES};
 use linewright_automata::dfa::Dfa;
 use linewright_automata::regex::{self, Regex};
 use linewright_core::deadline::Deadline;
@@ -167,7 +167,7 @@ impl Automaton {
         step: impl Fn(&S, usize) -> Option<S>,
         over: impl Fn(&S) -> S,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<(Self, Vec<S>), TooLarge> {
+    ) -> Result<(Self, Vec<S>), BoundExceeded> {
         // The end of a call is an additional letter, so that its successors are found as well.
         let step = |state: &S, letter: usize| {
             if letter == letters {
@@ -179,7 +179,7 @@ impl Automaton {
         let found = Dfa::explore_all(
             letters + 1,
             starts,
-            Bound::new(MOST_STATES, until),
+            ExplorationBound::new(MOST_STATES, until),
             step,
             complete,
         )?;
@@ -203,7 +203,7 @@ pub fn automaton(
     skills: &Skills,
     alphabet: &Alphabet,
     until: Deadline,
-) -> Result<Automaton, TooLarge> {
+) -> Result<Automaton, BoundExceeded> {
     let letters = alphabet.len();
     let set = |events: &[Event]| alphabet.set(events);
     // Whether one of these counts as called at the start.
@@ -280,14 +280,14 @@ fn one<S: Clone + Eq + Hash>(
     letters: usize,
     starts: &[S],
     step: impl Fn(&S, usize) -> Option<S>,
-) -> Result<Automaton, TooLarge> {
+) -> Result<Automaton, BoundExceeded> {
     let explored = Dfa::explore_all(letters, starts, MOST_STATES, step, |_| true)?;
     Ok(Automaton::of_letters(explored.dfa, explored.starts))
 }
 
 /// Progress in a word: the word, the position in it, and the missing skills of an event of several
 /// skills whose other skills have just been called.
-type Reached = (usize, usize, u64);
+type WordProgress = (usize, usize, u64);
 
 /// Builds the automaton of words in a row. A state is the progress in each word: the suffixes of
 /// the calls that begin a word (Aho and Corasick, "Efficient string matching", 1975, by sets).
@@ -295,12 +295,12 @@ fn in_a_row(
     words: &[Vec<Vec<Event>>],
     alphabet: &Alphabet,
     until: Deadline,
-) -> Result<Automaton, TooLarge> {
+) -> Result<Automaton, BoundExceeded> {
     let words: Vec<Vec<Vec<u64>>> = words
         .iter()
         .map(|word| word.iter().map(|place| masks(place)).collect())
         .collect();
-    let step = |reached: &Vec<Reached>, letter: usize| {
+    let step = |reached: &Vec<WordProgress>, letter: usize| {
         if letter >= alphabet.skills {
             // The skills of an event of several are sufficient.
             return Some(reached.clone());
@@ -328,7 +328,7 @@ fn in_a_row(
         Some(next)
     };
     // The missing skills of an event have to come in the same call.
-    let over = |reached: &Vec<Reached>| {
+    let over = |reached: &Vec<WordProgress>| {
         let whole = reached.iter().filter(|(_, _, missing)| *missing == 0);
         whole.copied().collect()
     };
@@ -343,8 +343,12 @@ fn sequence(
     skills: &Skills,
     letters: usize,
     until: Deadline,
-) -> Result<Automaton, TooLarge> {
-    let dfa = regex::automaton(regex, skills.skills.len(), Bound::new(MOST_STATES, until))?;
+) -> Result<Automaton, BoundExceeded> {
+    let dfa = regex::automaton(
+        regex,
+        skills.skills.len(),
+        ExplorationBound::new(MOST_STATES, until),
+    )?;
     let count = skills.skills.len();
     let step = |state: &u32, letter: usize| {
         if letter >= count {

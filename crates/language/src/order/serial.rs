@@ -8,7 +8,7 @@
 
 use super::Serialisation;
 use super::rule::Automaton;
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use rustc_hash::FxHashMap;
 
@@ -16,7 +16,7 @@ use rustc_hash::FxHashMap;
 pub const MOST_AT_ONCE: usize = 16;
 
 /// Number of a set of states of one rule's automaton.
-pub type Known = u32;
+pub type StateSetId = u32;
 
 /// A rule's automaton, read call by call. The result of each call is cached, so a call is computed
 /// once.
@@ -30,8 +30,8 @@ pub struct Serial {
     idle: Vec<bool>,
     /// Sets of states, each in ascending order.
     sets: Vec<Vec<u32>>,
-    numbers: FxHashMap<Vec<u32>, Known>,
-    calls: FxHashMap<(Known, Vec<usize>), Option<Known>>,
+    numbers: FxHashMap<Vec<u32>, StateSetId>,
+    calls: FxHashMap<(StateSetId, Vec<usize>), Option<StateSetId>>,
 }
 
 impl Serial {
@@ -58,7 +58,7 @@ impl Serial {
     }
 
     /// Returns the states that the rule may be in.
-    pub fn states(&self, known: Known) -> &[u32] {
+    pub fn states(&self, known: StateSetId) -> &[u32] {
         &self.sets[known as usize]
     }
 
@@ -68,7 +68,7 @@ impl Serial {
     }
 
     /// Returns whether a program may end here: in every state of the set, or in some.
-    pub fn is_complete(&self, known: Known) -> bool {
+    pub fn is_complete(&self, known: StateSetId) -> bool {
         let mut states = self.states(known).iter();
         match self.serialisation {
             Serialisation::Every => states.all(|s| self.dfa.is_complete(*s)),
@@ -80,7 +80,11 @@ impl Serial {
     ///
     /// # Errors
     /// When there are more than [`MOST_AT_ONCE`] that matter.
-    pub fn call(&mut self, known: Known, letters: &[usize]) -> Result<Option<Known>, TooLarge> {
+    pub fn call(
+        &mut self,
+        known: StateSetId,
+        letters: &[usize],
+    ) -> Result<Option<StateSetId>, BoundExceeded> {
         let letters: Vec<usize> = letters.iter().copied().filter(|l| !self.idle[*l]).collect();
         let key = (known, letters);
         if let Some(after) = self.calls.get(&key) {
@@ -99,7 +103,7 @@ impl Serial {
             }
             states.sort_unstable();
             states.dedup();
-            let new = self.sets.len() as Known;
+            let new = self.sets.len() as StateSetId;
             let number = *self.numbers.entry(states.clone()).or_insert(new);
             if number == new {
                 self.sets.push(states);
@@ -110,7 +114,7 @@ impl Serial {
         Ok(after)
     }
 
-    fn one(&self, known: Known, letter: usize) -> Option<Vec<u32>> {
+    fn one(&self, known: StateSetId, letter: usize) -> Option<Vec<u32>> {
         let states = self.states(known).iter();
         let mut reached: Vec<u32> = states.map(|s| self.dfa.next(*s, letter)).collect();
         reached.sort_unstable();
@@ -129,11 +133,11 @@ impl Serial {
     /// the letter instead.
     fn reached(
         &self,
-        known: Known,
+        known: StateSetId,
         letters: &[usize],
-    ) -> Result<Result<Vec<Vec<u32>>, Refused>, TooLarge> {
+    ) -> Result<Result<Vec<Vec<u32>>, Refused>, BoundExceeded> {
         if letters.len() > MOST_AT_ONCE {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "skills at once that one rule speaks of",
                 limit: MOST_AT_ONCE,
             });
@@ -180,9 +184,9 @@ impl Serial {
     /// When there are more than [`MOST_AT_ONCE`] that matter.
     pub fn refusing(
         &self,
-        known: Known,
+        known: StateSetId,
         letters: &[usize],
-    ) -> Result<Option<Vec<usize>>, TooLarge> {
+    ) -> Result<Option<Vec<usize>>, BoundExceeded> {
         let letters: Vec<usize> = letters.iter().copied().filter(|l| !self.idle[*l]).collect();
         let Err(refused) = self.reached(known, &letters)? else {
             return Ok(None);
@@ -220,7 +224,7 @@ impl Serial {
         Ok(Some(order))
     }
 
-    fn refused_in_order(&self, known: Known, letters: &[usize]) -> Vec<usize> {
+    fn refused_in_order(&self, known: StateSetId, letters: &[usize]) -> Vec<usize> {
         let mut state = self.states(known)[0];
         let mut order = Vec::new();
         for letter in letters {

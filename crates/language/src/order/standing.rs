@@ -5,7 +5,7 @@
 //! another there: the result of one order for all of them is found from its end, skill by skill.
 
 use super::{Event, Skills};
-use linewright_automata::bound::{MOST_STATES, TooLarge};
+use linewright_automata::bound::{BoundExceeded, MOST_STATES};
 use std::collections::BTreeSet;
 
 /// Returns those of these skills that the initial situation implies, as a mask. Events of several
@@ -63,7 +63,7 @@ impl Window {
 ///
 /// # Errors
 /// When there are too many such sets.
-pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, TooLarge> {
+pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, BoundExceeded> {
     let begin: Vec<Option<bool>> = windows
         .iter()
         .map(|w| (w.opening == 0).then_some(false))
@@ -90,7 +90,7 @@ pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, TooLarge> {
             }
         }
         if seen.len() == MOST_STATES {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "states",
                 limit: MOST_STATES,
             });

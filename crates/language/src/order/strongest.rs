@@ -23,7 +23,7 @@
 use super::fsm::Fsm;
 use super::supervisor::{Call, Options};
 use super::{Event, Kind, Level, Rule, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_automata::search::shortest;
 use std::collections::BTreeSet;
@@ -84,11 +84,11 @@ pub struct Strongest {
 ///
 /// # Errors
 /// When an automaton is too large.
-pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLarge> {
+pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, BoundExceeded> {
     let base = Fsm::of(skills, request.options, 1)?;
     let mut search = Search {
         request,
-        wanted: Wanted::new(&base, &request.useful),
+        wanted: ReachabilityGoals::new(&base, &request.useful),
         allowed: base.dfa.clone().prefix_closed(),
         base,
         found: Strongest {
@@ -241,7 +241,7 @@ fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
 }
 
 /// What must remain reachable from each state of the level without candidates.
-struct Wanted {
+struct ReachabilityGoals {
     /// Useful situations, in order.
     situations: Vec<Vec<usize>>,
     /// For each state, which of them can be reached by one call or more; the last bit is whether a
@@ -249,7 +249,7 @@ struct Wanted {
     reached: Vec<Bits>,
 }
 
-impl Wanted {
+impl ReachabilityGoals {
     fn new(base: &Fsm, useful: &[Pattern]) -> Self {
         let fits = |situation: &[usize]| {
             let mut patterns = useful.iter();
@@ -353,7 +353,7 @@ struct Search<'a> {
     request: &'a Request,
     /// The level without candidates.
     base: Fsm,
-    wanted: Wanted,
+    wanted: ReachabilityGoals,
     found: Strongest,
     /// Words allowed by the rules kept so far, with all their prefixes.
     allowed: Dfa,
@@ -361,7 +361,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Tests a candidate that forbids something allowed so far.
-    fn put_to_the_test(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), TooLarge> {
+    fn put_to_the_test(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), BoundExceeded> {
         let mut with = self.found.skills.clone();
         with.rules.push(rule.clone());
         let fsm = Fsm::of(&with, self.request.options, 1)?;
@@ -389,7 +389,7 @@ impl Search<'_> {
 
 /// Returns what is lost first, if anything: pairs each state with that of the level without
 /// candidates.
-fn loss(fsm: &Fsm, base: &Fsm, wanted: &Wanted) -> Verdict {
+fn loss(fsm: &Fsm, base: &Fsm, wanted: &ReachabilityGoals) -> Verdict {
     let left = reached(fsm, &wanted.situations);
     let missing = |&(now, before): &(u32, u32)| {
         wanted.reached[before as usize].first_beyond(&left[now as usize])

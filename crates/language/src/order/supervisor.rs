@@ -6,9 +6,9 @@
 //! [`super::fsm`] computes all of them.
 
 use super::rule::{self, Alphabet, Automaton};
-use super::serial::{Known, Serial};
+use super::serial::{Serial, StateSetId};
 use super::{Level, Serialisation, Skills, standing};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_core::deadline::Deadline;
 
@@ -79,7 +79,7 @@ pub struct State {
     /// Situation of each component.
     pub situation: Vec<usize>,
     /// States of the automata.
-    pub known: Vec<Known>,
+    pub known: Vec<StateSetId>,
 }
 
 /// Reason why a call is refused.
@@ -147,7 +147,7 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// When a rule's automaton is too large, or the product if one is needed.
-    pub fn new(skills: &'a Skills, options: Options) -> Result<Self, TooLarge> {
+    pub fn new(skills: &'a Skills, options: Options) -> Result<Self, BoundExceeded> {
         let alphabet = Alphabet::of(skills);
         let kept = skills
             .rules
@@ -245,7 +245,11 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// When one rule mentions too many of its skills.
-    pub fn call(&mut self, state: &State, call: Call) -> Result<Result<State, Refusal>, TooLarge> {
+    pub fn call(
+        &mut self,
+        state: &State,
+        call: Call,
+    ) -> Result<Result<State, Refusal>, BoundExceeded> {
         if let Some(refusal) = self.refused_by_components(state, call) {
             return Ok(Err(refusal));
         }
@@ -406,7 +410,7 @@ fn together(
     each: Vec<(usize, Automaton)>,
     letters: usize,
     until: Deadline,
-) -> Result<Automata, TooLarge> {
+) -> Result<Automata, BoundExceeded> {
     let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
     let windows: Vec<_> = automata.iter().map(|a| a.window).collect();
     let starts: Vec<Vec<u32>> = standing::together(&windows)?

@@ -4,7 +4,7 @@
 use super::Rule;
 use super::fsm::Fsm;
 use super::supervisor::{Call, Refusal, Supervisor};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa;
 
 /// Entry of [`Table::next`]: the call is refused.
@@ -26,7 +26,7 @@ pub struct Table {
     /// Names of the skills.
     pub skills: Vec<String>,
     /// Rules, as messages cite them.
-    pub rules: Vec<Cited>,
+    pub rules: Vec<RuleCitation>,
     /// Calls, one per column: masks over the skills. First the single skills in their order, then
     /// sets of two, of three and so on, each size in ascending order.
     pub calls: Vec<u64>,
@@ -43,7 +43,7 @@ pub struct Table {
 
 /// A rule as cited in a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Cited {
+pub struct RuleCitation {
     /// Name of the rule.
     pub name: String,
     /// Requirement it comes from, such as `R-12`.
@@ -52,7 +52,7 @@ pub struct Cited {
     pub text: String,
 }
 
-impl Cited {
+impl RuleCitation {
     /// Returns a rule as it is cited.
     pub fn of(rule: &Rule) -> Self {
         Self {
@@ -70,7 +70,7 @@ impl Table {
     /// # Errors
     /// When it would be too large, when one rule mentions too many of the skills of one call, or
     /// when the deadline has passed.
-    pub fn explore(supervisor: &Supervisor<'_>, calls: Vec<Call>) -> Result<Self, TooLarge> {
+    pub fn explore(supervisor: &Supervisor<'_>, calls: Vec<Call>) -> Result<Self, BoundExceeded> {
         let supervisor = &mut supervisor.clone().lean();
         let fsm = Fsm::explore(supervisor, calls)?;
         let skills = supervisor.skills();
@@ -78,7 +78,7 @@ impl Table {
             name: skills.name.clone(),
             kept: supervisor.options().text(),
             skills: skills.skills.iter().map(|s| s.name.clone()).collect(),
-            rules: skills.rules.iter().map(Cited::of).collect(),
+            rules: skills.rules.iter().map(RuleCitation::of).collect(),
             calls: fsm.calls.iter().map(|c| c.0).collect(),
             next: Vec::new(),
             why: Vec::new(),
@@ -108,7 +108,7 @@ impl Table {
     }
 }
 
-impl std::fmt::Display for Cited {
+impl std::fmt::Display for RuleCitation {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.name)?;
         if let Some(requirement) = &self.requirement {

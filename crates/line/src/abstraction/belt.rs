@@ -10,7 +10,7 @@ use super::words::{all, count, is};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
 use linewright_language::contract::line::Belt;
 use linewright_language::contract::machine::Machine;
-use linewright_solver::game::{Budget, Limit, Limits, Rule, RuleKind, Runs, Wanted};
+use linewright_solver::game::{Budget, Limit, Limits, Rule, RuleKind, RunQuery, Runs};
 
 /// Room on a belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     let again: Vec<usize> = (justices..rules.len()).collect();
     let mut runs = Runs::new(&variables, rules, &limits)?;
     let mut may_stay = |question: usize, again: &[usize]| {
-        let wanted = Wanted {
+        let wanted = RunQuery {
             keep: kept.clone(),
             again: again.to_vec(),
             never_again: vec![first + question],

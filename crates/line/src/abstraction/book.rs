@@ -3,21 +3,21 @@
 use super::parts::formula;
 use super::vocabulary::Model;
 use linewright_algebra::proof::{Claim, Reach};
-use linewright_algebra::system::{FormulaRef, Half, System, formulas, list_mut};
+use linewright_algebra::system::{ContractSide, FormulaRef, System, formulas, list_mut};
 use linewright_core::gr1::Expr;
 use linewright_language::contract::line::Line;
 use linewright_solver::game::RuleKind;
 use std::collections::BTreeSet;
 
 /// A claim under construction.
-pub(super) struct Book<'a> {
+pub(super) struct ClaimBuilder<'a> {
     pub(super) model: Model<'a>,
     pub(super) line: &'a Line,
     pub(super) system: &'a System,
     pub(super) claim: &'a mut Claim,
 }
 
-impl Book<'_> {
+impl ClaimBuilder<'_> {
     /// Adds a lemma with the formulas it is proved from, or the formulas close to it if `from` is
     /// empty; returns its reference.
     pub(super) fn lemma(
@@ -32,7 +32,7 @@ impl Book<'_> {
         let list = list_mut(&mut self.claim.goal, kind);
         let at = FormulaRef {
             part: None,
-            half: Half::Guarantees,
+            half: ContractSide::Guarantees,
             kind,
             index: list.len(),
         };
@@ -64,7 +64,7 @@ impl Book<'_> {
     pub(super) fn guarantees(&self, place: usize) -> impl Iterator<Item = FormulaRef> {
         formulas(&self.system.parts[place].guarantees).map(move |(kind, index, _)| FormulaRef {
             part: Some(place),
-            half: Half::Guarantees,
+            half: ContractSide::Guarantees,
             kind,
             index,
         })
@@ -91,7 +91,7 @@ impl Book<'_> {
             .filter(|(_, _, f)| is_known(&f.expr))
             .map(|(kind, index, _)| FormulaRef {
                 part: None,
-                half: Half::Assumptions,
+                half: ContractSide::Assumptions,
                 kind,
                 index,
             })

@@ -5,9 +5,9 @@
 //! these questions repeatedly with formulas left out.
 
 use super::Abstraction;
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 pub use linewright_algebra::proof::Open;
-use linewright_algebra::proof::{self, Broken, Claim};
+use linewright_algebra::proof::{self, Claim, Refutation};
 use linewright_algebra::system::{FormulaRef, formulas, list, rule};
 use linewright_core::gr1::Side;
 use linewright_language::contract::line::Line;
@@ -65,7 +65,7 @@ pub fn examine(
     line: &Line,
     limits: &Limits,
     most_variables: usize,
-) -> Result<(Abstraction, Verdict), Undecided> {
+) -> Result<(Abstraction, Verdict), UndecidedReason> {
     let is_small = |a: &Abstraction| a.system.variables.len() <= most_variables;
     let asked = |abstraction: &Abstraction| -> Result<Verdict, Limit> {
         let mut verdict = safety(abstraction, limits)?;
@@ -128,7 +128,7 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
         };
         verdict.open.extend(runs.step(&slip)?.map(|trace| Open {
             what,
-            why: Broken::Trace(trace),
+            why: Refutation::Trace(trace),
         }));
     }
     Ok(verdict)

@@ -5,7 +5,7 @@ use super::chain::{Chain, View};
 use super::decide::{Open, Verdict};
 use super::requirements::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
 use super::shape::{Place, PlaceKind, Shape};
-use linewright_algebra::proof::Broken;
+use linewright_algebra::proof::Refutation;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::eval::holds;
 use linewright_language::contract::line::{Line, NodeKind};
@@ -18,8 +18,8 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
     for open in &verdict.open {
         let name = &abstraction.goal(open.what).name;
         match &open.why {
-            Broken::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
-            Broken::Lasso(lasso) => {
+            Refutation::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
+            Refutation::Lasso(lasso) => {
                 // If one place does not proceed, the places before it do not either, and orders are
                 // not finished.
                 if !std::mem::replace(&mut told, true) {
@@ -27,7 +27,7 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
                     found.push(unfinished(line, abstraction, open, &run, &lasso.cycle));
                 }
             }
-            Broken::Trace(_) => found.push(
+            Refutation::Trace(_) => found.push(
                 Diagnostic::error(
                     codes::LINE_PART_LOST,
                     line.span,

@@ -7,8 +7,8 @@
 //! number of its parts in the line, the lemmas rest on a proof in many small steps
 //! ([`super::limited`]).
 
-use super::book::Book;
-use super::limited::Limited;
+use super::book::ClaimBuilder;
+use super::limited::LimitedSupply;
 use super::shape::PlaceKind;
 use super::vocabulary::Model;
 use super::words::is;
@@ -20,14 +20,16 @@ use std::collections::BTreeSet;
 
 /// Adds the lemmas to a claim.
 pub(super) fn add(model: Model<'_>, line: &Line, system: &System, claim: &mut Claim) {
-    let mut book = Book {
+    let mut book = ClaimBuilder {
         model,
         line,
         system,
         claim,
     };
     let supplies = 0..model.shape.places.len();
-    let limited: Vec<Limited> = supplies.filter_map(|s| Limited::new(model, s)).collect();
+    let limited: Vec<LimitedSupply> = supplies
+        .filter_map(|s| LimitedSupply::new(model, s))
+        .collect();
     let others = components(&mut book, &limited);
     for supply in &limited {
         supply.add(&mut book, &others);
@@ -36,7 +38,10 @@ pub(super) fn add(model: Model<'_>, line: &Line, system: &System, claim: &mut Cl
 
 /// For every component that a station joins, except limited ones: its places are filled again and
 /// again. Returns the lemmas by place.
-fn components(book: &mut Book<'_>, limited: &[Limited<'_>]) -> Vec<(usize, FormulaRef)> {
+fn components(
+    book: &mut ClaimBuilder<'_>,
+    limited: &[LimitedSupply<'_>],
+) -> Vec<(usize, FormulaRef)> {
     let model = book.model;
     let mut found = Vec::new();
     for (place, declared) in model.shape.places.iter().enumerate() {

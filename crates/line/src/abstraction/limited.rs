@@ -16,7 +16,7 @@
 //!
 //! Each step is one lemma about one place and its predecessor.
 
-use super::book::Book;
+use super::book::ClaimBuilder;
 use super::requirements::{COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST};
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
@@ -28,7 +28,7 @@ use linewright_solver::game::RuleKind;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A supply that limits the number of its parts in the line, and where they may be.
-pub(super) struct Limited<'a> {
+pub(super) struct LimitedSupply<'a> {
     model: Model<'a>,
     supply: usize,
     part: usize,
@@ -57,7 +57,7 @@ struct Spot {
     bill: Option<(usize, usize)>,
 }
 
-impl<'a> Limited<'a> {
+impl<'a> LimitedSupply<'a> {
     /// Analyzes a supply with a limit; `None` if it has none.
     pub fn new(model: Model<'a>, supply: usize) -> Option<Self> {
         let (in_line, most) = model.vars(supply).in_line?;
@@ -114,7 +114,7 @@ impl<'a> Limited<'a> {
     }
 
     /// Adds its lemmas. `others` are lemmas about other components, by place.
-    pub fn add(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) {
+    pub fn add(&self, book: &mut ClaimBuilder<'_>, others: &[(usize, FormulaRef)]) {
         let circles = self.circles();
         let joins = !self.is_round && self.stages.iter().any(|s| s.at.bill.is_some());
         if circles.is_empty() && !joins {
@@ -149,7 +149,7 @@ impl<'a> Limited<'a> {
     }
 
     /// The supply's count equals the number of its parts in the places.
-    fn counts(&self, book: &mut Book<'_>) -> FormulaRef {
+    fn counts(&self, book: &mut ClaimBuilder<'_>) -> FormulaRef {
         let (model, part) = (self.model, &self.model.shape.types[self.part]);
         let name = &model.shape.places[self.supply].name;
         let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
@@ -218,7 +218,7 @@ impl<'a> Limited<'a> {
     /// A circle holds no more of its parts than the line.
     fn never_overrun(
         &self,
-        book: &mut Book<'_>,
+        book: &mut ClaimBuilder<'_>,
         circle: &BTreeSet<usize>,
         counted: FormulaRef,
     ) -> FormulaRef {
@@ -251,7 +251,11 @@ impl<'a> Limited<'a> {
 
     /// While the supply releases nothing, place after place becomes free of its parts and stays
     /// free. Returns the last of these lemmas.
-    fn drains(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) -> Option<FormulaRef> {
+    fn drains(
+        &self,
+        book: &mut ClaimBuilder<'_>,
+        others: &[(usize, FormulaRef)],
+    ) -> Option<FormulaRef> {
         let model = self.model;
         let gives = model.leaves(self.supply);
         let part = &model.shape.types[self.part];
@@ -310,7 +314,7 @@ impl<'a> Limited<'a> {
     /// The supply releases a part again and again.
     fn gives_again(
         &self,
-        book: &mut Book<'_>,
+        book: &mut ClaimBuilder<'_>,
         counted: FormulaRef,
         gone: Option<FormulaRef>,
     ) -> FormulaRef {
@@ -337,7 +341,7 @@ impl<'a> Limited<'a> {
     // ---- 4. on to the stations that join it -----------------------------------------------------
 
     /// Released parts reach place after place, up to the stations that join them.
-    fn comes(&self, book: &mut Book<'_>, gives: FormulaRef) {
+    fn comes(&self, book: &mut ClaimBuilder<'_>, gives: FormulaRef) {
         let mut wanted: BTreeSet<usize> = (0..self.stages.len())
             .filter(|i| self.stages[*i].at.bill.is_some())
             .collect();
@@ -399,7 +403,7 @@ impl<'a> Limited<'a> {
 
     /// Formulas to search for the proof of a lemma about a stage: the contract of its place, and
     /// that no part is lost there or in its predecessors.
-    fn near(&self, book: &Book<'_>, stage: &Stage) -> BTreeSet<FormulaRef> {
+    fn near(&self, book: &ClaimBuilder<'_>, stage: &Stage) -> BTreeSet<FormulaRef> {
         let place = stage.at.place;
         let mut from: BTreeSet<FormulaRef> = book.guarantees(place).collect();
         let before = stage.from.iter().map(|i| self.stages[*i].at.place);

@@ -53,7 +53,7 @@ pub use requirements::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORD
 pub use shape::{Place, PlaceKind, Shape, Ways, Work};
 pub use vocabulary::{Model, Phase, Queue, Vars, Vocabulary};
 
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_algebra::proof::Claim;
 use linewright_algebra::system::System;
 use linewright_language::contract::line::Line;
@@ -78,7 +78,7 @@ impl Abstraction {
     ///
     /// # Errors
     /// Returns the reason if something in the line has no abstraction, or would make it too large.
-    pub fn of(line: &Line) -> Result<Self, Undecided> {
+    pub fn of(line: &Line) -> Result<Self, UndecidedReason> {
         Self::with(line, false)
     }
 
@@ -87,11 +87,11 @@ impl Abstraction {
     ///
     /// # Errors
     /// As [`Abstraction::of`].
-    pub fn at_once(line: &Line) -> Result<Self, Undecided> {
+    pub fn at_once(line: &Line) -> Result<Self, UndecidedReason> {
         Self::with(line, true)
     }
 
-    fn with(line: &Line, at_once: bool) -> Result<Self, Undecided> {
+    fn with(line: &Line, at_once: bool) -> Result<Self, UndecidedReason> {
         let shape = Shape::of(line)?;
         shape.check_time(line)?;
         let vocabulary = Vocabulary::of(line, &shape)?;

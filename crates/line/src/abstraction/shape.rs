@@ -6,7 +6,7 @@
 //! a belt can hand over and take parts only in its own step.
 
 use super::belt::{self, Room};
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_language::contract::line::{Belt, Line, Node, NodeKind, Task};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -110,7 +110,7 @@ impl Shape {
     ///
     /// # Errors
     /// Returns the reason if something in it has no abstraction.
-    pub fn of(line: &Line) -> Result<Self, Undecided> {
+    pub fn of(line: &Line) -> Result<Self, UndecidedReason> {
         let mut places = Vec::new();
         // For each node: the place where parts arrive, and the place before a belt.
         let mut intake = vec![None; line.nodes.len()];
@@ -170,7 +170,7 @@ impl Shape {
         line: &Line,
         intake: &[Option<usize>],
         before: &[Option<usize>],
-    ) -> Result<(), Undecided> {
+    ) -> Result<(), UndecidedReason> {
         let mut there: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.places.len()];
         let mut open: Vec<(usize, usize)> = Vec::new();
         for (place, declared) in self.places.iter().enumerate() {
@@ -186,7 +186,7 @@ impl Shape {
             }
             let to = self.ways(line, place, part, intake, before);
             if to.is_empty() {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "{} has no way onward from {}",
                     self.types[part], self.places[place].name
                 )));
@@ -230,11 +230,11 @@ impl Shape {
     /// Checks that time passes somewhere on the way of every part; otherwise everything else waits
     /// for ever for parts that move at once. Here work always takes time; work without duration is
     /// found with the values of parts ([`crate::calls`]).
-    pub(super) fn check_time(&self, line: &Line) -> Result<(), Undecided> {
+    pub(super) fn check_time(&self, line: &Line) -> Result<(), UndecidedReason> {
         let Some((from, to)) = self.timeless(line) else {
             return Ok(());
         };
-        Err(Undecided::because(format!(
+        Err(UndecidedReason::because(format!(
             "parts go from {} to {} on and on, and no time passes",
             self.places[from].name, self.places[to].name
         )))
@@ -283,7 +283,7 @@ impl Shape {
 
     /// A limit of work in process counts a type; rejects lines in which that count would be
     /// inexact.
-    fn check_limits(&self, line: &Line) -> Result<(), Undecided> {
+    fn check_limits(&self, line: &Line) -> Result<(), UndecidedReason> {
         for place in &self.places {
             let PlaceKind::Supply {
                 part,
@@ -298,7 +298,7 @@ impl Shape {
                 matches!(other.kind, PlaceKind::Supply { part: p, .. } if self.contents[p][part] > 0)
             });
             if others.count() > 1 {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "{name} comes from several places, one of which has a limit"
                 )));
             }
@@ -307,7 +307,7 @@ impl Shape {
                     && self.contents[r.part][part] > 0
             });
             if waits {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "{name} has a limit and may lie in a store"
                 )));
             }
@@ -392,7 +392,7 @@ impl Shape {
 }
 
 /// Derives from the contracts of belts how much room is certain; belts of one machine are alike.
-fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Undecided> {
+fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), UndecidedReason> {
     let mut known: Vec<(&Belt, Room)> = Vec::new();
     for place in places {
         let PlaceKind::Conveyor { sure, .. } = &mut place.kind else {
@@ -407,7 +407,7 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Undecided> {
         let same = |other: &Belt| Arc::ptr_eq(&other.machine, &belt.machine);
         let room = match known.iter().find(|(other, _)| same(other)) {
             Some((_, room)) => *room,
-            None => belt::room(belt).map_err(|limit| Undecided {
+            None => belt::room(belt).map_err(|limit| UndecidedReason {
                 why: format!(
                     "the contract of {} is too large to be asked about its room: {limit}",
                     place.name
@@ -419,13 +419,13 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Undecided> {
         match room {
             Room::Sure(number) => *sure = number,
             Room::TakesNone => {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "the contract of {} does not say that it takes a part while it is empty",
                     place.name
                 )));
             }
             Room::BringsNone => {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "the contract of {} does not say that a part on it comes to its end",
                     place.name
                 )));

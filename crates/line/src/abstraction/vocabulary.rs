@@ -11,7 +11,7 @@
 
 use super::shape::{PlaceKind, Shape};
 use super::words::{all, any, is};
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
 use linewright_language::contract::line::Line;
 use std::collections::BTreeMap;
@@ -90,7 +90,7 @@ impl Vocabulary {
     ///
     /// # Errors
     /// Returns the reason if there would be too many.
-    pub fn of(line: &Line, shape: &Shape) -> Result<Self, Undecided> {
+    pub fn of(line: &Line, shape: &Shape) -> Result<Self, UndecidedReason> {
         let mut new = Self {
             variables: Vec::new(),
             places: Vec::new(),
@@ -105,7 +105,7 @@ impl Vocabulary {
             new.places.push(vars);
         }
         if slots > MOST_SLOTS {
-            return Err(Undecided::because(format!(
+            return Err(UndecidedReason::because(format!(
                 "its queues have {slots} places for parts of different types, and at most {MOST_SLOTS} are distinguished"
             )));
         }
@@ -140,7 +140,7 @@ impl Vocabulary {
         VarId(self.variables.len() as u32 - 1)
     }
 
-    fn place(&mut self, line: &Line, shape: &Shape, place: usize) -> Result<Vars, Undecided> {
+    fn place(&mut self, line: &Line, shape: &Shape, place: usize) -> Result<Vars, UndecidedReason> {
         let declared = &shape.places[place];
         let span = line.nodes[declared.node].span;
         let mut vars = Vars::default();
@@ -212,7 +212,7 @@ impl Vocabulary {
                     vars.open = Some(add("open", Domain::Bool));
                 }
                 if *capacity > MOST_COUNTED {
-                    return Err(Undecided::because(format!(
+                    return Err(UndecidedReason::because(format!(
                         "{} has room for {capacity} parts, and at most {MOST_COUNTED} are counted",
                         declared.name
                     )));
@@ -228,7 +228,7 @@ impl Vocabulary {
                     let mut labels = vec!["none".to_owned()];
                     labels.extend(types.iter().map(|t| shape.types[*t].clone()));
                     if *capacity as usize > MOST_SLOTS {
-                        return Err(Undecided::because(format!(
+                        return Err(UndecidedReason::because(format!(
                             "{} has {capacity} places for parts of different types, and at most {MOST_SLOTS} are distinguished",
                             declared.name
                         )));
@@ -248,7 +248,7 @@ impl Vocabulary {
             let turns = !matches!(declared.kind, PlaceKind::End { .. });
             let waiting = takers.len() - 1;
             if turns && waiting > MOST_WAITING {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are distinguished",
                     declared.name
                 )));

@@ -41,7 +41,7 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
         }
         match open(belt, limits) {
             Ok(found) => calls.findings.extend(found.into_iter().map(|what| match what {
-                Broken::Assumption(text, formula) => {
+                BeltViolation::Assumption(text, formula) => {
                     Diagnostic::warning(
                         codes::LINE_ASKS,
                         declared.span,
@@ -50,7 +50,7 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
                     .with_label(formula.span, "this would be broken")
                     .with_help("a line only sees to it that a part that waits to come on goes on waiting; weaken the assumption")
                 }
-                Broken::Keeping => Diagnostic::warning(
+                BeltViolation::Keeping => Diagnostic::warning(
                     codes::LINE_PART_LOST,
                     declared.span,
                     format!("the contract of {} does not say that every part on it stays on it, in its order, until it is taken", declared.name),
@@ -63,7 +63,7 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
 }
 
 /// A property that a belt's contracts leave open.
-enum Broken {
+enum BeltViolation {
     /// An assumption, with its display name.
     Assumption(String, Formula),
     /// That every part stays on the belt, in order.
@@ -79,7 +79,7 @@ fn constant_outside(machine: &Machine) -> Option<usize> {
     })
 }
 
-fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
+fn open(belt: &Belt, limits: &Limits) -> Result<Vec<BeltViolation>, Limit> {
     let machine = &belt.machine;
     let (mut system, claim) = of_machine(machine);
     // Justice is examined elsewhere, with the whole line.
@@ -111,7 +111,7 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
                     linewright_algebra::system::list(side, open.what.kind)[open.what.index].clone();
                 let component = &machine.components[part];
                 if told.insert((part, formula.span)) {
-                    found.push(Broken::Assumption(
+                    found.push(BeltViolation::Assumption(
                         messages::assumed(component, &formula),
                         formula,
                     ));
@@ -119,8 +119,8 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
             }
             None if open.what.kind == RuleKind::Justice => {}
             None => {
-                if !found.iter().any(|f| matches!(f, Broken::Keeping)) {
-                    found.push(Broken::Keeping);
+                if !found.iter().any(|f| matches!(f, BeltViolation::Keeping)) {
+                    found.push(BeltViolation::Keeping);
                 }
             }
         }

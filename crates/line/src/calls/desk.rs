@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// A station: its states, its calls, and its answers.
 #[derive(Debug)]
-pub(super) struct Desk {
+pub(super) struct StationModel {
     interpreter: Interpreter,
     relevance: Relevance,
     states: Vec<State>,
@@ -56,7 +56,7 @@ pub(super) struct Refusal {
     pub error: CallError,
 }
 
-impl Desk {
+impl StationModel {
     pub fn new(interpreter: Interpreter) -> Self {
         let relevance = Relevance::of(&interpreter);
         let first = relevance.reduce(interpreter.initial());

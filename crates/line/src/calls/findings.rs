@@ -1,7 +1,7 @@
 //! Findings about the parts of a line, in words, with the way of the part as evidence.
 
 use super::desk::Refusal;
-use super::walk::{Choice, Misfit, Stage, Vertex, Walk};
+use super::walk::{Choice, RangeViolation, Stage, Vertex, Walk};
 use super::{Calls, machine_of};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Formula;
@@ -236,7 +236,7 @@ impl Writer<'_> {
         }
     }
 
-    fn misfit(&self, misfit: &Misfit, vertex: &Vertex) -> Diagnostic {
+    fn misfit(&self, misfit: &RangeViolation, vertex: &Vertex) -> Diagnostic {
         let node = &self.line().nodes[vertex.node];
         let part = &self.line().parts[vertex.part];
         let property = &part.properties[misfit.property];

@@ -40,7 +40,7 @@ pub use findings::in_turn;
 pub use premises::{Premise, premises};
 pub use time::Timeless;
 
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
@@ -67,7 +67,7 @@ pub struct Calls {
     pub remarks: Vec<Diagnostic>,
     /// Stations and belts for which it was not decided whether they refuse a part, each with the
     /// reason.
-    pub undecided: Vec<(usize, Undecided)>,
+    pub undecided: Vec<(usize, UndecidedReason)>,
     /// By route: whether a part can take it. All are set if something was not decided.
     pub taken: Vec<bool>,
     /// By route: whether every part for which its condition is evaluated takes it.

@@ -4,10 +4,10 @@
 //! next. If there are several, the choice is up to chance ([`Choice::Chance`]) or left open here
 //! ([`Choice::Open`]): the state of a station, which part comes first, what is joined with what.
 
-use super::desk::{Answer, Desk, Refusal};
+use super::desk::{Answer, Refusal, StationModel};
 use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_language::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::Limits;
@@ -56,7 +56,7 @@ pub(super) struct Vertex {
 
 /// A value outside the range of its property.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Misfit {
+pub(super) struct RangeViolation {
     /// The part that receives it.
     pub vertex: usize,
     /// Index of the property.
@@ -76,7 +76,7 @@ pub(super) struct Walk<'a> {
     known: BTreeMap<(Stage, usize, usize, Vec<Real>), usize>,
     open: Vec<usize>,
     /// By node, for stations whose controllers are known.
-    pub desks: Vec<Option<Desk>>,
+    pub desks: Vec<Option<StationModel>>,
     /// By node and call, the vertices that make it.
     askers: BTreeMap<(usize, usize), Vec<usize>>,
     /// Vertices where parts are made.
@@ -84,9 +84,9 @@ pub(super) struct Walk<'a> {
     /// Parts without a way onward.
     pub stranded: Vec<usize>,
     /// Values outside their ranges.
-    pub misfits: Vec<Misfit>,
+    pub misfits: Vec<RangeViolation>,
     /// Nodes that were not decided completely, with the reason.
-    pub undecided: Vec<(usize, Undecided)>,
+    pub undecided: Vec<(usize, UndecidedReason)>,
     /// By part type and property: whether its values are omitted, since nothing depends on them.
     pub unread: Vec<Vec<bool>>,
     steps: u64,
@@ -104,9 +104,9 @@ impl<'a> Walk<'a> {
             let known = interpreter(machine);
             if known.is_none() {
                 let why = format!("there is no controller for `{}`", machine.name);
-                undecided.push((node, Undecided::because(why)));
+                undecided.push((node, UndecidedReason::because(why)));
             }
-            known.map(Desk::new)
+            known.map(StationModel::new)
         });
         let desks = desks.collect();
         Self {
@@ -158,7 +158,7 @@ impl<'a> Walk<'a> {
                     "its calls take more than {} steps to look at",
                     self.bounds.steps
                 );
-                self.undecided.push((node, Undecided::because(why)));
+                self.undecided.push((node, UndecidedReason::because(why)));
                 return self;
             }
             if let Err(limit) = limits.check_time() {
@@ -173,7 +173,7 @@ impl<'a> Walk<'a> {
     fn give_up(&mut self, node: usize, what: &str) {
         let most = self.bounds.values;
         let why = format!("{what} more than {most} combinations of values");
-        let undecided = (node, Undecided::because(why));
+        let undecided = (node, UndecidedReason::because(why));
         if !self.undecided.contains(&undecided) {
             self.undecided.push(undecided);
         }
@@ -407,7 +407,7 @@ impl<'a> Walk<'a> {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
         if let Some(property) = self.line.parts[part].misfit(&values) {
-            self.misfits.push(Misfit {
+            self.misfits.push(RangeViolation {
                 vertex: at,
                 property,
                 value: values[property],
@@ -523,12 +523,14 @@ impl<'a> Walk<'a> {
                 }
             }
         }
-        let wrong = wrong.into_iter().map(|(property, value, defect)| Misfit {
-            vertex: at,
-            property,
-            value,
-            defect,
-        });
+        let wrong = wrong
+            .into_iter()
+            .map(|(property, value, defect)| RangeViolation {
+                vertex: at,
+                property,
+                value,
+                defect,
+            });
         self.misfits.extend(wrong);
     }
 

@@ -18,7 +18,7 @@
 
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
-use crate::trace::{End, What};
+use crate::trace::{End, EventKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Belt, NodeKind};
 use linewright_language::contract::machine::PlantSource;
@@ -324,7 +324,7 @@ impl<'a> Run<'a> {
             if before != Some(place) {
                 moved = true;
                 self.belt(node).held[position].1 = Some(place);
-                self.record(node, Some(part), What::Place(place as u32));
+                self.record(node, Some(part), EventKind::Place(place as u32));
             }
         }
         Ok(moved)
@@ -385,7 +385,7 @@ impl<'a> Run<'a> {
 
     /// A part comes on, or, if it comes from another belt, into the place before the belt.
     pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         if matches!(self.places[from], Place::Belt(_)) {
             let order = self.queues.next_number();
             self.belt(node).inlet = Some((part, order));

@@ -9,7 +9,7 @@
 
 use super::{Event, Place, Run, WORK};
 use crate::plant::part::PartIndex;
-use crate::trace::What;
+use crate::trace::EventKind;
 use linewright_language::contract::line::NodeKind;
 use std::collections::VecDeque;
 
@@ -73,7 +73,7 @@ impl Run<'_> {
     }
 
     pub(super) fn conveyor_arrival(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         let now = self.now;
         let (places, period) = self.belt_of(node);
         let Place::Conveyor(conveyor) = &mut self.places[node] else {

@@ -25,7 +25,7 @@
 use super::part::PartIndex;
 use super::queue::Request;
 use super::{Place, Run};
-use crate::trace::{End, What};
+use crate::trace::{End, EventKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::RealExpr;
@@ -292,7 +292,7 @@ impl Run<'_> {
         self.outlets[outlet].part = None;
         self.outlets[outlet].to = None;
         self.enter(node, part);
-        self.record(node, Some(part), What::Left);
+        self.record(node, Some(part), EventKind::Left);
         match &mut self.places[node] {
             Place::Store(store) => store.left(self.parts[part].kind),
             Place::Buffer(parts) => {
@@ -316,7 +316,7 @@ impl Run<'_> {
                 if parts.len() == 1 {
                     self.look_at(node);
                 }
-                self.record(node, Some(part), What::Arrived);
+                self.record(node, Some(part), EventKind::Arrived);
             }
             Place::Station(_) => self.station_arrival(node, part),
             Place::Conveyor(_) => self.conveyor_arrival(node, part),
@@ -333,13 +333,13 @@ impl Run<'_> {
             entering.entered = true;
             entering.birth = now;
             self.counters.entered += 1;
-            self.record(node, Some(part), What::Entered);
+            self.record(node, Some(part), EventKind::Entered);
         }
     }
 
     /// A part leaves the line as finished; an end product may be the last one wanted.
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Finished);
+        self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;
         self.count_out(self.parts[part].kind);
         if self.parts[part].kind == self.line.product {
@@ -357,7 +357,7 @@ impl Run<'_> {
 
     /// A part leaves the line as scrap, and a new one is ordered for it.
     pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
-        self.record(node, Some(part), What::Rejected);
+        self.record(node, Some(part), EventKind::Rejected);
         let kind = self.parts[part].kind;
         self.counters.rejects[kind].0 += 1;
         self.count_out(kind);

@@ -2,7 +2,7 @@
 
 use super::Run;
 use super::part::PartIndex;
-use crate::trace::{LogEntry, MAX_VIOLATIONS, Violation, What};
+use crate::trace::{EventKind, LogEntry, MAX_VIOLATIONS, Violation};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_station::{CallError, ErrorCode};
 use std::collections::BTreeMap;
@@ -36,7 +36,7 @@ impl Journal {
 }
 
 impl Run<'_> {
-    pub(super) fn record(&mut self, node: usize, part: Option<PartIndex>, what: What) {
+    pub(super) fn record(&mut self, node: usize, part: Option<PartIndex>, what: EventKind) {
         if self.setup.options.log {
             self.journal.log.push(LogEntry {
                 time: self.now,

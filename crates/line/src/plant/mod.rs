@@ -27,7 +27,7 @@ use conveyor::Conveyor;
 use counters::Counters;
 use flow::{Outlet, Ways};
 use journal::Journal;
-use linewright_core::deadline::Late;
+use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Limit, Line, NodeKind, Shift};
 use linewright_station::Controller;
@@ -218,7 +218,7 @@ impl Plant {
     }
 
     /// Why no further run begins, once the wall-clock deadline is past.
-    pub(super) fn late(&self) -> Option<Late> {
+    pub(super) fn late(&self) -> Option<StopReason> {
         self.setup.options.deadline.check().err()
     }
 }

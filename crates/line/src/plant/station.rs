@@ -4,7 +4,7 @@ use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
 use crate::statistics::{Activity, Clock};
-use crate::trace::What;
+use crate::trace::EventKind;
 use linewright_language::contract::line::{Line, NodeKind, Task};
 use linewright_language::contract::machine::{Failures, PropertyKind};
 use linewright_station::{CallError, ErrorCode};
@@ -251,7 +251,7 @@ impl Run<'_> {
 
     /// A part arrives at a station that admits it.
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         let kind = self.parts[part].kind;
         let station = self.station(node);
         station.visited = true;
@@ -323,7 +323,7 @@ impl Run<'_> {
             .map(|component| self.parts[component].birth)
             .fold(self.now, f64::min);
         for component in components() {
-            self.record(node, Some(component), What::Consumed);
+            self.record(node, Some(component), EventKind::Consumed);
             self.parts.remove(component);
             self.counters.consumed += 1;
         }
@@ -332,7 +332,7 @@ impl Run<'_> {
         self.counters.entered += 1;
         // Its components stay in the line as parts of it.
         self.counters.in_line[kind] += 1;
-        self.record(node, Some(part), What::Entered);
+        self.record(node, Some(part), EventKind::Entered);
         if !self.refuse_misfit(node, part) {
             self.begin(node, task, part);
         }
@@ -384,7 +384,7 @@ impl Run<'_> {
         if changed && setup_seconds > 0.0 {
             station.phase = Phase::Setup;
             station.remaining = setup_seconds;
-            self.record(node, Some(part), What::SetupStarted);
+            self.record(node, Some(part), EventKind::SetupStarted);
             self.resume(node);
         } else {
             self.serve_part(node);
@@ -396,7 +396,7 @@ impl Run<'_> {
         let Some(part) = self.station(node).part else {
             return;
         };
-        self.record(node, Some(part), What::Started);
+        self.record(node, Some(part), EventKind::Started);
         match self.simulate(node, part) {
             Ok((seconds, joules)) => {
                 let station = self.station(node);
@@ -509,7 +509,7 @@ impl Run<'_> {
                 stream.exponential(failures.mttr)
             });
             station.clock.switch(now, Activity::Failed);
-            self.record(node, None, What::Failed);
+            self.record(node, None, EventKind::Failed);
             self.schedule(now + repair, WORK, Event::Repair(node as u32));
         } else if station.phase == Phase::Setup {
             self.serve_part(node);
@@ -521,7 +521,7 @@ impl Run<'_> {
     /// A station is repaired.
     pub(super) fn repair(&mut self, node: usize) {
         self.station(node).failed = false;
-        self.record(node, None, What::Repaired);
+        self.record(node, None, EventKind::Repaired);
         self.resume(node);
     }
 
@@ -553,7 +553,7 @@ impl Run<'_> {
             finished.properties[chosen] = value;
         }
         station.book(now, on_shift);
-        self.record(node, Some(part), What::Ended);
+        self.record(node, Some(part), EventKind::Ended);
         if self.refuse_misfit(node, part) {
             return;
         }

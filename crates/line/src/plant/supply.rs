@@ -3,7 +3,7 @@
 use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
-use crate::trace::What;
+use crate::trace::EventKind;
 use linewright_language::contract::line::{NodeKind, Supply};
 use std::collections::VecDeque;
 
@@ -199,7 +199,7 @@ impl Run<'_> {
 
     /// A part enters a store, to stay or to wait there.
     pub(super) fn store(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         let kind = self.parts[part].kind;
         if self.setup.ways.from(node, kind).is_empty() {
             self.complete(node, part);
@@ -211,7 +211,7 @@ impl Run<'_> {
 
     /// A part enters a sink.
     pub(super) fn sink(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         match self.line.nodes[node].kind {
             NodeKind::Sink {
                 reject: true,

@@ -41,19 +41,19 @@ pub use self::attack::{Attack, Ending, Play, reduced};
 pub use self::core::quick_xplain;
 pub use self::explore::{Explicit, Row};
 pub use self::findings::requests::Request;
-pub use self::findings::shape::{Shape, Unframed};
+pub use self::findings::shape::{Shape, UnframedOutput};
 pub use self::findings::{EnvironmentFindings, Situation};
 pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, Stage};
 pub use self::heuristics::{Heuristic, Heuristics};
-pub use self::outcome::{Lost, Outcome, Won};
+pub use self::outcome::{LostGame, Outcome, WonGame};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
 pub use self::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 pub use self::repair::{Advice, NewAssumption, Weakening, negation};
-pub use self::runs::{Lasso, Rule, RuleKind, Runs, SafetyViolationQuery, Wanted};
+pub use self::runs::{Lasso, Rule, RuleKind, RunQuery, Runs, SafetyViolationQuery};
 pub use self::solver::{
-    KernelChoice, Options, Solved, advise, attack, examine_environment, order_of_variables, solve,
-    solve_with,
+    KernelChoice, Options, Solution, advise, attack, examine_environment, order_of_variables,
+    solve, solve_with,
 };
 pub use self::statistics::Statistics;
 pub use self::strategy::Preference;

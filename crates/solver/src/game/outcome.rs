@@ -15,16 +15,16 @@ use std::fmt::Debug;
 #[derive(Debug)]
 pub enum Outcome {
     /// A machine exists.
-    Realizable(Won),
+    Realizable(WonGame),
     /// No machine exists.
-    Unrealizable(Lost),
+    Unrealizable(LostGame),
     /// A limit was reached; nothing is known.
     GaveUp(Limit),
 }
 
-/// A realizable specification. [`Won::explore`] makes a strategy of it.
+/// A realizable specification. [`WonGame::explore`] makes a strategy of it.
 #[derive(Debug)]
-pub struct Won {
+pub struct WonGame {
     pub(super) game: Box<dyn Game>,
     /// Peak number of live nodes.
     pub peak_nodes: u64,
@@ -32,7 +32,7 @@ pub struct Won {
 
 /// An unrealizable specification.
 #[derive(Debug)]
-pub struct Lost {
+pub struct LostGame {
     /// Guarantees that cannot be kept together under the assumptions, although any proper subset
     /// could: a minimal core. `None` if a limit was reached first.
     pub core: Option<Vec<GuaranteeRef>>,
@@ -42,7 +42,7 @@ pub struct Lost {
 
 /// Operations on a won game, whatever its kernel.
 pub trait Game: Debug + Send + Sync {
-    /// See [`Won::explore`].
+    /// See [`WonGame::explore`].
     fn explore(
         &self,
         specification: &Specification,
@@ -70,7 +70,7 @@ pub trait Game: Debug + Send + Sync {
     fn region(&self) -> Diagram;
 }
 
-impl Lost {
+impl LostGame {
     /// Names of the core's formulas, except definitions; empty if the core is not known.
     pub fn core_names(&self, specification: &Specification) -> Vec<String> {
         let core = self.core.iter().flatten();
@@ -81,7 +81,7 @@ impl Lost {
     }
 }
 
-impl Won {
+impl WonGame {
     /// Returns a strategy as explicit states with guards, as plain data.
     pub fn explore(
         &self,
@@ -93,7 +93,7 @@ impl Won {
     }
 
     /// Returns a strategy as functions, as plain data: for machines that are too large for
-    /// [`Won::explore`].
+    /// [`WonGame::explore`].
     pub fn functions(
         &self,
         specification: &Specification,

@@ -60,7 +60,7 @@ impl Progress {
     /// Progress as text to follow "the time limit was reached":
     /// `after 12 rounds, with 3 of 40 goals settled`.
     pub fn reached(&self) -> String {
-        Reached(self).to_string()
+        ProgressDisplay(self).to_string()
     }
 
     pub(super) fn enter(&self, phase: Phase) {
@@ -89,9 +89,9 @@ impl Progress {
     }
 }
 
-struct Reached<'a>(&'a Progress);
+struct ProgressDisplay<'a>(&'a Progress);
 
-impl fmt::Display for Reached<'_> {
+impl fmt::Display for ProgressDisplay<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let progress = self.0;
         match progress.phase() {

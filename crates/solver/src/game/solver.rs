@@ -14,7 +14,7 @@ use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
 use super::functions::{self, Controls};
 use super::heuristics::Heuristics;
-use super::outcome::{Game, Lost, Outcome, Won};
+use super::outcome::{Game, LostGame, Outcome, WonGame};
 use super::progress::{Phase, Progress};
 use super::ranking::{self, Ranking};
 use super::reference::GuaranteeRef;
@@ -77,7 +77,7 @@ pub struct Options {
 
 /// A verdict and what it took.
 #[derive(Debug)]
-pub struct Solved {
+pub struct Solution {
     /// The verdict.
     pub outcome: Outcome,
     /// What it took; what was reached when a limit ended it.
@@ -86,7 +86,7 @@ pub struct Solved {
 
 /// A game that was won on one kernel.
 #[derive(Debug)]
-struct WonGame<K: Kernel> {
+struct RealizedGame<K: Kernel> {
     /// One by one; not kept of a large game.
     formulas: Option<Formulas<K>>,
     arena: Arena<K>,
@@ -94,7 +94,7 @@ struct WonGame<K: Kernel> {
     region: K::Function,
 }
 
-impl<K: Kernel> Game for WonGame<K> {
+impl<K: Kernel> Game for RealizedGame<K> {
     fn explore(
         &self,
         specification: &Specification,
@@ -149,7 +149,7 @@ pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
 }
 
 /// Decides whether a machine exists.
-pub fn solve_with(specification: &Specification, options: &Options) -> Solved {
+pub fn solve_with(specification: &Specification, options: &Options) -> Solution {
     let order = first_order(specification, options.heuristics);
     if let Some(limits) = small(&order, options) {
         let solved = if options.kernel == KernelChoice::Automatic {
@@ -296,7 +296,7 @@ fn play<K: Kernel>(
     limits: &Limits,
     options: &Options,
     start: Start<'_>,
-) -> Solved {
+) -> Solution {
     let start = start.fitting(order.pairs().len());
     let order = start.order.unwrap_or(order);
     let progress = &*options.progress;
@@ -312,7 +312,7 @@ fn play<K: Kernel>(
     if outcome.is_ok() {
         progress.enter(Phase::Ended);
     }
-    Solved {
+    Solution {
         outcome: outcome.unwrap_or_else(Outcome::GaveUp),
         statistics: progress.statistics(),
     }
@@ -351,8 +351,8 @@ fn decide<K: Kernel>(
             };
     });
     if let Some(region) = region? {
-        return Ok(Outcome::Realizable(Won {
-            game: Box::new(WonGame {
+        return Ok(Outcome::Realizable(WonGame {
+            game: Box::new(RealizedGame {
                 formulas: (!progress.statistics().large).then_some(formulas),
                 arena,
                 region,
@@ -373,7 +373,7 @@ fn decide<K: Kernel>(
             core => core.ok(),
         }
     };
-    Ok(Outcome::Unrealizable(Lost {
+    Ok(Outcome::Unrealizable(LostGame {
         core,
         peak_nodes: formulas.peak_nodes(),
     }))

@@ -377,7 +377,7 @@ struct Check<'a, K: Kernel> {
 }
 
 /// A stage's result.
-type Checked = Result<Result<(), Fault>, Limit>;
+type StageResult = Result<Result<(), Fault>, Limit>;
 
 impl<'a, K: Kernel> Check<'a, K> {
     fn new(
@@ -520,7 +520,7 @@ impl<'a, K: Kernel> Check<'a, K> {
 
     /// The region lies within the machine's invariants and domains, and layers lie within each
     /// other and the region.
-    fn region(&mut self) -> Checked {
+    fn region(&mut self) -> StageResult {
         let m = &self.kernel;
         let within = |set: &K::Function, bound: &K::Function| -> Result<bool, Limit> {
             Ok(m.is_false(&m.and_not(set, bound)?))
@@ -549,7 +549,7 @@ impl<'a, K: Kernel> Check<'a, K> {
     }
 
     /// A step is refused exactly when it breaks an assumption.
-    fn assumptions(&mut self) -> Checked {
+    fn assumptions(&mut self) -> StageResult {
         let m = &self.kernel;
         let controls = &self.functions.controls;
         let stages = [
@@ -580,7 +580,7 @@ impl<'a, K: Kernel> Check<'a, K> {
     }
 
     /// Step 0 keeps the initial conditions and lies in the region.
-    fn first(&mut self) -> Checked {
+    fn first(&mut self) -> StageResult {
         let m = &self.kernel;
         let steps = self.steps(m.all(&self.may_begin)?, &self.functions.controls.first)?;
         for formula in &self.specification.guarantees.initial {
@@ -596,7 +596,7 @@ impl<'a, K: Kernel> Check<'a, K> {
     }
 
     /// All steps in pursuit of a goal.
-    fn goal(&mut self, goal: usize) -> Checked {
+    fn goal(&mut self, goal: usize) -> StageResult {
         let m = &self.kernel;
         let pursuit = &self.functions.controls.goals[goal];
         let justice = &self.specification.guarantees.justice;
@@ -618,17 +618,17 @@ impl<'a, K: Kernel> Check<'a, K> {
             }
             let missed = m.and_not(&steps, &reach)?;
             let late = match mode.aim {
-                Aim::Goal => (!m.is_false(&missed)).then_some(Late::Missed),
+                Aim::Goal => (!m.is_false(&missed)).then_some(ProgressFault::Missed),
                 Aim::Layer(layer) => self.late(goal, layer, &missed)?,
                 Aim::Nearer => self.late_anywhere(goal, &missed)?,
             };
             if let Some(late) = late {
                 return Ok(fault(match late {
-                    Late::Missed => Clause::Missed(name()),
-                    Late::Strays => Clause::Strays(name()),
-                    Late::Back => Clause::Back(name()),
-                    Late::Waits => Clause::Waits(name()),
-                    Late::Nowhere => Clause::Nowhere(name()),
+                    ProgressFault::Missed => Clause::Missed(name()),
+                    ProgressFault::Strays => Clause::Strays(name()),
+                    ProgressFault::Back => Clause::Back(name()),
+                    ProgressFault::Waits => Clause::Waits(name()),
+                    ProgressFault::Nowhere => Clause::Nowhere(name()),
                 }));
             }
             m.safe_point()?;
@@ -638,7 +638,11 @@ impl<'a, K: Kernel> Check<'a, K> {
 
     /// What is wrong with one of the steps: it does not come nearer from the layer that it begins
     /// in, nor wait in it where it may.
-    fn late_anywhere(&self, goal: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
+    fn late_anywhere(
+        &self,
+        goal: usize,
+        steps: &K::Function,
+    ) -> Result<Option<ProgressFault>, Limit> {
         let m = &self.kernel;
         let stages = &self.functions.controls.certificate.goals[goal];
         let mut below = m.constant(false);
@@ -649,19 +653,24 @@ impl<'a, K: Kernel> Check<'a, K> {
             let kept = m.and_not(&here, &m.prime(&below)?)?;
             let waits = m.and(&kept, &m.prime(reached)?)?;
             if !m.is_false(&m.and(&waits, &self.assumptions[stage.assumption])?) {
-                return Ok(Some(Late::Waits));
+                return Ok(Some(ProgressFault::Waits));
             }
             if waits != kept {
-                return Ok(Some(Late::Strays));
+                return Ok(Some(ProgressFault::Strays));
             }
             below = reached.clone();
         }
-        Ok((!m.is_false(&rest)).then_some(Late::Nowhere))
+        Ok((!m.is_false(&rest)).then_some(ProgressFault::Nowhere))
     }
 
     /// What is wrong with one of the steps: it neither comes nearer to the goal nor waits where it
     /// may. One that leaves the region strays.
-    fn late(&self, goal: usize, layer: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
+    fn late(
+        &self,
+        goal: usize,
+        layer: usize,
+        steps: &K::Function,
+    ) -> Result<Option<ProgressFault>, Limit> {
         let m = &self.kernel;
         let layers = &self.layers[goal];
         let reached = &layers[layer];
@@ -675,19 +684,19 @@ impl<'a, K: Kernel> Check<'a, K> {
         // and of the steps only what is wrong is left. Once none of them begins below the layer,
         // those that begin in it are all that it has reached.
         if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
-            return Ok(Some(Late::Strays));
+            return Ok(Some(ProgressFault::Strays));
         }
         if !m.is_false(&m.and(steps, &below)?) {
-            return Ok(Some(Late::Back));
+            return Ok(Some(ProgressFault::Back));
         }
         let wakes = m.and(reached, &self.assumptions[assumption])?;
         let stays = m.and_not(&m.and(steps, &wakes)?, &m.prime(&below)?)?;
-        Ok((!m.is_false(&stays)).then_some(Late::Waits))
+        Ok((!m.is_false(&stays)).then_some(ProgressFault::Waits))
     }
 }
 
 /// What is wrong with a step towards a goal: see the [clauses](Clause) of these names.
-enum Late {
+enum ProgressFault {
     Missed,
     Strays,
     Back,

@@ -1,13 +1,13 @@
 //! From a won game to a machine.
 
 use super::{Cube, Guard, Machine, Port, Test, Transition, minimise};
-use crate::game::{Limit, Limits, Preference, Row, Won};
+use crate::game::{Limit, Limits, Preference, Row, WonGame};
 use linewright_core::gr1::{Specification, VarId};
 
 /// The machine of a won game, minimised, not yet verified.
 pub fn extract(
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
     extract_preferring(Preference::default(), specification, won, limits)
@@ -20,7 +20,7 @@ pub fn extract(
 pub fn extract_preferring(
     preference: Preference,
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
     let make = |preference| machine(preference, specification, won, limits);
@@ -41,7 +41,7 @@ pub fn extract_preferring(
 fn machine(
     preference: Preference,
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
     let explicit = won.explore(specification, preference, limits)?;

@@ -12,7 +12,7 @@
 
 use super::Port;
 use super::extract::ports;
-use crate::game::{Assumed, Controls, Limit, Limits, Won};
+use crate::game::{Assumed, Controls, Limit, Limits, WonGame};
 use crate::symbolic::{Bit, Diagram, Edge, Encoding};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use serde::{Deserialize, Serialize};
@@ -67,7 +67,7 @@ impl Functions {
     /// The functions of a won game, not yet certified.
     pub fn extract(
         specification: &Specification,
-        won: &Won,
+        won: &WonGame,
         limits: &Limits,
     ) -> Result<Self, Limit> {
         let controls = won.functions(specification, limits)?;

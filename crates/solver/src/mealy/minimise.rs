@@ -154,7 +154,7 @@ impl Work {
                 output
             })
             .collect();
-        let mut merged = Merged {
+        let mut merged = StatePartition {
             parent: (0..count as u32).collect(),
             diagram: self.states.clone(),
             moore,
@@ -228,7 +228,7 @@ impl Work {
 
 /// States put together so far.
 #[derive(Clone)]
-struct Merged {
+struct StatePartition {
     /// A smaller member of the same class; itself for the smallest.
     parent: Vec<u32>,
     /// Of the smallest member: what the class does.
@@ -237,7 +237,7 @@ struct Merged {
     moore: Vec<Option<u32>>,
 }
 
-impl Merged {
+impl StatePartition {
     fn find(&self, mut state: u32) -> u32 {
         while self.parent[state as usize] != state {
             state = self.parent[state as usize];

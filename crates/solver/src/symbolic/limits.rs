@@ -4,7 +4,7 @@
 //! counts its work ([`Budget`]), so that the same question has the same answer on every computer,
 //! however busy it is. A clock decides nothing else; a test keeps it so.
 
-use linewright_core::deadline::{Deadline, Late};
+use linewright_core::deadline::{Deadline, StopReason};
 
 /// When to give up.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,7 +29,7 @@ pub struct Limits {
 pub enum Limit {
     /// The time ran out, or it was interrupted.
     #[error(transparent)]
-    Late(#[from] Late),
+    Late(#[from] StopReason),
     /// The nodes would not fit.
     #[error("the memory limit was reached")]
     Memory,

@@ -247,7 +247,7 @@ fn quantifying_and_renaming_on<K: Kernel>() {
     };
     assert!(
         m.with_limits(&past).and(&f, &v(1))
-            == Err(Limit::Late(linewright_core::deadline::Late::Time))
+            == Err(Limit::Late(linewright_core::deadline::StopReason::Time))
     );
     drop((f, primed, fused));
     assert!(m.peak_nodes() > 0);

@@ -9,7 +9,7 @@
 //! so that the product alone would meet situations in which two jobs run at once. The operation
 //! stays until it is done, and that is a part of the product's state.
 
-use super::{By, Composition};
+use super::{Composition, Discharger};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
 };
@@ -25,7 +25,7 @@ const MOST_STATES: usize = 20_000;
 const OF: &str = ": ";
 
 /// A machine with one coordinator in the place of several.
-pub(super) struct Merged {
+pub(super) struct MergedMachine {
     /// The machine.
     pub machine: Machine,
     /// The coordinator's machine.
@@ -44,7 +44,10 @@ fn coordinators(machine: &Machine) -> usize {
 
 /// The merged machine. `None` where the product has too many states, where a coordinator's
 /// controller is no machine, or where the plant gives nothing.
-pub(super) fn merge(machine: &Machine, controllers: &[&mealy::Controller]) -> Option<Merged> {
+pub(super) fn merge(
+    machine: &Machine,
+    controllers: &[&mealy::Controller],
+) -> Option<MergedMachine> {
     let count = coordinators(machine);
     let machines: Vec<&mealy::Machine> = controllers[..count]
         .iter()
@@ -60,7 +63,7 @@ pub(super) fn merge(machine: &Machine, controllers: &[&mealy::Controller]) -> Op
             *action -= count - 1;
         }
     }
-    Some(Merged {
+    Some(MergedMachine {
         machine: merged,
         coordinator: product(machine, &machines)?,
     })
@@ -320,7 +323,7 @@ pub(super) fn apart(result: &mut Composition, merged: &Machine) {
             discharge.component = component.to_owned();
             discharge.assumption = assumption.to_owned();
         }
-        if let By::Guarantee(names) = &mut discharge.by {
+        if let Discharger::Guarantee(names) = &mut discharge.by {
             *names = names.replace(&format!("{together}{OF}"), "");
         }
     }

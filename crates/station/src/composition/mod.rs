@@ -50,12 +50,12 @@ pub struct Discharge {
     /// The assumption's name.
     pub assumption: String,
     /// By what.
-    pub by: By,
+    pub by: Discharger,
 }
 
 /// What meets an assumption.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum By {
+pub enum Discharger {
     /// A guarantee of another component, by its name: `cell: pick_open`.
     Guarantee(String),
     /// Several guarantees of the coordinator together, in all its reachable states.
@@ -86,7 +86,7 @@ pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Compositi
                 result.discharges.push(Discharge {
                     component: component.name.clone(),
                     assumption: formula.name.clone(),
-                    by: By::Line,
+                    by: Discharger::Line,
                 });
             }
         }
@@ -186,13 +186,13 @@ fn conclude(
         }
     }
     let by = if exported {
-        By::Line
+        Discharger::Line
     } else if walk.is_fixed(index, formula) {
-        By::Plant
+        Discharger::Plant
     } else if let Some(name) = walk.single_guarantee(index, formula) {
-        By::Guarantee(name)
+        Discharger::Guarantee(name)
     } else {
-        By::Coordinator
+        Discharger::Coordinator
     };
     result.discharges.push(Discharge {
         component: component.name.clone(),

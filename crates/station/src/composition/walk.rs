@@ -1,7 +1,7 @@
 //! The coordinator's reachable states, and what is known of all other wires in each.
 
 use super::query::{Answer, Question, Values};
-use super::{By, over_wires, support};
+use super::{Discharger, over_wires, support};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Time, VarId};
 use linewright_language::contract::machine::{Machine, PlantSource};
 use linewright_solver::mealy;
@@ -328,7 +328,7 @@ impl<'a> Walk<'a> {
     /// Whether an action's justice assumption comes true by itself: in every step of the
     /// coordinator it holds, or some value of a signal's script makes it hold. `Err` has a step in
     /// which neither is so.
-    pub fn comes_by_itself(&self, index: usize, goal: &Expr) -> Result<By, Option<Values>> {
+    pub fn comes_by_itself(&self, index: usize, goal: &Expr) -> Result<Discharger, Option<Values>> {
         for node in self.nodes() {
             let question = self.now(node, goal);
             let Answer::Fails(values) = self.ask(index, &question) else {
@@ -350,9 +350,9 @@ impl<'a> Walk<'a> {
             }
         }
         Ok(if self.is_plants_business(goal) {
-            By::Plant
+            Discharger::Plant
         } else {
-            By::Coordinator
+            Discharger::Coordinator
         })
     }
 
@@ -385,7 +385,7 @@ impl<'a> Walk<'a> {
     /// Whether the coordinator's justice assumption is owed to it: wherever it does not hold,
     /// either it surely holds one step later, or one action's justice guarantee implies it, and
     /// that stays the same action until it holds.
-    pub fn owed(&self, index: usize, goal: &Expr) -> Result<By, Option<Values>> {
+    pub fn owed(&self, index: usize, goal: &Expr) -> Result<Discharger, Option<Values>> {
         let mut names: BTreeSet<String> = BTreeSet::new();
         for node in self.nodes() {
             let question = self.now(node, goal);
@@ -412,8 +412,8 @@ impl<'a> Walk<'a> {
             names.extend(owing);
         }
         Ok(match names.into_iter().collect::<Vec<_>>() {
-            names if names.is_empty() => By::Coordinator,
-            names => By::Guarantee(names.join(", ")),
+            names if names.is_empty() => Discharger::Coordinator,
+            names => Discharger::Guarantee(names.join(", ")),
         })
     }
 

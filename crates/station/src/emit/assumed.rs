@@ -41,7 +41,7 @@ pub(super) struct Checks<'a> {
 
 /// What is kept of the last step, in the state.
 #[derive(Serialize)]
-pub(super) struct Kept {
+pub(super) struct StoredStep {
     /// A comment with the names.
     about: String,
     count: usize,
@@ -108,7 +108,7 @@ impl<'a> Assumptions<'a> {
     }
 
     /// What is kept of the last step, if anything.
-    pub fn kept(&self) -> Option<Kept> {
+    pub fn kept(&self) -> Option<StoredStep> {
         let names: Vec<String> = self
             .kept
             .iter()
@@ -118,7 +118,7 @@ impl<'a> Assumptions<'a> {
             "    /* The last step's values that assumptions speak of: {}. */",
             names.join(", ")
         );
-        (!names.is_empty()).then(|| Kept {
+        (!names.is_empty()).then(|| StoredStep {
             about: wrap(&about, "     * ").trim_start().to_owned(),
             count: names.len(),
         })

@@ -6,7 +6,7 @@
 //! is there once.
 
 use super::Names;
-use super::assumed::{Assumptions, Checks, Kept};
+use super::assumed::{Assumptions, Checks, StoredStep};
 use super::decisions::{self, Tables};
 use super::expression::literal;
 use super::text::comment;
@@ -82,7 +82,7 @@ struct Header<'a> {
     outputs: Vec<Field<'a>>,
     /// The bits of the last step's values, in a controller as functions.
     bits: Option<usize>,
-    kept: Option<Kept>,
+    kept: Option<StoredStep>,
 }
 
 /// A field of a structure.
@@ -230,7 +230,7 @@ impl<'a> Text<'a> {
     }
 
     /// The header, with the bits or the values that are kept between two steps.
-    fn header(&self, bits: Option<usize>, kept: Option<Kept>) -> String {
+    fn header(&self, bits: Option<usize>, kept: Option<StoredStep>) -> String {
         render(
             "controller/controller.h",
             Header {

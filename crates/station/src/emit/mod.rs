@@ -31,7 +31,7 @@ use text::{comment, identifier, long_string, wrap};
 
 /// What was emitted for a machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Emitted {
+pub struct EmittedMachine {
     /// The C file.
     pub source: String,
     /// The machine in it, without its description, the runtime and the adapter: what another
@@ -67,7 +67,11 @@ struct Unit<'a> {
 ///
 /// # Panics
 /// When they do not belong together.
-pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Profile) -> Emitted {
+pub fn emit(
+    machine: &Machine,
+    controllers: &[mealy::Controller],
+    profile: &Profile,
+) -> EmittedMachine {
     super::assert_fit(machine, controllers);
     let wires = machine::wire_names(machine);
     let mut emitters = Vec::new();
@@ -114,7 +118,7 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
             vendors_description: long_string(&vendors, "    "),
         },
     );
-    Emitted {
+    EmittedMachine {
         source,
         unit,
         contract_hash: hash,

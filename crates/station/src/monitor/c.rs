@@ -7,7 +7,7 @@ use crate::emit::text::{comment, string, wrap};
 use crate::emit::words::word;
 use crate::template::render;
 use linewright_language::order::layout::Layout;
-use linewright_language::order::monitor::Why;
+use linewright_language::order::monitor::RefusalReason;
 use linewright_language::order::table::Table;
 use serde::Serialize;
 
@@ -137,12 +137,12 @@ impl<'a> Text<'a> {
                 .map(|(number, (name, rule))| Refusal {
                     about: wrap(&format!("/* {} */", comment(&rule.to_string())), "     * "),
                     name: name.clone(),
-                    answer: self.answer(Why::Rule(number)),
+                    answer: self.answer(RefusalReason::Rule(number)),
                 });
         let others = [
-            ("RECALL", Why::Recall),
-            ("TOGETHER", Why::Together),
-            ("UNKNOWN", Why::Unknown),
+            ("RECALL", RefusalReason::Recall),
+            ("TOGETHER", RefusalReason::Together),
+            ("UNKNOWN", RefusalReason::Unknown),
         ];
         let others = others.map(|(constant, why)| Refusal {
             about: format!("/* {} */", comment(&why.text(&self.table.rules))),
@@ -161,13 +161,13 @@ impl<'a> Text<'a> {
     }
 
     /// The answer that refuses for a reason.
-    fn answer(&self, why: Why) -> i64 {
+    fn answer(&self, why: RefusalReason) -> i64 {
         -1 - i64::from(self.layout.code(why) - self.layout.refused)
     }
 
     fn source(&self) -> String {
         let Self { table, layout, .. } = self;
-        let kind = match layout.code(Why::Unknown) {
+        let kind = match layout.code(RefusalReason::Unknown) {
             0..=0xff => "uint8_t",
             0x100..=0xffff => "uint16_t",
             _ => "uint32_t",
@@ -178,18 +178,19 @@ impl<'a> Text<'a> {
         };
         let skills: Vec<String> = table.skills.iter().map(|s| comment(s)).collect();
         let after_a_skill = format!("/* After a single skill: {}. */", skills.join(", "));
-        let reasons =
-            (0..table.rules.len())
-                .map(Why::Rule)
-                .chain([Why::Recall, Why::Together, Why::Unknown]);
+        let reasons = (0..table.rules.len()).map(RefusalReason::Rule).chain([
+            RefusalReason::Recall,
+            RefusalReason::Together,
+            RefusalReason::Unknown,
+        ]);
         render(
             "monitor/monitor.c",
             Source {
                 heading: self.heading(),
                 row: layout.stride,
                 refused: layout.refused,
-                together: layout.code(Why::Together),
-                unknown: layout.code(Why::Unknown),
+                together: layout.code(RefusalReason::Together),
+                unknown: layout.code(RefusalReason::Unknown),
                 all: format!("{all:x}"),
                 after_a_skill: wrap(&after_a_skill, " * "),
                 kind,

@@ -10,7 +10,7 @@ use crate::structured_text::tables::{element, named_table};
 use crate::structured_text::{Block, Section, Type, Variable, Width};
 use crate::template::render;
 use linewright_language::order::layout::Layout;
-use linewright_language::order::monitor::Why;
+use linewright_language::order::monitor::RefusalReason;
 use linewright_language::order::table::Table;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -212,19 +212,19 @@ impl Sets {
                         i64::from(entry / layout.stride as u32)
                     }
                     Some(entry) => refusal(layout, layout.why(entry)),
-                    None => refusal(layout, Why::Together),
+                    None => refusal(layout, RefusalReason::Together),
                 }
             };
             next.push(state as i64);
             next.extend(self.0.keys().map(|(_, mask)| entry(*mask)));
-            next.push(refusal(layout, Why::Together));
+            next.push(refusal(layout, RefusalReason::Together));
         }
         next
     }
 }
 
 /// The number in the place of a state that says why there is none.
-fn refusal(layout: &Layout, why: Why) -> i64 {
+fn refusal(layout: &Layout, why: RefusalReason) -> i64 {
     -1 - i64::from(layout.code(why) - layout.refused)
 }
 
@@ -324,11 +324,11 @@ fn body(
                 }
             });
     let reasons = (0..table.rules.len())
-        .map(Why::Rule)
-        .chain([Why::Recall, Why::Together])
+        .map(RefusalReason::Rule)
+        .chain([RefusalReason::Recall, RefusalReason::Together])
         .map(|why| {
             let text = match why {
-                Why::Rule(rule) => table.rules[rule].name.clone(),
+                RefusalReason::Rule(rule) => table.rules[rule].name.clone(),
                 other => other.text(&table.rules),
             };
             Reason {

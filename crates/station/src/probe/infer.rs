@@ -19,7 +19,7 @@ use std::fmt::Write as _;
 /// How sure an answer is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Sureness {
+pub enum Confidence {
     /// Nothing else explains the dump.
     Certain,
     /// Something else would, but is less plain; or it makes no difference.
@@ -36,7 +36,7 @@ pub struct Fact {
     /// The answer.
     pub found: String,
     /// How sure it is.
-    pub sure: Sureness,
+    pub sure: Confidence,
     /// Why, and what to do where it is not.
     pub why: String,
 }
@@ -63,7 +63,7 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
     facts.push(Fact {
         what: "packing",
         found: packing.to_string(),
-        sure: Sureness::Certain,
+        sure: Confidence::Certain,
         why: format!("value and size are multiples of {packing}"),
     });
     let slots = slots(dump, size);
@@ -167,9 +167,9 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
         what: "value",
         found: format!("offset {}", left[0]),
         sure: if certain {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Open
+            Confidence::Open
         },
         why: if certain {
             "all numbers stand there, and the addresses of all texts".to_owned()
@@ -209,9 +209,9 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
         what: "size",
         found: format!("{size} bytes"),
         sure: if certain {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Open
+            Confidence::Open
         },
         why: if certain {
             "so far apart are the arguments of one call".to_owned()
@@ -277,9 +277,9 @@ fn integer_bits(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> u32 
         what: "integers",
         found: format!("{bits} bits"),
         sure: if certain {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Likely
+            Confidence::Likely
         },
         why: if certain {
             "width of an integer, including its sign".to_owned()
@@ -428,9 +428,9 @@ fn wide(
         what: "tag",
         found: format!("offset {start}"),
         sure: if others.is_empty() {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Likely
+            Confidence::Likely
         },
         why: match others.first() {
             None => "there kinds differ and values of a kind agree".to_owned(),
@@ -442,9 +442,9 @@ fn wide(
         what: "tag width",
         found: format!("{} bits", 8 * width),
         sure: if widths.len() > 1 {
-            Sureness::Likely
+            Confidence::Likely
         } else {
-            Sureness::Certain
+            Confidence::Certain
         },
         why: if widths.len() <= 1 {
             "no other width explains the bytes".to_owned()
@@ -482,7 +482,7 @@ fn wide(
     facts.push(Fact {
         what: "tags",
         found: shown,
-        sure: Sureness::Certain,
+        sure: Confidence::Certain,
         why: if optional {
             "each stands in all values of its kind".to_owned()
         } else {

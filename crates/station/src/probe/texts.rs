@@ -1,7 +1,7 @@
 //! How a host writes strings: which encodings explain what the texts of a dump became.
 
 use super::Value;
-use super::infer::{Fact, Slot, Sureness};
+use super::infer::{Confidence, Fact, Slot};
 use crate::profile::Encoding;
 
 /// How strings are written.
@@ -28,19 +28,19 @@ pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) 
     let (found, sure, why) = if let ([one], true, true) = (every.as_slice(), umlauts, beyond) {
         (
             *one,
-            Sureness::Certain,
+            Confidence::Certain,
             "umlauts and the euro sign arrive so".to_owned(),
         )
     } else if let ([one], true) = (without_euro.as_slice(), umlauts) {
         (
             *one,
-            Sureness::Likely,
+            Confidence::Likely,
             "umlauts arrive so; the text with a euro sign came changed or not at all".to_owned(),
         )
     } else if umlauts && without_euro.contains(&Encoding::Latin1) {
         (
             Encoding::Latin1,
-            Sureness::Likely,
+            Confidence::Likely,
             "umlauts arrive so, and windows-1252 would do as well; the text with a euro sign came changed or not at all".to_owned(),
         )
     } else {
@@ -51,7 +51,7 @@ pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) 
         };
         (
             found,
-            Sureness::Open,
+            Confidence::Open,
             "umlauts did not arrive as they were sent; names without them work all the same. Were they intact in the method when the probe ran?".to_owned(),
         )
     };

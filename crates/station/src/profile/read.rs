@@ -41,7 +41,7 @@ struct Fields<'t, 'i> {
 }
 
 /// A value and where it stands.
-type Placed<T> = Spanned<T>;
+type SpannedValue<T> = Spanned<T>;
 
 impl Reader {
     fn report(&mut self, place: Range<usize>, message: String, help: impl Into<String>) {
@@ -199,7 +199,7 @@ impl Reader {
     }
 
     /// Whether the tags fit their field, and differ.
-    fn distinct(&mut self, bits: Option<i64>, tags: &[(&'static str, Placed<i64>)]) {
+    fn distinct(&mut self, bits: Option<i64>, tags: &[(&'static str, SpannedValue<i64>)]) {
         for (i, (name, number)) in tags.iter().enumerate() {
             if let Some(bits) = bits.filter(|b| *b < 64 && *number.get_ref() >> b != 0) {
                 self.report(
@@ -313,7 +313,7 @@ impl Reader {
         key: &'static str,
         wanted: &str,
         read: impl FnOnce(&DeValue<'_>) -> Option<T>,
-    ) -> Option<Placed<T>> {
+    ) -> Option<SpannedValue<T>> {
         let Some(value) = fields.take(key) else {
             let within = fields.within;
             let place = fields.place.clone();
@@ -337,7 +337,11 @@ impl Reader {
         read.map(|v| Spanned::new(value.span(), v))
     }
 
-    fn text(&mut self, fields: &mut Fields<'_, '_>, key: &'static str) -> Option<Placed<String>> {
+    fn text(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+    ) -> Option<SpannedValue<String>> {
         self.required(fields, key, "a text in quotes", |v| {
             v.as_str().map(str::to_owned)
         })
@@ -379,7 +383,7 @@ impl Reader {
         fields: &mut Fields<'_, '_>,
         key: &'static str,
         within: std::ops::RangeInclusive<i64>,
-    ) -> Option<Placed<i64>> {
+    ) -> Option<SpannedValue<i64>> {
         let wanted = if *within.end() == i64::MAX {
             format!("a whole number from {}", within.start())
         } else {
@@ -395,7 +399,7 @@ impl Reader {
         fields: &mut Fields<'_, '_>,
         key: &'static str,
         all: &[i64],
-    ) -> Option<Placed<i64>> {
+    ) -> Option<SpannedValue<i64>> {
         let words: Vec<String> = all.iter().map(i64::to_string).collect();
         let wanted = format!("one of {}", words.join(", "));
         self.required(fields, key, &wanted, |v| {
@@ -404,7 +408,11 @@ impl Reader {
     }
 
     /// A list of tags.
-    fn numbers(&mut self, fields: &mut Fields<'_, '_>, key: &'static str) -> Vec<Placed<i64>> {
+    fn numbers(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+    ) -> Vec<SpannedValue<i64>> {
         let wanted = "a list of whole numbers from 0";
         let read = self.required(fields, key, wanted, |v| {
             let all = v.as_array()?.iter().map(|item| {
@@ -465,17 +473,17 @@ impl Reader {
 }
 
 struct PlacedLayout {
-    size: Placed<i64>,
-    packing: Placed<i64>,
-    value: Placed<i64>,
-    integer_bits: Placed<i64>,
+    size: SpannedValue<i64>,
+    packing: SpannedValue<i64>,
+    value: SpannedValue<i64>,
+    integer_bits: SpannedValue<i64>,
     strings: Encoding,
 }
 
 struct PlacedTag {
-    offset: Placed<i64>,
-    bits: Placed<i64>,
-    tags: Vec<(&'static str, Placed<i64>)>,
+    offset: SpannedValue<i64>,
+    bits: SpannedValue<i64>,
+    tags: Vec<(&'static str, SpannedValue<i64>)>,
 }
 
 impl<'t, 'i> Fields<'t, 'i> {

@@ -11,7 +11,7 @@
 
 use super::Variable;
 use super::expression::Translator;
-use super::interface::{Interface, Own, mentions};
+use super::interface::{BlockVariables, Interface, mentions};
 use super::text::{indented, wrap_condition};
 use linewright_core::gr1::{Expr, Formula, Specification, Time};
 use std::collections::BTreeMap;
@@ -110,7 +110,7 @@ impl Assumptions {
     }
 
     /// The step of a machine: what it relies on, then the transition, then what is kept.
-    pub fn around(&self, own: &Own, transition: &str) -> String {
+    pub fn around(&self, own: &BlockVariables, transition: &str) -> String {
         let (refused, fine) = (&own.refused, &own.fine);
         let mut out = String::new();
         let state = &self.state;

@@ -38,7 +38,7 @@ pub(super) struct Interface<'a> {
     pub inputs: Vec<Port<'a>>,
     /// The outputs and internal variables.
     pub outputs: Vec<Port<'a>>,
-    own: Own,
+    own: BlockVariables,
     errors: Enumeration,
     broken: BTreeMap<String, String>,
     outside: Vec<Option<String>>,
@@ -46,7 +46,7 @@ pub(super) struct Interface<'a> {
 
 /// The block's own variables that every form uses.
 #[derive(Serialize)]
-pub(super) struct Own {
+pub(super) struct BlockVariables {
     pub enable: String,
     pub reset: String,
     pub stepped: String,
@@ -75,7 +75,7 @@ struct Description<'a> {
 #[derive(Serialize)]
 struct Call<'a> {
     #[serde(flatten)]
-    own: &'a Own,
+    own: &'a BlockVariables,
     /// What sets state and outputs back.
     beginning: String,
     /// What refuses inputs outside their domains.
@@ -99,7 +99,7 @@ impl<'a> Interface<'a> {
             known: BTreeMap::new(),
             inputs: Vec::new(),
             outputs: Vec::new(),
-            own: Own {
+            own: BlockVariables {
                 enable: String::new(),
                 reset: String::new(),
                 stepped: String::new(),
@@ -137,7 +137,7 @@ impl<'a> Interface<'a> {
             interface.outside.push(label);
         }
         // The contract's words keep their names; ours give way.
-        interface.own = Own {
+        interface.own = BlockVariables {
             enable: interface.fresh("enable"),
             reset: interface.fresh("reset"),
             stepped: interface.fresh("stepped"),
@@ -150,7 +150,7 @@ impl<'a> Interface<'a> {
     }
 
     /// The block's own variables.
-    pub fn own(&self) -> &Own {
+    pub fn own(&self) -> &BlockVariables {
         &self.own
     }
 

@@ -104,14 +104,14 @@ pub struct Toolchain {
 
 /// A library that is in its folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Built {
+pub struct BuiltLibrary {
     /// The library.
     pub path: PathBuf,
     /// Whether a compiler was run; otherwise it was there already.
     pub compiled: bool,
 }
 
-impl Built {
+impl BuiltLibrary {
     /// Whether the library's bytes are those that were built; an error where they are not.
     pub fn verify(&self) -> Result<(), Error> {
         Manifest::verify(&self.path)
@@ -243,14 +243,19 @@ impl Toolchain {
 
     /// Sees to it that a package's library is in `folder`. Unless `rebuild` is asked for, a library
     /// that is there already is taken as it is; loading it checks that it is whole, and so does
-    /// [`Built::verify`].
-    pub fn build(&self, package: &Package, folder: &Path, rebuild: bool) -> Result<Built, Error> {
+    /// [`BuiltLibrary::verify`].
+    pub fn build(
+        &self,
+        package: &Package,
+        folder: &Path,
+        rebuild: bool,
+    ) -> Result<BuiltLibrary, Error> {
         let path = self.path(package, folder);
         let compiled = rebuild || !path.is_file() || !Manifest::path(&path).is_file();
         if compiled {
             self.compile(package, folder, &path)?;
         }
-        Ok(Built { path, compiled })
+        Ok(BuiltLibrary { path, compiled })
     }
 
     /// The same for several packages at once, compiled in parallel.
@@ -259,7 +264,7 @@ impl Toolchain {
         packages: &[Package],
         folder: &Path,
         rebuild: bool,
-    ) -> Vec<Result<Built, Error>> {
+    ) -> Vec<Result<BuiltLibrary, Error>> {
         packages
             .par_iter()
             .map(|package| self.build(package, folder, rebuild))

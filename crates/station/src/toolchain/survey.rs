@@ -28,7 +28,7 @@ const PACKAGES: [&str; 3] = ["fmpy", "blark", "ziglang"];
 
 /// A program that was found.
 #[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
-pub struct Found {
+pub struct FoundProgram {
     /// As it is started.
     pub command: String,
     /// The first line of what it says of its version.
@@ -42,20 +42,20 @@ pub struct Found {
 #[derive(Debug)]
 pub struct Survey {
     /// The C compiler for this computer.
-    pub host: Result<Found, Error>,
+    pub host: Result<FoundProgram, Error>,
     /// Those for 64-bit Windows, in the order in which they are taken.
-    pub cross: Vec<(CrossCompiler, Option<Found>)>,
+    pub cross: Vec<(CrossCompiler, Option<FoundProgram>)>,
     /// Wine.
-    pub wine: Option<Found>,
+    pub wine: Option<FoundProgram>,
     /// Python 3.
-    pub python: Option<Found>,
+    pub python: Option<FoundProgram>,
     /// Which of the packages that tests use it has.
     pub packages: Vec<&'static str>,
 }
 
 impl Survey {
     /// The compiler that `--target windows` takes: the first that is there. It may have a fault.
-    pub fn windows(&self) -> Option<(CrossCompiler, &Found)> {
+    pub fn windows(&self) -> Option<(CrossCompiler, &FoundProgram)> {
         let mut cross = self.cross.iter();
         cross.find_map(|(kind, found)| Some((*kind, found.as_ref()?)))
     }
@@ -76,7 +76,7 @@ pub fn survey() -> Survey {
                 (Err(why), _) => Err(why.clone()),
                 (_, Err(e)) => Err(e.to_string()),
             };
-            Found {
+            FoundProgram {
                 command: compiler.show(),
                 version: version.ok(),
                 fault: tried.err(),
@@ -105,7 +105,7 @@ pub fn wine() -> Option<PathBuf> {
     named.or_else(place)
 }
 
-fn host() -> Result<Found, Error> {
+fn host() -> Result<FoundProgram, Error> {
     let work = tempfile::tempdir().map_err(|cause| Error::Unwritable {
         path: std::env::temp_dir(),
         cause,
@@ -123,7 +123,7 @@ fn host() -> Result<Found, Error> {
         .version()
         .and_then(|v| trial::compiles(&compiler, work.path()).map(|()| v))
         .map_err(|why| useless(compiler.show(), why))?;
-    Ok(Found {
+    Ok(FoundProgram {
         command: compiler.program().display().to_string(),
         version: Some(version),
         fault: None,
@@ -131,10 +131,10 @@ fn host() -> Result<Found, Error> {
 }
 
 /// A program and what it says of its version.
-fn asked(program: &Path) -> Found {
+fn asked(program: &Path) -> FoundProgram {
     let mut command = Command::new(program);
     let answer = trial::answer(command.arg("--version").env("WINEDEBUG", "-all"));
-    Found {
+    FoundProgram {
         command: program.display().to_string(),
         version: answer.ok().and_then(|a| Answer::first_line(&a.stdout)),
         fault: None,

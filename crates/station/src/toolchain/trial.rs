@@ -1,7 +1,7 @@
 //! Programs that are tried: started with a deadline, and compilers with a line of C.
 
 use super::compiler::Compiler;
-use linewright_core::deadline::{Deadline, Late};
+use linewright_core::deadline::{Deadline, StopReason};
 use std::io::{Read, Seek};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
@@ -35,7 +35,7 @@ pub(super) fn answer(command: &mut Command) -> Result<Answer, String> {
 pub(super) fn answer_until(
     command: &mut Command,
     deadline: Deadline,
-) -> std::io::Result<Result<Answer, Late>> {
+) -> std::io::Result<Result<Answer, StopReason>> {
     // Files rather than pipes: what a program leaves running cannot hold them open for us.
     let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
     let mut child = command

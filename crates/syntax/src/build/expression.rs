@@ -152,7 +152,7 @@ impl Builder {
     }
 
     /// Groups the operands of tighter operators, and joins the groups by the loosest operators.
-    fn grouped(&mut self, first: Placed, rest: Vec<(Infix, Placed)>) -> Placed {
+    fn grouped(&mut self, first: PlacedExpr, rest: Vec<(Infix, PlacedExpr)>) -> PlacedExpr {
         let Some(loosest) = rest.iter().map(|(op, _)| op.binds()).min() else {
             return first;
         };
@@ -175,7 +175,7 @@ impl Builder {
     /// Joins operands of equally strong operators: implications group to the right, all others to
     /// the left. A chain of one associative operator is halved instead, which keeps long
     /// conjunctions and sums shallow.
-    fn joined(&mut self, ops: &[Infix], mut operands: Vec<Placed>) -> Placed {
+    fn joined(&mut self, ops: &[Infix], mut operands: Vec<PlacedExpr>) -> PlacedExpr {
         if let Infix::Binary(op) = ops[0]
             && matches!(
                 op,
@@ -205,15 +205,15 @@ impl Builder {
     }
 
     /// Builds an operand with its place.
-    pub(super) fn placed(&mut self, pair: Pair<'_, Rule>) -> Placed {
+    pub(super) fn placed(&mut self, pair: Pair<'_, Rule>) -> PlacedExpr {
         let place = self.span(&pair);
         let expr = self.expr(pair);
-        Placed { expr, place }
+        PlacedExpr { expr, place }
     }
 
     /// Rejects chains that cannot be halved if they are longer than any real formula: they make
     /// deep trees.
-    pub(super) fn limit(&mut self, operands: &mut Vec<Placed>) {
+    pub(super) fn limit(&mut self, operands: &mut Vec<PlacedExpr>) {
         if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
                 Diagnostic::error(
@@ -253,7 +253,7 @@ impl Builder {
         if prefixes.is_empty() {
             return self.expr(c.next());
         }
-        let Placed { expr, place } = self.placed(c.next());
+        let PlacedExpr { expr, place } = self.placed(c.next());
         prefixes
             .into_iter()
             .rev()
@@ -296,7 +296,7 @@ impl Builder {
             return make(ExprKind::Member(Box::new(first), members), span);
         }
         // `a < b < c` is `a < b and b < c`.
-        let mut links: Vec<Placed> = Vec::new();
+        let mut links: Vec<PlacedExpr> = Vec::new();
         let mut left = first;
         while let Some(op) = c.take(Rule::compare_op) {
             // The middle operand is compared twice, so it is copied; nested copies would grow
@@ -333,7 +333,7 @@ impl Builder {
         if signs.is_empty() {
             return self.expr(c.next());
         }
-        let Placed { expr, place } = self.placed(c.next());
+        let PlacedExpr { expr, place } = self.placed(c.next());
         signs.into_iter().rev().fold(expr, |body, (rule, span)| {
             let whole = span.to(place);
             let body = Box::new(body);
@@ -354,7 +354,7 @@ impl Builder {
         if c.pairs.peek().is_none() {
             return self.expr(base);
         }
-        let Placed { mut expr, place } = self.placed(base);
+        let PlacedExpr { mut expr, place } = self.placed(base);
         for (count, p) in c.rest().enumerate() {
             let span = place.to(self.span(&p));
             if count == MAX_PREFIXES {
@@ -476,7 +476,7 @@ pub(super) fn make(kind: ExprKind, span: Span) -> Expr {
 /// An expression and its place including the brackets around it; an expression that contains it
 /// extends that far.
 #[derive(Clone)]
-pub(super) struct Placed {
+pub(super) struct PlacedExpr {
     pub expr: Expr,
     pub place: Span,
 }
@@ -505,7 +505,7 @@ impl Infix {
         }
     }
 
-    fn join(self, a: Placed, b: Placed) -> Placed {
+    fn join(self, a: PlacedExpr, b: PlacedExpr) -> PlacedExpr {
         let place = a.place.to(b.place);
         let (a, b) = (Box::new(a.expr), Box::new(b.expr));
         let kind = match self {
@@ -513,14 +513,14 @@ impl Infix {
             Self::Since => ExprKind::Since(a, b),
             Self::Until(op) => ExprKind::Until(op, a, b),
         };
-        Placed {
+        PlacedExpr {
             expr: make(kind, place),
             place,
         }
     }
 }
 
-fn balanced(op: BinaryOp, mut operands: Vec<Placed>) -> Placed {
+fn balanced(op: BinaryOp, mut operands: Vec<PlacedExpr>) -> PlacedExpr {
     while operands.len() > 1 {
         let mut halved = Vec::with_capacity(operands.len().div_ceil(2));
         let mut pairs = operands.into_iter();

@@ -1,6 +1,8 @@
 //! Machines: properties, components, operations.
 
-use super::super::ast::{Binding, Component, Machine, MachineItem, Performed, Place, Typed};
+use super::super::ast::{
+    Binding, Component, Machine, MachineItem, OperationCall, Place, TypedDecl,
+};
 use super::super::parser::Rule;
 use super::{Builder, Children};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -80,13 +82,13 @@ impl Builder {
         }
     }
 
-    pub(super) fn typed(&mut self, pair: Pair<'_, Rule>) -> Typed {
+    pub(super) fn typed(&mut self, pair: Pair<'_, Rule>) -> TypedDecl {
         let mut c = Children::of(pair);
         let doc = Self::doc(&mut c);
         let name = self.name(&c.next());
         let domain = self.domain(c.next());
         let values: Vec<_> = c.rest().collect();
-        Typed {
+        TypedDecl {
             doc,
             name,
             domain,
@@ -95,11 +97,11 @@ impl Builder {
     }
 
     /// Builds an operation and its arguments.
-    pub(super) fn performed(&mut self, pair: Pair<'_, Rule>) -> Performed {
+    pub(super) fn performed(&mut self, pair: Pair<'_, Rule>) -> OperationCall {
         let mut c = Children::of(pair);
         let name = self.name(&c.next());
         let arguments = c.take(Rule::arguments);
-        Performed {
+        OperationCall {
             name,
             arguments: self.arguments(arguments),
         }

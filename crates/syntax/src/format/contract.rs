@@ -2,7 +2,7 @@
 
 use super::super::ast::{
     Argument, ConstDecl, Contract, ContractItem, Counter, Define, Expr, ExprKind, Header, Name,
-    Ownership, Parameter, Performed, TypeDecl,
+    OperationCall, Ownership, Parameter, TypeDecl,
 };
 use super::printer::Printer;
 use linewright_core::source::Span;
@@ -121,7 +121,7 @@ impl Printer<'_> {
         }
     }
 
-    pub(super) fn performed(&mut self, p: &Performed) {
+    pub(super) fn performed(&mut self, p: &OperationCall) {
         self.name(&p.name);
         self.arguments(p.name.span, &p.arguments);
     }

@@ -18,7 +18,7 @@ const APART: u8 = u8::MAX;
 
 /// The context after an expression that is printed without brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Behind {
+pub(super) enum Continuation {
     /// A closing bracket, a keyword of a statement, or nothing.
     Nothing,
     /// An operator or a scope, which a prefix word that extends far to the right would absorb.
@@ -30,23 +30,23 @@ pub(super) enum Behind {
 impl Printer<'_> {
     /// Prints an expression with nothing after it that it could absorb.
     pub fn expression(&mut self, e: &Expr) {
-        self.operand(e, binds::PATTERN, Behind::Nothing);
+        self.operand(e, binds::PATTERN, Continuation::Nothing);
     }
 
     /// Prints an expression where the grammar requires a minimum binding strength.
-    pub fn operand(&mut self, e: &Expr, least: u8, behind: Behind) {
+    pub fn operand(&mut self, e: &Expr, least: u8, behind: Continuation) {
         let parts = parts(e);
         let tight = match &parts {
             Parts::Chain(_, _, whole, _) | Parts::Single(whole) => *whole,
         };
         let open = match &e.kind {
-            ExprKind::Past(_, _, None) => behind == Behind::Within,
-            kind => wide(kind) && behind != Behind::Nothing,
+            ExprKind::Past(_, _, None) => behind == Continuation::Within,
+            kind => wide(kind) && behind != Continuation::Nothing,
         };
         self.before(e.span);
         if tight < least || open {
             self.put("(");
-            self.parts(e, parts, Behind::Nothing);
+            self.parts(e, parts, Continuation::Nothing);
             self.put(")");
         } else {
             self.parts(e, parts, behind);
@@ -55,7 +55,7 @@ impl Printer<'_> {
 
     /// Prints the operand of a prefix word, in brackets if it has operators, since these are easily
     /// misread.
-    fn argument_of_word(&mut self, e: &Expr, behind: Behind) {
+    fn argument_of_word(&mut self, e: &Expr, behind: Continuation) {
         let brackets = match &e.kind {
             ExprKind::If(..) => true,
             _ => (binds::COMPARISON..=binds::PRODUCT).contains(&binding(e)),
@@ -64,7 +64,7 @@ impl Printer<'_> {
         self.operand(e, least, behind);
     }
 
-    fn parts(&mut self, e: &Expr, parts: Parts<'_>, behind: Behind) {
+    fn parts(&mut self, e: &Expr, parts: Parts<'_>, behind: Continuation) {
         match parts {
             Parts::Single(_) => self.single(e, behind),
             Parts::Chain(operands, signs, whole, least) => {
@@ -82,7 +82,7 @@ impl Printer<'_> {
                             p.gap(level, true, forced);
                         }
                         let ends = i + 1 == operands.len();
-                        let behind = if ends { behind } else { Behind::Operator };
+                        let behind = if ends { behind } else { Continuation::Operator };
                         // Easily misread: `a - -b`, and where an `if` among operators ends.
                         let apart = match operand.kind {
                             ExprKind::Neg(_) => whole >= binds::ADDITIVE && i > 0,
@@ -97,7 +97,7 @@ impl Printer<'_> {
         }
     }
 
-    fn single(&mut self, e: &Expr, behind: Behind) {
+    fn single(&mut self, e: &Expr, behind: Continuation) {
         match &e.kind {
             ExprKind::Unknown => {
                 let written = self.number(e.span).map(str::to_owned);
@@ -150,7 +150,7 @@ impl Printer<'_> {
                 self.put(op.word());
                 self.put(" ");
                 let within = bound.is_some();
-                self.argument_of_word(a, if within { Behind::Within } else { behind });
+                self.argument_of_word(a, if within { Continuation::Within } else { behind });
                 self.bound(bound.as_deref());
             }
             ExprKind::Binary(..) | ExprKind::Since(..) | ExprKind::Until(..) => {
@@ -200,16 +200,16 @@ impl Printer<'_> {
                 self.sequence(["{", "}"], open, items, |a| a.name.span, Self::argument);
             }
             ExprKind::Member(a, items) => {
-                self.operand(a, binds::ADDITIVE, Behind::Operator);
+                self.operand(a, binds::ADDITIVE, Continuation::Operator);
                 self.put(" in ");
                 self.sequence(["{", "}"], a.span, items, |a| a.span, Self::expression);
             }
             ExprKind::Within(a, low, high) => {
-                self.operand(a, binds::ADDITIVE, Behind::Operator);
+                self.operand(a, binds::ADDITIVE, Continuation::Operator);
                 self.put(" in ");
                 // A brace here would begin a set of values.
                 if begins_with_brace(low) {
-                    self.operand(low, APART, Behind::Nothing);
+                    self.operand(low, APART, Continuation::Nothing);
                     self.put("..");
                     self.limit(high, false);
                 } else {
@@ -229,7 +229,7 @@ impl Printer<'_> {
             ExprKind::Path(_) => !paths_apart,
             _ => false,
         };
-        self.operand(base, if plain { 0 } else { APART }, Behind::Operator);
+        self.operand(base, if plain { 0 } else { APART }, Continuation::Operator);
     }
 
     /// Returns a number as the author wrote it, without its unit.
@@ -265,7 +265,7 @@ impl Printer<'_> {
     }
 
     /// Prints `if a then b else if c then d else e`.
-    fn ladder(&mut self, e: &Expr, behind: Behind) {
+    fn ladder(&mut self, e: &Expr, behind: Continuation) {
         let at_break = self.at_break();
         self.level(|p, level| {
             p.nest(at_break);
@@ -281,7 +281,7 @@ impl Printer<'_> {
                     p.nest += 1;
                     p.gap(inner, true, forced);
                     let again = matches!(then.kind, ExprKind::If(..));
-                    p.operand(then, if again { APART } else { 0 }, Behind::Nothing);
+                    p.operand(then, if again { APART } else { 0 }, Continuation::Nothing);
                 });
                 let forced = p.broken(then.span, otherwise.span);
                 p.gap(level, true, forced);
@@ -296,17 +296,17 @@ impl Printer<'_> {
     fn bound(&mut self, bound: Option<&Expr>) {
         if let Some(bound) = bound {
             self.put(" within ");
-            self.operand(bound, binds::ADDITIVE, Behind::Nothing);
+            self.operand(bound, binds::ADDITIVE, Continuation::Nothing);
             let one = matches!(bound.kind, ExprKind::Int(1));
             self.put(if one { " step" } else { " steps" });
         }
     }
 
-    fn pattern(&mut self, pattern: &Pattern, behind: Behind) {
+    fn pattern(&mut self, pattern: &Pattern, behind: Continuation) {
         let after = match (&pattern.bound, &pattern.scope) {
-            (Some(_), _) => Behind::Within,
+            (Some(_), _) => Continuation::Within,
             (None, Scope::Globally) => behind,
-            _ => Behind::Operator,
+            _ => Continuation::Operator,
         };
         let at_break = self.at_break();
         self.level(|p, level| {
@@ -319,7 +319,7 @@ impl Printer<'_> {
                 PatternKind::Response(_, b) => (" responds to", b),
             };
             if let PatternKind::Precedence(a, b) | PatternKind::Response(a, b) = &pattern.kind {
-                p.operand(a, binds::NEGATION, Behind::Operator);
+                p.operand(a, binds::NEGATION, Continuation::Operator);
                 p.put(word);
                 p.nest(at_break);
                 let forced = p.broken(a.span, b.span);
@@ -343,7 +343,7 @@ impl Printer<'_> {
             p.gap(level, true, forced);
             p.put(word);
             let ends = if second.is_some() {
-                Behind::Operator
+                Continuation::Operator
             } else {
                 behind
             };
@@ -389,7 +389,7 @@ impl Printer<'_> {
             }
             DomainKind::Array(length, domain) => {
                 self.put("array[");
-                self.operand(length, binds::ADDITIVE, Behind::Nothing);
+                self.operand(length, binds::ADDITIVE, Continuation::Nothing);
                 self.put("] of ");
                 self.domain(domain);
             }
@@ -413,18 +413,18 @@ impl Printer<'_> {
                 if plain(a) && plain(b) =>
             {
                 self.put(if unit { "(" } else { "" });
-                self.operand(a, binds::PRODUCT, Behind::Operator);
+                self.operand(a, binds::PRODUCT, Continuation::Operator);
                 self.put(op.sign());
-                self.operand(b, binds::PRODUCT, Behind::Operator);
+                self.operand(b, binds::PRODUCT, Continuation::Operator);
                 self.put(if unit { ")" } else { "" });
             }
             ExprKind::Path(_) | ExprKind::Call(..) | ExprKind::Index(..) | ExprKind::Field(..) => {
-                self.operand(e, binds::ADDITIVE, Behind::Operator);
+                self.operand(e, binds::ADDITIVE, Continuation::Operator);
             }
             _ => self.operand(
                 e,
                 if unit { APART } else { binds::ADDITIVE },
-                Behind::Operator,
+                Continuation::Operator,
             ),
         }
     }

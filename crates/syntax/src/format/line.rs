@@ -1,6 +1,6 @@
 //! Lines.
 
-use super::super::ast::{Counted, Line, LineItem, StationItem, Supply};
+use super::super::ast::{Line, LineItem, PartCount, StationItem, Supply};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
@@ -12,7 +12,7 @@ impl Printer<'_> {
         self.block(place, &l.items, false, Self::line_item);
     }
 
-    fn counted(&mut self, c: &Counted) {
+    fn counted(&mut self, c: &PartCount) {
         self.before(c.name.span);
         self.put(&format!("{} {}", c.count, c.name.text));
     }

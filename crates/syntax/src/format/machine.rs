@@ -1,6 +1,6 @@
 //! Machines.
 
-use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, Typed};
+use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, TypedDecl};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
@@ -93,7 +93,7 @@ impl Printer<'_> {
         self.setting(" mttr ", b);
     }
 
-    pub(super) fn typed(&mut self, word: &str, t: &Typed) {
+    pub(super) fn typed(&mut self, word: &str, t: &TypedDecl) {
         self.doc(&t.doc);
         self.put(word);
         self.name(&t.name);

@@ -36,7 +36,7 @@ const COARSE: Duration = Duration::from_secs(2);
 /// What happened to a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::cli::check) enum What {
+pub(in crate::cli::check) enum FileChange {
     /// Its text is another one.
     Changed,
     /// It was not there before.
@@ -51,15 +51,15 @@ pub(in crate::cli::check) struct Change {
     /// The file as findings name it.
     pub(in crate::cli::check) file: String,
     /// What happened.
-    pub(in crate::cli::check) what: What,
+    pub(in crate::cli::check) what: FileChange,
 }
 
 impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match self.what {
-            What::Changed => "has changed",
-            What::New => "is new",
-            What::Gone => "is gone",
+            FileChange::Changed => "has changed",
+            FileChange::New => "is new",
+            FileChange::Gone => "is gone",
         };
         write!(f, "{} {what}", self.file)
     }
@@ -67,7 +67,7 @@ impl fmt::Display for Change {
 
 /// A file at the last look.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Seen {
+struct FileState {
     changed: Option<SystemTime>,
     bytes: u64,
     /// Whether time and size will tell that it has changed.
@@ -92,7 +92,7 @@ pub(super) struct FileWatcher {
     /// Files that matter beside those that the paths name: what is imported, there or not.
     others: BTreeSet<PathBuf>,
     /// Every file that matters and is there.
-    seen: BTreeMap<PathBuf, Seen>,
+    seen: BTreeMap<PathBuf, FileState>,
     /// None where the system gives no word.
     word: Option<Word>,
 }
@@ -131,7 +131,7 @@ impl FileWatcher {
             .retain(|p, _| !dropped.contains(p) || self.others.contains(p) || named.contains(p));
         for (path, text) in others {
             if let Some(text) = text {
-                let read = Seen::read(text.as_bytes());
+                let read = FileState::read(text.as_bytes());
                 self.seen.entry(plain(path)).or_insert(read);
             }
         }
@@ -149,11 +149,11 @@ impl FileWatcher {
         let mut changes = Vec::new();
         for path in files {
             let before = self.seen.remove(&path);
-            let now = Seen::of(&path, before);
+            let now = FileState::of(&path, before);
             let what = match (&before, &now) {
-                (None, Some(_)) => Some(What::New),
-                (Some(_), None) => Some(What::Gone),
-                (Some(a), Some(b)) if a.text != b.text => Some(What::Changed),
+                (None, Some(_)) => Some(FileChange::New),
+                (Some(_), None) => Some(FileChange::Gone),
+                (Some(a), Some(b)) if a.text != b.text => Some(FileChange::Changed),
                 _ => None,
             };
             changes.extend(what.map(|what| change(&path, what)));
@@ -163,7 +163,7 @@ impl FileWatcher {
         }
         // No path names these any more.
         let gone = std::mem::replace(&mut self.seen, seen);
-        changes.extend(gone.keys().map(|path| change(path, What::Gone)));
+        changes.extend(gone.keys().map(|path| change(path, FileChange::Gone)));
         changes
     }
 
@@ -261,7 +261,7 @@ impl Word {
     }
 }
 
-impl Seen {
+impl FileState {
     /// A file now, read only where that can tell something new; `None` where it cannot be read.
     fn of(path: &Path, before: Option<Self>) -> Option<Self> {
         let data = std::fs::metadata(path)
@@ -316,7 +316,7 @@ fn standing(folder: Option<&Path>) -> PathBuf {
     }
 }
 
-fn change(path: &Path, what: What) -> Change {
+fn change(path: &Path, what: FileChange) -> Change {
     Change {
         file: files::shown(path),
         what,
@@ -328,7 +328,7 @@ mod tests {
     use super::*;
 
     /// Looks again and says what was found, without the folder's own path.
-    fn found(watcher: &mut FileWatcher) -> Vec<(String, What)> {
+    fn found(watcher: &mut FileWatcher) -> Vec<(String, FileChange)> {
         let name = |c: Change| {
             (
                 c.file.rsplit('/').next().unwrap_or_default().to_owned(),
@@ -346,7 +346,7 @@ mod tests {
         std::fs::write(at("in/a.lw"), "one").unwrap();
         let paths = [at("in").to_string_lossy().into_owned()];
         let mut watcher = FileWatcher::new(&paths, StandardLibrary::default());
-        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::New)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), FileChange::New)]);
         assert_eq!(found(&mut watcher), []);
 
         // The same text again is no change, nor is another kind of file.
@@ -358,8 +358,8 @@ mod tests {
         assert_eq!(
             found(&mut watcher),
             [
-                ("a.lw".to_owned(), What::Changed),
-                ("b.lw".to_owned(), What::New)
+                ("a.lw".to_owned(), FileChange::Changed),
+                ("b.lw".to_owned(), FileChange::New)
             ]
         );
 
@@ -375,9 +375,9 @@ mod tests {
         assert_eq!(
             changes,
             [
-                ("b.lw".to_owned(), What::Gone),
-                ("missing.lw".to_owned(), What::New),
-                ("other.lw".to_owned(), What::Changed)
+                ("b.lw".to_owned(), FileChange::Gone),
+                ("missing.lw".to_owned(), FileChange::New),
+                ("other.lw".to_owned(), FileChange::Changed)
             ]
         );
 
@@ -388,16 +388,16 @@ mod tests {
         assert_eq!(
             found(&mut watcher),
             [
-                ("fast.lw".to_owned(), What::Changed),
-                ("late.lw".to_owned(), What::New)
+                ("fast.lw".to_owned(), FileChange::Changed),
+                ("late.lw".to_owned(), FileChange::New)
             ]
         );
 
         // A folder goes and comes again.
         std::fs::remove_dir_all(at("in")).unwrap();
-        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::Gone)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), FileChange::Gone)]);
         std::fs::create_dir(at("in")).unwrap();
         std::fs::write(at("in/a.lw"), "three").unwrap();
-        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::New)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), FileChange::New)]);
     }
 }

@@ -5,7 +5,7 @@
 //! have the same entry there are one call. Whoever sorts or copies rows breaks that order without
 //! seeing it, so a step that comes again, or goes back, is a finding and no new call.
 
-use super::{Program, Wrong, call};
+use super::{CallMistake, Program, call};
 use crate::diagnostics::{Code, Diagnostic, codes};
 use crate::order::Skills;
 use crate::order::supervisor::Call;
@@ -311,7 +311,7 @@ impl Reader<'_> {
         match call(text, self.skills) {
             Ok(call) => Some(call),
             Err(wrong) => {
-                let Wrong {
+                let CallMistake {
                     code,
                     message,
                     help,

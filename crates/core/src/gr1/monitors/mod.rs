@@ -59,7 +59,7 @@ mod universality;
 mod unroll;
 
 pub use scope::Scope;
-pub use unroll::Unrolled;
+pub use unroll::UnrolledInvariant;
 
 use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, VarId, Variable};
 use crate::source::Span;

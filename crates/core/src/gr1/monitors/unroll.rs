@@ -11,7 +11,7 @@ use crate::gr1::{Expr, Time};
 
 /// An invariant, split into a formula for step 0 and one from every step to the next.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unrolled {
+pub struct UnrolledInvariant {
     /// Holds in step 0; mentions no monitor.
     pub initial: Expr,
     /// Holds from every step to the next; mentions current values of monitors, and next values of
@@ -21,9 +21,9 @@ pub struct Unrolled {
 
 impl Monitors {
     /// Splits an expression over current values that has to hold in every step.
-    pub fn unroll(&self, invariant: &Expr) -> Unrolled {
+    pub fn unroll(&self, invariant: &Expr) -> UnrolledInvariant {
         debug_assert!(!invariant.mentions_next(), "an invariant of next values");
-        Unrolled {
+        UnrolledInvariant {
             initial: self.at_start(invariant),
             safety: self.one_step_later(invariant),
         }
@@ -62,7 +62,7 @@ impl Monitors {
         let parts = match kind {
             Kind::Initial => vec![(Kind::Initial, self.at_start(expr))],
             Kind::Invariant if self.occur_in(expr) => {
-                let Unrolled { initial, safety } = self.unroll(expr);
+                let UnrolledInvariant { initial, safety } = self.unroll(expr);
                 vec![(Kind::Initial, initial), (Kind::Safety, safety)]
             }
             Kind::Invariant => vec![(Kind::Invariant, expr.clone())],

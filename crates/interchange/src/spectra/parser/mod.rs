@@ -13,7 +13,7 @@ mod statement;
 mod types;
 mod words;
 
-use super::syntax::{Declaration, Name, When};
+use super::syntax::{Declaration, Name, TemporalForm};
 use crate::names::quoted;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Owner;
@@ -75,12 +75,12 @@ fn owner(word: &str) -> Option<(Owner, bool)> {
     }
 }
 
-fn when(word: &str) -> Option<When> {
+fn when(word: &str) -> Option<TemporalForm> {
     match word {
-        "ini" | "initially" => Some(When::Initially),
-        "G" | "trans" => Some(When::Transition),
-        "always" | "alw" => Some(When::Always),
-        "GF" | "alwEv" | "alwaysEventually" => Some(When::Repeatedly),
+        "ini" | "initially" => Some(TemporalForm::Initially),
+        "G" | "trans" => Some(TemporalForm::Transition),
+        "always" | "alw" => Some(TemporalForm::Always),
+        "GF" | "alwEv" | "alwaysEventually" => Some(TemporalForm::Repeatedly),
         _ => None,
     }
 }

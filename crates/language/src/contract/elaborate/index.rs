@@ -14,7 +14,7 @@ const MAX_LINEAR: usize = 16;
 
 /// What an expression names: a variable or a part of one, not necessarily expanded yet, or any
 /// other value.
-enum Named {
+enum Referent {
     Variable(Entry),
     Value(Value),
 }
@@ -32,22 +32,22 @@ impl<'a> Elaborator<'a> {
         Some(self.written_out(element, time))
     }
 
-    fn written_out(&self, named: Named, time: Time) -> Value {
+    fn written_out(&self, named: Referent, time: Time) -> Value {
         match named {
-            Named::Variable(entry) => self.variables.entry(&entry, time, self.dialect.real),
-            Named::Value(value) => value,
+            Referent::Variable(entry) => self.variables.entry(&entry, time, self.dialect.real),
+            Referent::Value(value) => value,
         }
     }
 
     /// Resolves the indexed expression. Follows an array of arrays of variables index by index, so
     /// that one element costs no more than itself.
-    fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Named> {
+    fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Referent> {
         match &e.kind {
             ast::ExprKind::Path(names) => {
                 if let Some(entry) = self.names.variable(names) {
                     let entry = entry.clone();
                     self.expansion.spend(e.span, 1, &mut self.findings)?;
-                    return Some(Named::Variable(entry));
+                    return Some(Referent::Variable(entry));
                 }
             }
             ast::ExprKind::Index(base, index) => {
@@ -59,7 +59,7 @@ impl<'a> Elaborator<'a> {
             }
             _ => {}
         }
-        self.value(e, expected, time).map(Named::Value)
+        self.value(e, expected, time).map(Referent::Value)
     }
 
     fn element_of(
@@ -69,13 +69,13 @@ impl<'a> Elaborator<'a> {
         index: &'a ast::Expr,
         expected: Option<&Type>,
         time: Time,
-    ) -> Option<Named> {
+    ) -> Option<Referent> {
         let expected_array = expected.map(|t| Type::Array(Box::new(t.clone()), 0));
         let named = self.named(base, expected_array.as_ref(), time)?;
         let length = match &named {
-            Named::Variable(Entry::Many(list)) => list.len(),
-            Named::Value(Value::Array(elements)) => elements.len(),
-            Named::Variable(_) | Named::Value(_) => {
+            Referent::Variable(Entry::Many(list)) => list.len(),
+            Referent::Value(Value::Array(elements)) => elements.len(),
+            Referent::Variable(_) | Referent::Value(_) => {
                 let found = self.written_out(named, time).ty();
                 self.findings.error_with(
                     codes::TYPE_MISMATCH,
@@ -117,11 +117,11 @@ impl<'a> Elaborator<'a> {
             return None;
         }
         let elements = match (named, &index_term) {
-            (Named::Variable(Entry::Many(list)), Term::Int(i)) => {
-                return list.get(*i as usize).cloned().map(Named::Variable);
+            (Referent::Variable(Entry::Many(list)), Term::Int(i)) => {
+                return list.get(*i as usize).cloned().map(Referent::Variable);
             }
-            (Named::Value(Value::Array(elements)), Term::Int(i)) => {
-                return elements.into_iter().nth(*i as usize).map(Named::Value);
+            (Referent::Value(Value::Array(elements)), Term::Int(i)) => {
+                return elements.into_iter().nth(*i as usize).map(Referent::Value);
             }
             (named, _) => match self.written_out(named, time) {
                 Value::Array(elements) => elements,
@@ -143,7 +143,7 @@ impl<'a> Elaborator<'a> {
                 "give all elements the same length and the same members",
             );
         }
-        found.map(Named::Value)
+        found.map(Referent::Value)
     }
 }
 

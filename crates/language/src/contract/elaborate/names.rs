@@ -37,11 +37,11 @@ pub(in crate::contract) struct Names<'a> {
     /// Names visible to a define of the file.
     pub outside: Outside<'a>,
     /// Quantified names, innermost last.
-    bound: Bound,
+    bound: HiddenNames,
 }
 
 /// Quantified names with the values they hide.
-pub(super) type Bound = Vec<(String, Option<Value>)>;
+pub(super) type HiddenNames = Vec<(String, Option<Value>)>;
 
 /// Names visible only within a contract or machine.
 pub(super) struct Inside<'a> {
@@ -63,7 +63,7 @@ impl<'a> Names<'a> {
             counters: BTreeMap::new(),
             broken: self.broken.clone(),
             outside: self.outside.clone(),
-            bound: Bound::new(),
+            bound: HiddenNames::new(),
         }
     }
 
@@ -140,7 +140,7 @@ impl<'a> Names<'a> {
     }
 
     /// Removes all quantified names, until [`Names::show_bound`].
-    pub(super) fn hide_bound(&mut self) -> Bound {
+    pub(super) fn hide_bound(&mut self) -> HiddenNames {
         let mut bound = std::mem::take(&mut self.bound);
         for (name, value) in bound.iter_mut().rev() {
             *value = self.replace_constant(name.clone(), value.take());
@@ -149,7 +149,7 @@ impl<'a> Names<'a> {
     }
 
     /// Restores quantified names.
-    pub(super) fn show_bound(&mut self, mut bound: Bound) {
+    pub(super) fn show_bound(&mut self, mut bound: HiddenNames) {
         for (name, value) in &mut bound {
             *value = self.replace_constant(name.clone(), value.take());
         }

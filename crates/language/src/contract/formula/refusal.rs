@@ -12,14 +12,14 @@ use linewright_syntax::ast::{BinaryOp, Domain, Expr, ExprKind, Name, Quantifier,
 use linewright_syntax::format;
 
 /// An enclosing quantifier of a formula.
-pub(super) type Around<'a> = (&'a Name, &'a Domain);
+pub(super) type EnclosingQuantifier<'a> = (&'a Name, &'a Domain);
 
 /// Returns the finding about a formula that is outside GR(1) at its position.
 pub(super) fn refusal(
     known: &Names<'_>,
     formula: &Expr,
     place: Place,
-    around: &[Around<'_>],
+    around: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
     let (span, why) = culprit(formula, place);
@@ -47,7 +47,7 @@ fn form(
     known: &Names<'_>,
     formula: &Expr,
     place: Place,
-    around: &[Around<'_>],
+    around: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Option<String> {
     let whole = super::whole(formula, place);
@@ -87,7 +87,7 @@ fn first_step_only(formula: &Expr) -> bool {
     }
 }
 
-fn under(mut form: Form, around: &[Around<'_>]) -> Form {
+fn under(mut form: Form, around: &[EnclosingQuantifier<'_>]) -> Form {
     for (_, rule) in &mut form.rules {
         for (name, domain) in around.iter().rev() {
             *rule = make(ExprKind::Quantifier(
@@ -176,7 +176,7 @@ fn word(e: &Expr) -> &'static str {
 pub(super) fn without_always(
     known: &Names<'_>,
     formula: &Expr,
-    around: &[Around<'_>],
+    around: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
     let help = form(known, formula, Place::Top, around, label)

@@ -432,12 +432,12 @@ impl<'a> Builder<'a, '_> {
     pub(super) fn task(
         &mut self,
         machine: &Machine,
-        operations: &'a [ast::Performed],
+        operations: &'a [ast::OperationCall],
         part: &'a ast::Name,
     ) -> Option<Task> {
         let index = self.find_part(part);
         let mut resolved = Vec::new();
-        for ast::Performed { name, arguments } in operations {
+        for ast::OperationCall { name, arguments } in operations {
             let Some(operation) = machine.operations.iter().position(|o| o.name == name.text)
             else {
                 let known = machine.operations.iter().map(|o| o.name.as_str());

@@ -11,9 +11,9 @@
 //! Both use the same traversal: wires are renumbered, and every expression is converted to the new
 //! numbers.
 
-use super::nested::{Level, Nested, Seen};
+use super::nested::{Level, Nested, VisibleItem};
 use crate::contract::machine::{
-    Component, Inner, Layers, Machine, Orders, Promised, RealExpr, Role, Rules,
+    Component, Inner, Layers, Machine, Orders, RealExpr, RefinedContract, Role, Rules,
 };
 use linewright_core::gr1::{
     Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 /// How inner machines are replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum How {
+pub(super) enum NestedTreatment {
     /// By all their components.
     Flat,
     /// By the contracts that they refine.
@@ -31,7 +31,7 @@ pub(super) enum How {
 }
 
 /// A machine without layers.
-pub(super) struct Expanded {
+pub(super) struct FlatMachine {
     /// Resulting machine.
     pub machine: Machine,
     /// Value of every wire of the level, over the machine's wires; `None` if it was not requested.
@@ -51,7 +51,7 @@ enum Piece<'l> {
     /// A machine, as its components.
     Parts {
         inner: &'l Nested,
-        expanded: Box<Expanded>,
+        expanded: Box<FlatMachine>,
     },
 }
 
@@ -71,8 +71,8 @@ pub(super) fn finish(level: Level) -> Machine {
     if level.nested.iter().all(Option::is_none) {
         return level.machine;
     }
-    let mut flat = expand(&level, How::Flat, &BTreeSet::new()).machine;
-    let abstracted = expand(&level, How::Abstracted, &BTreeSet::new()).machine;
+    let mut flat = expand(&level, NestedTreatment::Flat, &BTreeSet::new()).machine;
+    let abstracted = expand(&level, NestedTreatment::Abstracted, &BTreeSet::new()).machine;
     let spans: Vec<_> = level.machine.components.iter().map(|c| c.span).collect();
     let nested = level.nested.into_iter().zip(spans);
     let inner = nested.filter_map(|(nested, span)| {
@@ -91,7 +91,7 @@ pub(super) fn finish(level: Level) -> Machine {
 }
 
 /// Expands the layers. `wanted` are wires of the level that are read from outside.
-pub(super) fn expand(level: &Level, how: How, wanted: &BTreeSet<usize>) -> Expanded {
+pub(super) fn expand(level: &Level, how: NestedTreatment, wanted: &BTreeSet<usize>) -> FlatMachine {
     let mut read = mentioned(&level.machine, how);
     read.extend(wanted);
     let components = level.machine.components.iter().zip(&level.nested);
@@ -110,7 +110,7 @@ pub(super) fn expand(level: &Level, how: How, wanted: &BTreeSet<usize>) -> Expan
     let places = Places::new(level, &pieces);
     let count = level.machine.wire_count();
     let values: Vec<Option<Expr>> = (0..count).map(|w| places.wire(w)).collect();
-    Expanded {
+    FlatMachine {
         machine: assemble(level, how, &places, &values),
         values,
     }
@@ -119,15 +119,15 @@ pub(super) fn expand(level: &Level, how: How, wanted: &BTreeSet<usize>) -> Expan
 fn piece<'l>(
     inner: &'l Nested,
     component: &Component,
-    how: How,
+    how: NestedTreatment,
     read: &BTreeSet<usize>,
 ) -> Piece<'l> {
-    if let (How::Abstracted, Some(promised)) = (how, inner.flat.refines.first()) {
+    if let (NestedTreatment::Abstracted, Some(promised)) = (how, inner.flat.refines.first()) {
         return promise(inner, promised, component, read);
     }
     let mut wanted = BTreeSet::new();
     for output in read {
-        if let Seen::Wire(wire) = inner.seen[*output] {
+        if let VisibleItem::Wire(wire) = inner.seen[*output] {
             wanted.insert(wire);
         }
     }
@@ -140,7 +140,7 @@ fn piece<'l>(
 /// Returns one component with the contract, and with the additional wires that are read.
 fn promise<'l>(
     inner: &Nested,
-    promised: &Promised,
+    promised: &RefinedContract,
     component: &Component,
     read: &BTreeSet<usize>,
 ) -> Piece<'l> {
@@ -154,8 +154,8 @@ fn promise<'l>(
     let mut count = own.len();
     for &output in read {
         let found = match inner.seen[output] {
-            Seen::Promised(v) => own.iter().position(|o| *o == v),
-            Seen::Done | Seen::Wire(_) => known(&inner.values[output]),
+            VisibleItem::Promised(v) => own.iter().position(|o| *o == v),
+            VisibleItem::Done | VisibleItem::Wire(_) => known(&inner.values[output]),
         };
         outputs[output] = Some(found.unwrap_or_else(|| {
             let variable = &component.specification.variable(inner.output(output));
@@ -238,9 +238,9 @@ impl<'l> Places<'l> {
             Piece::Promise { outputs, .. } => Some(self.output(index, 0, outputs[output]?)),
             Piece::Parts { inner, expanded } => {
                 let expr = match inner.seen[output] {
-                    Seen::Wire(wire) => expanded.values[wire].clone()?,
-                    Seen::Done => expanded.machine.done.clone()?,
-                    Seen::Promised(v) => {
+                    VisibleItem::Wire(wire) => expanded.values[wire].clone()?,
+                    VisibleItem::Done => expanded.machine.done.clone()?,
+                    VisibleItem::Promised(v) => {
                         let promised = expanded.machine.refines.first()?;
                         promised.bindings[v.index()].clone()?
                     }
@@ -293,7 +293,7 @@ fn at(expr: &Expr, time: Time) -> Expr {
 }
 
 /// Returns the level's wires that are read within it.
-fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
+fn mentioned(machine: &Machine, how: NestedTreatment) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let mut see = |expr: &Expr| {
         expr.for_each_var(&mut |v, _| {
@@ -315,7 +315,7 @@ fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
     for orders in &machine.orders {
         orders.when.iter().for_each(&mut see);
     }
-    if how == How::Flat {
+    if how == NestedTreatment::Flat {
         for (_, value) in &machine.writes {
             value.for_each(&mut |x| {
                 if let RealExpr::Wire(wire) = x {
@@ -327,7 +327,12 @@ fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
     found
 }
 
-fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>]) -> Machine {
+fn assemble(
+    level: &Level,
+    how: NestedTreatment,
+    places: &Places<'_>,
+    values: &[Option<Expr>],
+) -> Machine {
     let old = &level.machine;
     let mut components: Vec<Option<Component>> = vec![None; places.firsts.len()];
     for (index, piece) in places.pieces.iter().enumerate() {
@@ -347,13 +352,13 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
         RealExpr::of_wires(value.expect("a wire that was asked for; please report this"))
     };
     let writes = match how {
-        How::Flat => old
+        NestedTreatment::Flat => old
             .writes
             .iter()
             .map(|(p, x)| (*p, x.substitute(&RealExpr::Property, &wire)))
             .collect(),
         // Proofs know nothing of a part's numbers.
-        How::Abstracted => Vec::new(),
+        NestedTreatment::Abstracted => Vec::new(),
     };
     let nested = || level.nested.iter().flatten();
     Machine {
@@ -379,7 +384,7 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
         refines: old
             .refines
             .iter()
-            .map(|promised| Promised {
+            .map(|promised| RefinedContract {
                 bindings: promised
                     .bindings
                     .iter()
@@ -489,7 +494,7 @@ fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
 impl Nested {
     /// Returns the timing of a contract that replaces a machine. A `moore` contract alone does not
     /// make it a Moore machine: all its outputs must be bound to components that answer first.
-    fn timing(&self, promised: &Promised) -> Timing {
+    fn timing(&self, promised: &RefinedContract) -> Timing {
         let specification = &promised.specification;
         let first = specification.outputs().all(|v| {
             let binding = promised.bindings[v.index()].as_ref();
@@ -523,7 +528,7 @@ pub(super) fn answers_first(machine: &Machine, expr: &Expr) -> bool {
 
 /// Returns everything visible of a machine from outside, as a contract without formulas: its plant
 /// wires are the inputs.
-pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
+pub(super) fn view(machine: &Machine, seen: &[VisibleItem]) -> Specification {
     let inputs = machine.plant.iter().map(|input| Variable {
         name: input.name.clone(),
         owner: Owner::Environment,
@@ -534,7 +539,7 @@ pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
     });
     let outputs = seen.iter().map(|seen| {
         let (name, domain, unit, span) = match seen {
-            Seen::Promised(v) => {
+            VisibleItem::Promised(v) => {
                 let variable = machine.refines[0].specification.variable(*v);
                 let Variable {
                     name,
@@ -545,11 +550,11 @@ pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
                 } = variable;
                 (name.clone(), domain.clone(), unit.clone(), *span)
             }
-            Seen::Done => {
+            VisibleItem::Done => {
                 let domain = linewright_core::gr1::Domain::Bool;
                 ("done".to_owned(), domain, String::new(), machine.span)
             }
-            Seen::Wire(wire) => (
+            VisibleItem::Wire(wire) => (
                 machine.wire_name(*wire),
                 machine.wire_domain(*wire).clone(),
                 wire_unit(machine, *wire),

@@ -94,7 +94,7 @@ pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &Source
     }
 }
 
-fn inputs_exist(findings: &mut Findings, run: &ast::Performed, specification: &Specification) {
+fn inputs_exist(findings: &mut Findings, run: &ast::OperationCall, specification: &Specification) {
     let mut known: Vec<&str> = specification
         .inputs()
         .map(|id| way(&specification.variable(id).name).0)

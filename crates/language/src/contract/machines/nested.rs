@@ -9,7 +9,7 @@
 //! times and powers of its actions, and its power in addition to them, apply in the outer machine
 //! as well.
 
-use super::expand::{How, answers_first, expand, view};
+use super::expand::{NestedTreatment, answers_first, expand, view};
 use super::properties::{PropertyType, assigned, assigned_array};
 use super::{Parts, called, level};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
@@ -48,7 +48,7 @@ pub(super) struct Nested {
     /// The machine without layers.
     pub flat: Machine,
     /// Meaning of each output of its view.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<VisibleItem>,
     /// Value of each output of its view, over the wires of the flat machine.
     pub values: Vec<Expr>,
     /// Properties over those of the outer machine, where they are bound.
@@ -57,7 +57,7 @@ pub(super) struct Nested {
 
 /// An output of a machine's view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Seen {
+pub(super) enum VisibleItem {
     /// A variable of the contract that it refines.
     Promised(VarId),
     /// Whether its operation is done.
@@ -109,13 +109,13 @@ pub(super) fn nested<'a>(
         &mut found,
     );
     let level = called(&mut e.findings, c, found, "machine", inner)?;
-    let flat = expand(&level, How::Flat, &BTreeSet::new());
+    let flat = expand(&level, NestedTreatment::Flat, &BTreeSet::new());
     let seen = seen(&level.machine);
     let specification = Arc::new(view(&level.machine, &seen));
-    let value = |seen: &Seen| match seen {
-        Seen::Promised(v) => flat.machine.refines[0].bindings[v.index()].clone(),
-        Seen::Done => flat.machine.done.clone(),
-        Seen::Wire(wire) => flat.values[*wire].clone(),
+    let value = |seen: &VisibleItem| match seen {
+        VisibleItem::Promised(v) => flat.machine.refines[0].bindings[v.index()].clone(),
+        VisibleItem::Done => flat.machine.done.clone(),
+        VisibleItem::Wire(wire) => flat.values[*wire].clone(),
     };
     let values: Option<Vec<Expr>> = seen.iter().map(value).collect();
     let nested = Nested {
@@ -150,7 +150,7 @@ fn unknown(findings: &mut Findings, scope: &Scope<'_>, c: &ast::Component) {
 }
 
 /// Returns everything visible of a machine, each name once.
-fn seen(machine: &Machine) -> Vec<Seen> {
+fn seen(machine: &Machine) -> Vec<VisibleItem> {
     let mut found = Vec::new();
     let mut names: BTreeSet<String> = BTreeSet::new();
     if let Some(promised) = machine.refines.first() {
@@ -158,12 +158,12 @@ fn seen(machine: &Machine) -> Vec<Seen> {
         for v in specification.outputs() {
             if promised.bindings[v.index()].is_some() {
                 names.insert(way(&specification.variable(v).name).0.to_owned());
-                found.push(Seen::Promised(v));
+                found.push(VisibleItem::Promised(v));
             }
         }
     }
     if machine.done.is_some() && names.insert("done".to_owned()) {
-        found.push(Seen::Done);
+        found.push(VisibleItem::Done);
     }
     let mut wire = machine.plant.len();
     for component in &machine.components {
@@ -171,7 +171,7 @@ fn seen(machine: &Machine) -> Vec<Seen> {
         let hidden = names.contains(&component.name);
         for v in specification.outputs() {
             if !hidden && !specification.is_auxiliary(v) {
-                found.push(Seen::Wire(wire));
+                found.push(VisibleItem::Wire(wire));
             }
             wire += 1;
         }

@@ -13,7 +13,7 @@ use crate::contract::scope::Scope;
 use crate::contract::skills::{level, listed, near_or_all};
 use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
 use crate::order::{Level, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
@@ -96,10 +96,10 @@ fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Optio
 }
 
 /// By name of the skill: its place, and the condition, unless there is an error in it.
-type Called<'a> = BTreeMap<&'a str, (Span, Option<Expr>)>;
+type BoundSkills<'a> = BTreeMap<&'a str, (Span, Option<Expr>)>;
 
-fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> Called<'a> {
-    let mut called = Called::new();
+fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> BoundSkills<'a> {
+    let mut called = BoundSkills::new();
     for call in &decl.calls {
         let term = wires.boolean(&call.value, Time::Now);
         let expr = term.and_then(|t| wires.formula(&t, call.value.span));
@@ -127,7 +127,7 @@ fn conditions(
     findings: &mut Findings,
     decl: &ast::SkillCalls,
     skills: &Skills,
-    mut called: Called<'_>,
+    mut called: BoundSkills<'_>,
 ) -> Option<Vec<Expr>> {
     let name = &decl.set.text;
     let bound: Vec<_> = skills
@@ -236,7 +236,7 @@ fn add_rules(
     orders: &Orders,
     when: &[Option<Condition>],
     party: Party,
-) -> Result<(), TooLarge> {
+) -> Result<(), BoundExceeded> {
     let never = || Condition::rising(Expr::FALSE);
     let conditions: Vec<Condition> = when
         .iter()

@@ -11,7 +11,7 @@ use crate::contract::value::Term;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
-use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, Performed};
+use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, OperationCall};
 
 /// A component to run, and its operation if it is a machine.
 type Run = (usize, Option<usize>);
@@ -111,7 +111,7 @@ pub(super) fn operations(
             continue;
         };
         let mut runs: Vec<Run> = Vec::new();
-        for Performed { name: action, .. } in sequence {
+        for OperationCall { name: action, .. } in sequence {
             runs.extend(run(findings, parts, action, false));
         }
         if sequence.is_empty() {

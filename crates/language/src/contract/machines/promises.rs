@@ -5,7 +5,7 @@ use super::component::binding;
 use super::{Parts, instance};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::formula::{Label, classify};
-use crate::contract::machine::{Promised, Rules};
+use crate::contract::machine::{RefinedContract, Rules};
 use crate::contract::scope::Scope;
 use crate::contract::shape::way;
 use linewright_core::diagnostics::codes;
@@ -21,7 +21,7 @@ pub(super) fn refined<'a>(
     parts: &Parts<'a>,
     scope: &Scope<'_>,
     sources: &SourceMap,
-) -> Vec<Promised> {
+) -> Vec<RefinedContract> {
     let machine = parts.machine;
     let decls = machine.items.iter().filter_map(|item| match item {
         MachineItem::Refines(decl) => Some(decl),
@@ -34,7 +34,7 @@ pub(super) fn refined<'a>(
         };
         known(&mut wires.findings, decl, &specification);
         let bindings = bindings(wires, parts, decl, &specification);
-        refined.extend(bindings.map(|bindings| Promised {
+        refined.extend(bindings.map(|bindings| RefinedContract {
             contract: decl.contract.text.clone(),
             specification,
             bindings,

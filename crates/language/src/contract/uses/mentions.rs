@@ -105,12 +105,12 @@ impl<'a> Mentions<'a> {
         self.expr(&constant.value);
     }
 
-    fn typed(&mut self, typed: &'a ast::Typed) {
+    fn typed(&mut self, typed: &'a ast::TypedDecl) {
         self.domain(&typed.domain);
         self.exprs(&typed.values);
     }
 
-    fn performed(&mut self, list: &'a [ast::Performed]) {
+    fn performed(&mut self, list: &'a [ast::OperationCall]) {
         for performed in list {
             self.name(&performed.name.text);
             self.arguments(&performed.arguments);

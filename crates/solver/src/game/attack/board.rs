@@ -25,11 +25,11 @@ pub(super) struct Stage<K: Kernel> {
     /// Z after it.
     pub reached: K::Function,
     /// How a goal is withheld from the machine; `None` for a forced step.
-    pub starve: Option<Starve<K>>,
+    pub starve: Option<StarvationStrategy<K>>,
 }
 
 /// How a goal is withheld from the machine.
-pub(super) struct Starve<K: Kernel> {
+pub(super) struct StarvationStrategy<K: Kernel> {
     /// Index of the goal.
     pub goal: usize,
     /// For every assumption, the Xs of its least fixpoint: from each, the environment reaches the
@@ -135,7 +135,7 @@ impl<K: Kernel> Board<K> {
             stages.push(Stage {
                 before: region,
                 reached: reached.clone(),
-                starve: Some(Starve { goal, layers }),
+                starve: Some(StarvationStrategy { goal, layers }),
             });
             region = reached;
         }

@@ -32,7 +32,7 @@ pub struct Shape {
     /// Outputs that have one value in every play.
     pub constant: Vec<(VarId, i64)>,
     /// Outputs without a frame.
-    pub unframed: Vec<Unframed>,
+    pub unframed: Vec<UnframedOutput>,
     /// Whether a machine that never changes an output keeps everything.
     pub idle: bool,
     /// Requests that need not be completed.
@@ -42,7 +42,7 @@ pub struct Shape {
 /// An output that may take any value in some situation, although a guarantee determines it in
 /// others.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Unframed {
+pub struct UnframedOutput {
     /// The output.
     pub variable: VarId,
     /// Current values after which its next one is free.
@@ -246,7 +246,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    fn unframed(&self) -> Result<Vec<Unframed>, Limit> {
+    fn unframed(&self) -> Result<Vec<UnframedOutput>, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut found = Vec::new();
         let answers = m.and(&arena.system_moves()?, &m.prime(&arena.states)?)?;
@@ -294,7 +294,7 @@ impl<'a, K: Kernel> Look<'a, K> {
             if let Some(fixed_by) = fixer
                 && self.wins_framed(v, &free)?
             {
-                found.push(Unframed {
+                found.push(UnframedOutput {
                     variable: v,
                     situation,
                     fixed_by,

@@ -33,7 +33,7 @@ pub enum RuleKind {
     Invariant,
     /// From every step to the next.
     Safety,
-    /// Infinitely often; of a run it is asked by [`Wanted::again`] or [`Wanted::never_again`].
+    /// Infinitely often; of a run it is asked by [`RunQuery::again`] or [`RunQuery::never_again`].
     Justice,
 }
 
@@ -58,7 +58,7 @@ pub struct Lasso {
 
 /// What a run is wanted to be like; rules by their places in the list that [`Runs`] was made of.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Wanted {
+pub struct RunQuery {
     /// Initial conditions, invariants and safety that hold throughout.
     pub keep: Vec<usize>,
     /// Justice that is met again and again.
@@ -96,8 +96,8 @@ pub struct Runs {
 const SMALL_PAIRS: usize = 24;
 
 trait Ask: Debug + Send {
-    fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit>;
-    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit>;
+    fn lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Option<Lasso>, Limit>;
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit>;
     fn step(
         &mut self,
         rules: &[Rule],
@@ -179,7 +179,7 @@ impl Runs {
 
     /// The variables whose values in a step what these rules allow of `answer` in that step depends
     /// on, whatever came before. `own` are set together with it and do not count. Kept rules are as
-    /// in [`Wanted::keep`].
+    /// in [`RunQuery::keep`].
     ///
     /// # Errors
     /// When a limit was reached.
@@ -198,7 +198,7 @@ impl Runs {
     ///
     /// # Errors
     /// When a limit was reached.
-    pub fn lasso(&mut self, wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+    pub fn lasso(&mut self, wanted: &RunQuery) -> Result<Option<Lasso>, Limit> {
         self.ask(|asked, rules| asked.lasso(rules, wanted))
     }
 
@@ -206,7 +206,7 @@ impl Runs {
     ///
     /// # Errors
     /// When a limit was reached.
-    pub fn any_lasso(&mut self, wanted: &Wanted) -> Result<bool, Limit> {
+    pub fn any_lasso(&mut self, wanted: &RunQuery) -> Result<bool, Limit> {
         self.ask(|asked, rules| asked.any_lasso(rules, wanted))
     }
 
@@ -245,11 +245,11 @@ impl Runs {
 }
 
 impl<K: Kernel> Ask for RuleEncoder<K> {
-    fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+    fn lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Option<Lasso>, Limit> {
         self.find_lasso(rules, wanted)
     }
 
-    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit> {
         self.is_any_lasso(rules, wanted)
     }
 

@@ -6,7 +6,7 @@
 //! reach leads back, and every justice is met on the way.
 
 use super::Lasso;
-use super::rule_encoder::{Reached, Steps};
+use super::rule_encoder::{ReachableStates, Steps};
 use crate::symbolic::{Encoding, Kernel, Limit};
 use linewright_core::gr1::{Time, VarId};
 use std::collections::BTreeSet;
@@ -53,7 +53,7 @@ impl Path<'_> {
     /// A run from step 0 to a state of `goal`, which lies in this ring.
     pub fn back_to_start<K: Kernel>(
         &self,
-        reached: &Reached<K>,
+        reached: &ReachableStates<K>,
         ring: usize,
         goal: &K::Function,
     ) -> Result<Vec<State<K::Function>>, Limit> {
@@ -132,7 +132,7 @@ impl Path<'_> {
     /// A run into the fair states and round a cycle among them that meets all justice.
     pub fn lasso<K: Kernel>(
         &self,
-        reached: &Reached<K>,
+        reached: &ReachableStates<K>,
         steps: &Steps<K>,
         fair: &K::Function,
         again: &[K::Function],

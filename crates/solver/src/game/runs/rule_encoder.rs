@@ -1,7 +1,7 @@
 //! Rules as functions of bits, put together for one question.
 
 use super::path::Path;
-use super::{Lasso, Rule, RuleKind, SafetyViolationQuery, Wanted, fair, smallest};
+use super::{Lasso, Rule, RuleKind, RunQuery, SafetyViolationQuery, fair, smallest};
 use crate::game::clusters::Clustering;
 use crate::game::heuristics::Heuristics;
 use crate::game::relation::Relation;
@@ -31,7 +31,7 @@ pub struct RuleEncoder<K: Kernel> {
     /// By rule: its conjuncts.
     functions: FxHashMap<usize, Vec<K::Function>>,
     /// What can be reached under sets of rules, the latest last.
-    reached: Vec<(Vec<usize>, Reached<K>)>,
+    reached: Vec<(Vec<usize>, ReachableStates<K>)>,
 }
 
 /// The rules of a question.
@@ -57,7 +57,7 @@ pub struct Steps<K: Kernel> {
 
 /// The states that can be reached, by how many steps it takes.
 #[derive(Debug, Clone)]
-pub struct Reached<K: Kernel> {
+pub struct ReachableStates<K: Kernel> {
     /// What the question keeps to.
     pub steps: Steps<K>,
     /// States that are first reached after so many steps.
@@ -75,14 +75,14 @@ struct Question<K: Kernel> {
     /// To remember what was reached by.
     key: Vec<usize>,
     /// What can be reached.
-    reached: Reached<K>,
+    reached: ReachableStates<K>,
     /// The steps after which nothing is met any more that is not to be met again.
     steps: Steps<K>,
     /// What is met again and again.
     again: Vec<K::Function>,
 }
 
-impl<K: Kernel> Reached<K> {
+impl<K: Kernel> ReachableStates<K> {
     /// One ring more; says whether there was one.
     fn grow(&mut self) -> Result<bool, Limit> {
         if self.complete {
@@ -287,7 +287,7 @@ impl<K: Kernel> RuleEncoder<K> {
         rules: &[Rule],
         keep: &[usize],
         variables: &BTreeSet<VarId>,
-    ) -> Result<(Vec<usize>, Reached<K>), Limit> {
+    ) -> Result<(Vec<usize>, ReachableStates<K>), Limit> {
         let mut key: Vec<usize> = keep.to_vec();
         key.sort_unstable();
         key.push(usize::MAX);
@@ -297,7 +297,7 @@ impl<K: Kernel> RuleEncoder<K> {
         }
         let steps = self.steps(rules, keep, variables)?;
         let first = steps.initial.clone();
-        let reached = Reached {
+        let reached = ReachableStates {
             all: first.clone(),
             rings: vec![first],
             complete: false,
@@ -306,7 +306,7 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok((key, reached))
     }
 
-    fn remember(&mut self, key: Vec<usize>, reached: Reached<K>) {
+    fn remember(&mut self, key: Vec<usize>, reached: ReachableStates<K>) {
         if self.reached.len() >= REMEMBERED {
             self.reached.remove(0);
         }
@@ -314,7 +314,7 @@ impl<K: Kernel> RuleEncoder<K> {
     }
 
     /// What a question about runs without an end is about.
-    fn question(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Question<K>, Limit> {
+    fn question(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Question<K>, Limit> {
         let all = wanted
             .keep
             .iter()
@@ -341,7 +341,11 @@ impl<K: Kernel> RuleEncoder<K> {
     }
 
     /// See [`super::Runs::lasso`].
-    pub fn find_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+    pub fn find_lasso(
+        &mut self,
+        rules: &[Rule],
+        wanted: &RunQuery,
+    ) -> Result<Option<Lasso>, Limit> {
         let mut asked = self.question(rules, wanted)?;
         let (steps, again) = (&asked.steps, &asked.again);
         let m = self.m.clone();
@@ -377,7 +381,7 @@ impl<K: Kernel> RuleEncoder<K> {
 
     /// See [`super::Runs::any_lasso`]. Whoever asks so mostly expects that there is none: so there
     /// is one early look, and then one at everything.
-    pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
+    pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit> {
         let mut asked = self.question(rules, wanted)?;
         let mut past = self.m.constant(false);
         loop {
@@ -472,7 +476,7 @@ impl<K: Kernel> RuleEncoder<K> {
     fn find_state(
         &self,
         variables: &BTreeSet<VarId>,
-        reached: &mut Reached<K>,
+        reached: &mut ReachableStates<K>,
         broken: &K::Function,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let mut ring = 0;
@@ -496,7 +500,7 @@ impl<K: Kernel> RuleEncoder<K> {
     fn find_step(
         &self,
         variables: &BTreeSet<VarId>,
-        reached: &mut Reached<K>,
+        reached: &mut ReachableStates<K>,
         last: &Steps<K>,
         (kind, broken): (RuleKind, &K::Function),
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
@@ -556,7 +560,7 @@ impl<K: Kernel> RuleEncoder<K> {
     fn up_to(
         &self,
         variables: &BTreeSet<VarId>,
-        reached: &Reached<K>,
+        reached: &ReachableStates<K>,
         (ring, here): (usize, &K::Function),
         last: &Steps<K>,
     ) -> Result<Vec<Vec<i64>>, Limit> {

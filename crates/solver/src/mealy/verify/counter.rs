@@ -13,7 +13,7 @@
 
 use super::fair::fair_cycle;
 use super::form::{Rules, malformed};
-use super::letter::{Letter, Taken};
+use super::letter::{Letter, TransitionMatch};
 use super::product::{Edge, Product};
 use super::residual::{Id, Place, Pool, Tree, key};
 use super::{Clause, MOST_PAIRS, Violation};
@@ -79,7 +79,7 @@ struct Check<'a> {
 }
 
 /// What is found wrong: the node, the valuation of the step after it, and the clause.
-type Wrong = (usize, Vec<i64>, Clause);
+type ClauseViolation = (usize, Vec<i64>, Clause);
 
 /// The answers of one step, being enumerated.
 struct Answers<'a> {
@@ -158,7 +158,7 @@ impl<'a> Check<'a> {
             .or_else(|| lists.any(Vec::is_empty).then_some(Clause::Nothing))
     }
 
-    fn explore(&mut self) -> Result<Option<Wrong>, Limit> {
+    fn explore(&mut self) -> Result<Option<ClauseViolation>, Limit> {
         while let Some(current) = self.product.next() {
             let transitions = self.machine.transitions(self.product.node(current).0);
             let first = self.specification.timing == Timing::Mealy;
@@ -192,7 +192,7 @@ impl<'a> Check<'a> {
         node: usize,
         group: &'a [Transition],
         edges: &mut Vec<Edge>,
-    ) -> Result<Option<Wrong>, Limit> {
+    ) -> Result<Option<ClauseViolation>, Limit> {
         self.limits.check_time()?;
         let mut letter = Letter::new(self.specification, group, self.answered.len());
         for (v, value) in self.given.iter().zip(&group[0].output) {
@@ -283,9 +283,9 @@ impl<'a> Check<'a> {
             }
         }
         let transition = match answers.letter.taken() {
-            Taken::One(transition) => transition,
-            Taken::Nothing => return Ok(Some(Clause::Unanswered)),
-            Taken::Several => return Ok(Some(Clause::AnsweredTwice)),
+            TransitionMatch::One(transition) => transition,
+            TransitionMatch::Nothing => return Ok(Some(Clause::Unanswered)),
+            TransitionMatch::Several => return Ok(Some(Clause::AnsweredTwice)),
         };
         let justice = &answers.formulas[self.rules[0] + self.rules[1]..];
         let label: Vec<bool> = justice
@@ -311,7 +311,7 @@ impl<'a> Check<'a> {
         &mut self,
         node: usize,
         transitions: &'a [Transition],
-    ) -> Result<Option<Wrong>, Limit> {
+    ) -> Result<Option<ClauseViolation>, Limit> {
         let mut letter = Letter::new(self.specification, transitions, self.answered.len());
         let wrong = self.gap(&mut letter, 0)?;
         Ok(wrong.map(|clause| (node, letter.next, clause)))

@@ -17,7 +17,7 @@ pub(super) struct Letter<'a> {
 
 /// The transitions that a letter satisfies.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Taken<'a> {
+pub(super) enum TransitionMatch<'a> {
     /// This one.
     One(&'a Transition),
     /// None.
@@ -64,11 +64,11 @@ impl<'a> Letter<'a> {
     }
 
     /// The transition that is taken once all variables are chosen.
-    pub(super) fn taken(&self) -> Taken<'a> {
+    pub(super) fn taken(&self) -> TransitionMatch<'a> {
         match self.candidates.last().map(Vec::as_slice) {
-            Some([(t, _)]) => Taken::One(&self.transitions[*t]),
-            Some([_, _, ..]) => Taken::Several,
-            _ => Taken::Nothing,
+            Some([(t, _)]) => TransitionMatch::One(&self.transitions[*t]),
+            Some([_, _, ..]) => TransitionMatch::Several,
+            _ => TransitionMatch::Nothing,
         }
     }
 }

@@ -26,7 +26,7 @@ pub use counter::verify_counterstrategy;
 use super::{Machine, Transition};
 use crate::game::{Limit, Limits};
 use form::{Rules, malformed};
-use letter::{Letter, Taken};
+use letter::{Letter, TransitionMatch};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{Specification, Time, VarId};
 use product::{Edge, Product};
@@ -275,14 +275,14 @@ impl<'a> Check<'a> {
             self.limits.check_time()?;
         }
         let clause = match letter.taken() {
-            Taken::One(transition) => {
+            TransitionMatch::One(transition) => {
                 for (v, value) in self.outputs.iter().zip(&transition.output) {
                     letter.next[v.index()] = *value;
                 }
                 return Ok(visit(self, transition, &letter.next));
             }
-            Taken::Nothing => Clause::Gap,
-            Taken::Several => Clause::Overlap,
+            TransitionMatch::Nothing => Clause::Gap,
+            TransitionMatch::Several => Clause::Overlap,
         };
         // Nothing of the letter before.
         for v in &self.outputs {
