@@ -1,4 +1,4 @@
-//! The JSON text that `station_describe` returns: what a host must know to call the library.
+//! The JSON text returned by `station_describe`: what a host must know to call the library.
 
 use crate::profile::ProfileEntry;
 use linewright_core::gr1::Domain;
