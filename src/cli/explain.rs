@@ -1,4 +1,4 @@
-//! `linewright explain`: what a finding, a construct of the language or a command means.
+//! `linewright explain`: the meaning of a finding.
 
 mod topics;
 
@@ -101,7 +101,7 @@ fn show(
             codes: codes.iter().map(|c| entry(*c, !as_list)).collect(),
             topics,
         })?,
-        // No findings, but the rules that findings of other commands point at.
+        // No findings, but the rules that findings of other commands refer to.
         Format::Sarif => console.document(&sarif::catalogue(codes))?,
         Format::Human | Format::Short if as_list => console.result(&list(&topics))?,
         Format::Human | Format::Short => {

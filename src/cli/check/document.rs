@@ -1,4 +1,4 @@
-//! The JSON document of `check`, which its other formats are made from, too.
+//! The JSON document of `check`, from which its other formats are also made.
 
 use super::watch::Trigger;
 use crate::cli::schema::AnyValue;
@@ -27,14 +27,14 @@ pub(super) struct Document {
     pub(super) semantics: &'static str,
     /// The contracts.
     pub(super) contracts: Vec<ContractEntry>,
-    /// The sets of skills; left out where there are none.
+    /// Sets of skills; omitted if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) skills: Vec<SkillsEntry>,
     /// The machines.
     pub(super) machines: Vec<MachineEntry>,
     /// The production lines.
     pub(super) lines: Vec<LineEntry>,
-    /// Findings that belong to no declaration.
+    /// Findings outside all declarations.
     pub(super) findings: Vec<json::Finding>,
     /// How many there are of each verdict.
     pub(super) summary: Summary,
@@ -47,7 +47,7 @@ pub(super) struct ContractEntry {
     pub(super) name: String,
     /// The file that declares it.
     pub(super) file: String,
-    /// For a specification of another tool: its format, by the ending of its files.
+    /// For a specification of another tool: its format, by file extension.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) format: Option<&'static str>,
     /// Its codes in the taxonomies, such as `vdi:Drehen`.
@@ -64,14 +64,14 @@ pub(super) struct ContractEntry {
     /// The play that shows that it is unrealizable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) play: Option<PlayEntry>,
-    /// What would make it realizable.
+    /// Changes that would make it realizable.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) suggestions: Vec<Suggestion>,
-    /// How large its counterstrategy is, which `synth --counterstrategy` writes down.
+    /// Size of its counterstrategy, which `synth --counterstrategy` writes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) counterstrategy: Option<CounterstrategyEntry>,
-    /// For a realizable one: from how many situations the machine can make the plant break an
-    /// assumption.
+    /// For a realizable one: the number of situations from which the machine can make the plant
+    /// break an assumption.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) well_separation: Option<WellSeparation>,
     /// The number of bits of its inputs.
@@ -90,28 +90,28 @@ pub(super) struct ContractEntry {
     /// The largest number of nodes that were kept at once; left out with `--no-timing`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) peak_nodes: Option<u64>,
-    /// With `--stats`.
+    /// Present with `--stats`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) statistics: Option<Statistics>,
-    /// The kernel, for people; in JSON it is among the statistics.
+    /// Kernel name, for people; in JSON it is in the statistics.
     #[serde(skip)]
     pub(super) kernel: String,
-    /// Whether only the verdict was asked for, since the game is large.
+    /// Whether only the verdict was computed, since the game is large.
     #[serde(skip)]
     pub(super) verdict_only: bool,
 }
 
-/// A play that the machine loses.
+/// A play lost by the machine.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct PlayEntry {
-    /// Step by step the values of all variables, by name; of a step that has no answer, those of
+    /// Values of all variables by name for every step; for a step without an answer, only those of
     /// the inputs.
     #[schemars(with = "Vec<BTreeMap<String, AnyValue>>")]
     pub(super) steps: Vec<BTreeMap<String, serde_json::Value>>,
-    /// The guarantees that clash in the last step.
+    /// Guarantees that clash in the last step.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) clash: Vec<String>,
-    /// The step that follows the last one, for ever.
+    /// Index of the step that follows the last one, for ever.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) repeats_from: Option<usize>,
     /// The guarantee that is never met again.
@@ -128,12 +128,12 @@ pub(super) struct CounterstrategyEntry {
     pub(super) verified: bool,
 }
 
-/// Both checks of Maoz and Ringert: `[from, of]` situations that can occur.
+/// Both checks of Maoz and Ringert: `[from, of]` possible situations.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct WellSeparation {
-    /// For a machine that keeps its guarantees all the while.
+    /// For a machine that always keeps its guarantees.
     pub(super) forced: [u64; 2],
-    /// For one that does as it likes.
+    /// For an unrestricted machine.
     pub(super) forced_ignoring_guarantees: [u64; 2],
 }
 
@@ -141,11 +141,11 @@ pub(super) struct WellSeparation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Validity {
-    /// It can.
+    /// No problems found.
     Valid,
-    /// Something is wrong with it, or with one of its machines.
+    /// The line, or one of its machines, has an error.
     Invalid,
-    /// This program failed while it looked at it.
+    /// An internal error occurred.
     InternalError,
 }
 
@@ -155,7 +155,7 @@ impl fmt::Display for Validity {
     }
 }
 
-/// What is known of a set of skills.
+/// Verdict on a set of skills.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum SkillsVerdict {
@@ -207,12 +207,12 @@ pub(super) struct MachineEntry {
     pub(super) verdict: Verdict,
     /// Its components.
     pub(super) components: Vec<ComponentEntry>,
-    /// How each assumption of a component is met, where the composition was checked.
+    /// How each assumption of a component is met, if the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
-    /// What its controllers do together, where each component has one.
+    /// Closed composition of its controllers, if each component has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) closed: Option<ClosedEntry>,
-    /// The contracts that it is said to refine.
+    /// Contracts that it is declared to refine.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) refines: Vec<RefinesEntry>,
     /// Its findings.
@@ -239,13 +239,13 @@ pub(super) struct LineEntry {
     pub(super) file: String,
     /// Whether it can be run.
     pub(super) verdict: Validity,
-    /// Of a valid one: whether parts move on in it.
+    /// For a valid line: whether parts keep moving.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) proof: Option<LineVerdict>,
-    /// Of a proved or safe one: what that rests on and the line itself does not show.
+    /// If proved or safe: premises that the line itself does not establish.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) premises: Vec<PremiseEntry>,
-    /// Of a safe one: what was not decided.
+    /// If safe: what was not decided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) undecided: Vec<String>,
     /// What each requirement of the line, and each assumption of a place in it, rests on.
@@ -254,12 +254,12 @@ pub(super) struct LineEntry {
     pub(super) findings: Vec<json::Finding>,
 }
 
-/// Something that a proof takes for granted.
+/// A premise of a proof.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct PremiseEntry {
     /// The name of the premise.
     pub(super) name: String,
-    /// In words.
+    /// The premise as text.
     pub(super) text: String,
 }
 
@@ -280,7 +280,7 @@ pub(super) struct Summary {
     pub(super) gave_up: usize,
     /// Contracts that could not be understood.
     pub(super) invalid: usize,
-    /// Contracts that this program failed at; left out where there are none.
+    /// Number of contracts with an internal error; omitted if there are none.
     #[serde(skip_serializing_if = "is_zero")]
     pub(super) internal_error: usize,
     /// All findings of the document.

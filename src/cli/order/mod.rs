@@ -1,4 +1,4 @@
-//! `linewright order`: what may follow what, by the rules of a skill order.
+//! `linewright order`: what may follow what under the rules of a skill order.
 
 mod check;
 mod complete;
@@ -60,7 +60,7 @@ pub enum LevelName {
 }
 
 impl LevelName {
-    /// The level of the name.
+    /// The level as a core type.
     pub fn level(self) -> Level {
         match self {
             Self::Arbitrary => Level::Arbitrary,
@@ -92,7 +92,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The same for the core, with the time limit counted from now.
+    /// The options for the core, with the time limit counted from now.
     pub fn options(&self, global: &GlobalOptions) -> Options {
         Options {
             level: self.level.level(),
