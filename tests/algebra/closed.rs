@@ -19,7 +19,7 @@ use linewright::mealy::{self, Cube, Guard, Test, Transition, extract::extract};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// A place in a list of so many.
+/// A place in a list of this length.
 fn pick(random: &mut Random, bound: usize) -> usize {
     random.below(bound as u64) as usize
 }

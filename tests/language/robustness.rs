@@ -102,7 +102,7 @@ fn survive(name: &Path, text: &str) -> (Library, Vec<Diagnostic>) {
     (library, findings)
 }
 
-/// The same in a thread with a small stack, and in so many seconds.
+/// The same in a thread with a small stack, and within this number of seconds.
 fn survive_within(text: String, seconds: u64) -> (Library, Vec<Diagnostic>) {
     let start = Instant::now();
     let thread = std::thread::Builder::new().stack_size(STACK);
@@ -128,9 +128,9 @@ fn whole_files_are_sound() {
 /// A change to a text.
 #[derive(Debug, Clone)]
 enum Damage {
-    /// Leaves so many characters out.
+    /// Leaves out this number of characters.
     Delete(usize, usize),
-    /// Writes so many characters twice.
+    /// Writes this number of characters twice.
     Double(usize, usize),
     /// Moves a piece to another place.
     Move(usize, usize, usize),

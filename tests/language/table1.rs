@@ -116,7 +116,7 @@ fn every_reading_has_its_verdict() {
         }
         verdicts.push(format!("{name}: {expected:?}"));
     }
-    // None may get lost: each contract of the table, in the readings that can be told apart, and
+    // None may get lost: each contract of the table, in the readings that can be distinguished, and
     // the sketches.
     assert_eq!(verdicts.len(), 8, "{verdicts:#?}");
 }

@@ -20,15 +20,15 @@ use text::Chance;
 
 /// Machines and lines a machine of the gate.
 const GATE: (usize, usize) = (12, 13);
-/// So many machines are in one file.
+/// Number of machines in one file.
 const MACHINES_A_BATCH: usize = 6;
 /// Seeds of the runs.
 const SEEDS: [u64; 3] = [1, 2, 3];
-/// One line in so many is also run with compiled libraries.
+/// One in this number of lines is also run with compiled libraries.
 const SAMPLED: usize = 60;
-/// At least so many of a hundred lines that are not proved fail.
+/// Minimum percentage of unproved lines that fail.
 const LEAST_FAILING: usize = 30;
-/// A file is made smaller with so many questions.
+/// Maximum number of attempts to reduce a file.
 const REDUCING: usize = 120;
 
 /// `LINEWRIGHT_ATTACK=500x40`: machines, and lines a machine.

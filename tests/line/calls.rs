@@ -105,7 +105,7 @@ fn open(line: &str, errors: &[&str], warnings: &[&str]) -> String {
     row.to_string()
 }
 
-/// So many adders in a row; each adds one, and takes no more than 3.
+/// A number of adders in a row; each adds one, and takes no more than 3.
 fn adders(count: usize, first: &str) -> String {
     let (mut stations, mut way) = (String::new(), String::new());
     for i in 0..count {

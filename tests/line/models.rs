@@ -142,7 +142,7 @@ impl Builder {
         self
     }
 
-    /// An accumulating conveyor with a period of so many seconds a place.
+    /// An accumulating conveyor with this period in seconds per place.
     pub fn conveyor(&mut self, name: &str, places: u32, period: f64) -> &mut Self {
         self.add(
             name,
@@ -311,7 +311,7 @@ impl Builder {
         .unwrap_or_else(|findings| panic!("{findings:#?}"))
     }
 
-    /// Runs to so many products, with a log.
+    /// Runs until this number of products, with a log.
     pub fn run(&mut self, parts: u64) -> Trace {
         self.plant(Options {
             parts: Some(parts),
@@ -321,7 +321,7 @@ impl Builder {
         .run()
     }
 
-    /// Runs for so many seconds, with a log.
+    /// Runs for this number of seconds, with a log.
     pub fn run_until(&mut self, seconds: f64) -> Trace {
         self.plant(Options {
             until: Some(seconds),

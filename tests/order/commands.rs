@@ -145,7 +145,7 @@ fn a_program_is_text_or_a_table() {
     }
 }
 
-/// What is told of a program that cannot be read.
+/// Findings about a program that cannot be read.
 fn invalid(name: &str, program: &str) -> String {
     let (document, output) = checked(name, program, &[]);
     assert_eq!(output.status.code(), Some(2), "{document}");
@@ -214,7 +214,7 @@ fn all_that_cannot_be_read_is_told_at_once() {
     assert_eq!(document["programs"][0]["findings"][0]["span"]["line"], 2);
 }
 
-/// A program that is not there is told before rules are looked for beside it.
+/// A missing program is reported before rules are searched beside it.
 #[test]
 fn a_program_that_is_not_there_is_told_first() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -232,7 +232,7 @@ fn a_program_that_is_not_there_is_told_first() {
     assert_eq!(found["schema"], "linewright/order-check/1");
     assert_eq!(found["findings"][0]["code"], "LW001");
 
-    // The rules beside another one are taken, and where there are none, both are told.
+    // The rules beside another one are taken, and where there are none, both are reported.
     fs::write(folder.path().join("p.txt"), "Right\n").expect("a program");
     let said = error(&check(&["nosuch.txt", "p.txt"]));
     let (program, rules) = (said.find("nosuch.txt cannot"), said.find("--rules FILE"));
@@ -652,7 +652,8 @@ fn a_strongest_level_is_its_own_strongest_level() {
     }
 }
 
-/// A set of so many components with two skills each, `A0` and `B0` and so on, in a file of its own.
+/// A set with this number of components with two skills each, `A0` and `B0` and so on, in a file of
+/// its own.
 fn many(components: usize, orders: &[String]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let component = |i| {

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// Runs of the gate.
 const RUNS: u64 = 120;
-/// A file is made smaller with so many further runs.
+/// Maximum number of runs that reduce a file.
 const REDUCING: usize = 250;
 
 fn number(variable: &str, default: u64) -> u64 {

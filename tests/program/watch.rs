@@ -136,7 +136,7 @@ fn changes(document: &Value) -> Vec<(&str, &str)> {
         .collect()
 }
 
-/// How long a contract took, which is told once more where it was not solved again.
+/// How long a contract took, which is reported again where it was not solved again.
 fn seconds(document: &Value, name: &str) -> f64 {
     let entries = document["contracts"].as_array().expect("contracts");
     let entry = entries.iter().find(|e| e["name"] == name);
@@ -249,7 +249,7 @@ fn what_a_spectra_file_imports_is_watched() {
     watching.verdicts(&[("belt", "unrealizable")]);
     rules("a <->");
     let found = watching.verdicts(&[("belt", "invalid")]);
-    // What is told of an imported file is told at its own place.
+    // Findings about an imported file have a place in that file.
     assert!(found.to_string().contains("rules/Rules.spectra"), "{found}");
     watching.end();
 }

@@ -148,7 +148,7 @@ pub fn joined(specification: &Specification, inputs: &[i64], outputs: &[i64]) ->
 pub enum Extent {
     /// Every state and every input.
     All,
-    /// So many random states, and so many random inputs of each.
+    /// Number of random states, and of random inputs for each.
     Some { seed: u64, states: u64, inputs: u64 },
 }
 

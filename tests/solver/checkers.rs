@@ -255,7 +255,7 @@ const CHANGES: usize = 60;
 /// nothing mentions.
 const LIMITED: usize = 40;
 
-/// Whether a clause is told once all was looked at, as is that nothing is wrong.
+/// Whether a clause is reported after everything was examined, as is that nothing is wrong.
 fn last(clause: &str) -> bool {
     clause == "Won" || clause.starts_with("Starved") || clause.starts_with("Justice")
 }
@@ -720,7 +720,7 @@ fn no_mutant_of_a_checker_survives() {
 /// them.
 const LEAST_KILLED: usize = 98;
 
-/// Mutants that are said to be equivalent are tried on one case in so many.
+/// Mutants listed as equivalent are tried on one in this number of cases.
 const EQUIVALENT_TRIED: usize = 3;
 
 /// The row of a mutant in the table of equivalent ones.

@@ -64,9 +64,9 @@ fn patterns_mean_their_formulas() {
     assert_eq!(cases.len(), 25 + 10 * 4);
 }
 
-/// What the table in the module's text says, and that it cannot be less: so many pasts have to be
-/// told apart, since some future is right after one of them and wrong after the other. (A past
-/// after which every future is wrong needs no state.)
+/// What the table in the module's text says, and that it cannot be less: that number of pasts has
+/// to be distinguished, since some future is right after one of them and wrong after the other. (A
+/// past after which every future is wrong needs no state.)
 #[test]
 fn monitors_have_few_bits() {
     let bits = |case: &Case| -> u32 {

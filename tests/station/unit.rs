@@ -21,8 +21,8 @@ fn cited(name: &str, text: &str) -> RuleCitation {
     }
 }
 
-/// The masks of so many skills that `may` allows: single ones in order, then sets of two, and so
-/// on.
+/// The masks over this number of skills that `may` allows: single ones in order, then sets of two,
+/// and so on.
 pub fn calls(skills: u32, may: impl Fn(u64) -> bool) -> Vec<u64> {
     let mut masks: Vec<u64> = (1..1_u64 << skills).filter(|m| may(*m)).collect();
     masks.sort_by_key(|m| (m.count_ones(), *m));

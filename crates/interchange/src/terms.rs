@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Formulas may be so deep once chains are balanced: the depth that the language's own formulas may
 /// have.
 pub(super) const MAX_DEPTH: u32 = 500;
-/// A single formula may have so many operators and operands, written out.
+/// Maximum number of operators and operands of a single expanded formula.
 const MAX_SIZE: u64 = 1 << 20;
 
 /// What values a node has.

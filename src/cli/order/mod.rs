@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     outcome.or_else(|early| early.report(options))
 }
 
-/// The documents of its commands, and what is told of a fault in one of them.
+/// The documents of its commands, including the one that reports an internal error.
 pub const DOCUMENTS: [Described; 8] = [
     check::DOCUMENT,
     complete::DOCUMENT,

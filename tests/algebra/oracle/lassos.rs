@@ -37,7 +37,7 @@ pub fn valuations(variables: &[Variable]) -> Vec<Vec<i64>> {
     })
 }
 
-/// All lassos of at most so many positions.
+/// All lassos up to this number of positions.
 pub fn all(variables: &[Variable], bound: usize) -> Vec<Lasso> {
     let valuations = valuations(variables);
     let mut found = Vec::new();

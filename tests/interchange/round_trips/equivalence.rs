@@ -24,7 +24,7 @@ pub enum Layout {
     Same,
     /// Inputs before outputs, and numbers counted from 0.
     FromZero,
-    /// Inputs before outputs, and numbers as so many bits, the lowest first, counted from 0.
+    /// Inputs before outputs, and numbers as their bits, the lowest first, counted from 0.
     Bits,
 }
 

@@ -4,7 +4,7 @@
 use super::lassos::{Lasso, agrees, agrees_assumed};
 use rayon::prelude::*;
 
-/// So many steps are looked at: enough for all that is remembered here to repeat.
+/// Number of steps examined: enough for all that is remembered here to repeat.
 pub fn horizon(lasso: &Lasso) -> usize {
     lasso.letters.len() + 12 * lasso.period()
 }
@@ -113,7 +113,7 @@ fn past_operators() {
     });
 }
 
-/// The counter's value after so many steps; `None` where it could not go on.
+/// The counter's value after this number of steps; `None` where it could not go on.
 fn counted(lasso: &Lasso, steps: usize, over: &str, under: &str, reset: bool) -> Option<i64> {
     let mut value = 1;
     for t in 0..steps {

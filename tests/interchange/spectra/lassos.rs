@@ -39,8 +39,8 @@ impl Lasso {
     }
 }
 
-/// All runs that are lassos of up to `longest` letters over variables with so many values each, or
-/// 10,000 random ones where that is too many.
+/// All runs that are lassos of up to `longest` letters over variables with this number of values
+/// each, or 10,000 random ones where that is too many.
 pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
     let letters: i64 = sizes.iter().product();
     let count: i64 = (1..=longest)

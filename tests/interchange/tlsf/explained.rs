@@ -1,4 +1,4 @@
-//! Unrealizable files: minimal cores, counterstrategies and plays, told in the terms of the file.
+//! Unrealizable files: minimal cores, counterstrategies and plays, in the terms of the file.
 
 #[path = "../../solver/explained/legal.rs"]
 mod legal;

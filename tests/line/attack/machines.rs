@@ -70,7 +70,7 @@ moore contract Seq {
 }
 ";
 
-/// So many machines, and contracts of their own.
+/// Number of machines, and of contracts of their own.
 pub fn batch(chance: &mut Chance, count: usize) -> Batch {
     let mut machines: Vec<Model> = Vec::new();
     // Of every batch one is as plain as can be, so that some lines are sound.

@@ -15,12 +15,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// So many products are ordered.
+/// Number of products ordered.
 pub const PARTS: u64 = 5;
-/// In so many seconds each line here can make them several times over.
+/// Time in seconds in which each line here can make them several times over.
 pub const SECONDS: f64 = 5_000.0;
-/// A run that has not made them goes on for so much longer before anything is said, if no more has
-/// happened in it than this: times may be a million times a property, but a line in which much
+/// A run that has not made them goes on for this much longer before anything is said, if no more
+/// has happened in it than this: times may be a million times a property, but a line in which much
 /// happens and nothing is made has failed.
 const LONGER: [(f64, u64); 2] = [(10.0, u64::MAX), (20_000.0, 20_000)];
 

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
-/// So many ways in which something goes wrong are looked into.
+/// Maximum number of failures that are examined.
 const MOST_KINDS: usize = 25;
 
 /// The counts.
@@ -87,7 +87,7 @@ impl Table {
     }
 }
 
-/// What went wrong, in so many words that the same is the same.
+/// What went wrong, in words that are equal for equal failures.
 fn key(kind: &str, said: &str) -> String {
     let said: String = said.chars().take(70).collect();
     format!("{kind}: {said}")

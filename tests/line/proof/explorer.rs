@@ -352,7 +352,7 @@ impl<'a> Explorer<'a> {
         found
     }
 
-    /// Everything that can be reached; `None` with more than so many states.
+    /// Everything that can be reached; `None` if there are more states than the limit.
     pub fn explore(&self, most: usize) -> Option<Explored> {
         let counted = self
             .line

@@ -129,7 +129,7 @@ pub fn line(seed: u64) -> Builder {
     builder
 }
 
-/// The source makes no more while so many of its parts are in the line.
+/// The source makes no more while this number of its parts is in the line.
 pub fn at_most(line: &mut Line, name: &str, count: u32) {
     let source = line.nodes.iter_mut().find(|n| n.name == name);
     if let Some(NodeKind::Source { most, .. }) = source.map(|n| &mut n.kind) {

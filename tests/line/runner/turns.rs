@@ -193,7 +193,7 @@ enum Feeder {
     /// A source that always has a part.
     Source,
     Buffer,
-    /// A belt of so many places.
+    /// A belt with this number of places.
     Belt(u32),
     /// Joined at the station.
     Joined,

@@ -171,7 +171,7 @@ fn mover_with(orders: &str, tasks: &[&[&str]]) -> String {
     )
 }
 
-/// The calls after which one is refused, by trying all sequences of so many tasks on the machine
+/// The calls after which one is refused, by trying all sequences of this length on the machine
 /// itself.
 fn refused_after(text: &str, tasks: &[&[&str]], most: usize) -> Option<Vec<String>> {
     let mover = controlled(text);

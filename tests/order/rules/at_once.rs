@@ -12,7 +12,7 @@ use linewright::order::supervisor::Options;
 use linewright::order::{Event, Kind, Level, Serialisation, Skills};
 use proptest::prelude::*;
 
-/// So many skills are called in all.
+/// Total number of calls.
 const LENGTH: usize = 5;
 
 const BOTH: [Serialisation; 2] = [Serialisation::Every, Serialisation::Some];

@@ -20,7 +20,7 @@ const SIZE: Size = Size {
     sequences: 4,
 };
 
-/// So many skills are called one after the other.
+/// Number of skills called in sequence.
 const LENGTH: usize = 5;
 
 /// So long are the words that are all compared, one after the other.
@@ -62,8 +62,8 @@ fn accepts(dfa: &Dfa, word: &[usize]) -> bool {
     dfa.run(word).is_some_and(|state| dfa.is_complete(state))
 }
 
-/// Every pair of states is told apart by some word: refused after the one, or ending there, and not
-/// so after the other.
+/// Every pair of states is distinguished by some word: refused after the one, or ending there, and
+/// not so after the other.
 fn is_smallest(dfa: &Dfa) -> bool {
     let states = dfa.states() as u32;
     let number = |a: u32, b: u32| (a * states + b) as usize;

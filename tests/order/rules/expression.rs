@@ -15,7 +15,7 @@ fn has_words(regex: &Regex, skills: usize) -> bool {
     }
 }
 
-/// A word of single skills, out of so many.
+/// A word over this number of skills.
 #[derive(Clone, Copy)]
 pub struct Word<'a> {
     pub called: &'a [usize],

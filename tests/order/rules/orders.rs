@@ -23,7 +23,7 @@ const SIZE: Size = Size {
 /// Calls with more letters than this have too many orders to try them all.
 const MOST_LETTERS: usize = 6;
 
-/// So many orders are tried for each skill that may come next.
+/// Number of orders tried for each skill that may come next.
 const MOST_ORDERS: usize = 1500;
 
 /// Skills, some calls of one or two of them, and a last call of up to six.

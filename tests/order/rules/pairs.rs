@@ -1,6 +1,6 @@
-//! All sequences of calls of one skill or of two at once, up to so many skills in all: allowed when
-//! every order of the pairs is, looked up one by one in a table of all words of single skills; or
-//! when some is.
+//! All sequences of calls of one skill or of two at once, up to a number of skills in all: allowed
+//! when every order of the pairs is, looked up one by one in a table of all words of single skills;
+//! or when some is.
 
 use super::naive::{Letter, Naive};
 use super::units::{

@@ -35,8 +35,8 @@ fn masks(calls: &[Call]) -> Vec<u64> {
     calls.iter().map(|call| call.0).collect()
 }
 
-/// The length of the shortest allowed way of single skills behind a program, up to so many, after
-/// which something holds.
+/// The length of the shortest allowed way of single skills behind a program, up to this length,
+/// after which something holds.
 fn shortest_way(
     naive: &Naive<'_>,
     skills: usize,
@@ -83,8 +83,8 @@ fn is_shortest(
     }
 }
 
-/// The length of the shortest sequence of calls that tells two sets of rules apart, up to so many,
-/// by trying all that both allow.
+/// The length of the shortest sequence of calls that distinguishes two sets of rules, up to this
+/// length, by trying all that both allow.
 fn shortest_difference(
     naive: [&Naive<'_>; 2],
     columns: &[u64],

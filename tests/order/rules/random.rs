@@ -20,11 +20,11 @@ pub struct Layout {
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
     pub components: usize,
-    /// So many skills a component has at most.
+    /// Maximum number of skills of a component.
     pub skills: usize,
-    /// So many rules at most.
+    /// Maximum number of rules.
     pub rules: usize,
-    /// So many skills an event has at most.
+    /// Maximum number of skills of an event.
     pub at_once: usize,
     /// How many of twenty rules are sequences, about.
     pub sequences: u32,
@@ -196,7 +196,7 @@ pub fn options() -> impl Strategy<Value = Options> {
     })
 }
 
-/// Calls of up to so many of these skills at once, sensible or not.
+/// Calls of up to this number of skills at once, sensible or not.
 pub fn program(
     skills: &Skills,
     at_once: usize,

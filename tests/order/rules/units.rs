@@ -11,7 +11,7 @@ pub const DOWN: usize = 3;
 pub const RELEASE: usize = 4;
 pub const GRIP: usize = 5;
 
-/// A component, which has so many situations and is in this one at the start.
+/// A component: its number of situations, and the initial one.
 pub fn component(name: &str, situations: usize, initial: usize) -> Component {
     Component {
         name: name.to_owned(),

@@ -408,7 +408,7 @@ fn parts_that_are_not_followed_in_time_are_named_by_all_commands() {
     }
 }
 
-/// Thousands of variables in one line of text, each with a finding, are prepared and told about
+/// Thousands of variables in one line of text, each with a finding, are prepared and reported
 /// within seconds.
 #[test]
 fn many_variables_take_no_time_of_their_own() {

@@ -40,7 +40,7 @@ pub enum Artefact {
 pub enum Tried {
     /// States and inputs are counted through.
     All,
-    /// So many are tried that all are met.
+    /// Number of attempts, enough to meet all.
     Some,
     /// States are, none of their inputs: whether a step has an answer is not asked.
     StatesOnly,

@@ -142,7 +142,7 @@ fn play_of_counterstrategy(
             let moore = specification.timing == Timing::Moore;
             let outputs = valuations(specification, Owner::System);
             let right = match clause {
-                // The values of what was not decided yet are not told.
+                // Values that were not decided yet are not shown.
                 "Unanswered" if moore => outputs.iter().any(|o| {
                     matching(transitions, &part(specification, o, Owner::System)).is_empty()
                 }),

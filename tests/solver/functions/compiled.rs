@@ -16,10 +16,10 @@ use std::process::{Command, Stdio};
 
 const STEPS: usize = 100_000;
 
-/// So many letters are tried for a step.
+/// Number of letters tried for a step.
 const TRIES: usize = 16;
 
-/// After so many refused steps in a row the play begins anew.
+/// Number of refused steps in a row after which the play restarts.
 const REFUSED_AT_MOST: usize = 50;
 
 /// A controller that can be played step by step: the outputs, or the code of the refusal.

@@ -2,7 +2,7 @@
 
 use super::words::{Lanes, Lassos};
 
-/// A formula with future or past operators. `Within` variants look at most so many steps away.
+/// A formula with future or past operators. `Within` variants look a bounded number of steps away.
 #[derive(Debug, Clone)]
 pub enum Logic {
     Var(usize),

@@ -1,6 +1,6 @@
 //! Every formula of up to three operators over two inputs and two outputs, now and next. A formula
-//! stands for all that mean the same: functions are told apart by their values, and each is written
-//! with as few operators as it can be.
+//! stands for all that mean the same: functions are distinguished by their values, and each is
+//! written with as few operators as it can be.
 
 use linewright::gr1::{Expr, VarId};
 use std::collections::HashSet;

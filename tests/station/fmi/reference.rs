@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub struct Answer {
     /// 0 OK, 3 Error.
     pub status: i32,
-    /// What the host is told; `None` where it is not known here (the step limit names what was
+    /// What the host reads; `None` where it is not known here (the step limit names what was
     /// waited for).
     pub message: Option<String>,
 }
@@ -99,7 +99,7 @@ impl Reference {
         self.job.is_some()
     }
 
-    /// A communication step of so many of the machine's steps: all or none.
+    /// A communication step of this number of machine steps: all or none.
     pub fn step(&mut self, ticks: u64) -> Answer {
         let mut after = self.clone();
         for _ in 0..ticks {

@@ -7,7 +7,7 @@
 //! new N                    make instance N and initialize it; it is the one that further calls are on
 //! use N
 //! set REFERENCE TYPE VALUE a real number as its 64 bits in hexadecimal
-//! step TICKS               a communication step of so many steps of the machine
+//! step TICKS               a communication step of this number of machine steps
 //! reset                    reset and initialize again
 //! save S, load S           the state into place S, and back; `load` may be on another instance
 //! bytes S                  the state in place S becomes bytes, and a new state made of them takes its place
@@ -57,7 +57,7 @@ struct Recorder<'a> {
     saved: Vec<Option<Reference>>,
 }
 
-/// A tape of so many sequences, each of so many steps, for a machine's unit.
+/// A tape with this number of sequences, each of this number of steps, for a machine's unit.
 pub fn record(
     machine: &Arc<Machine>,
     controllers: &Arc<Vec<mealy::Controller>>,

@@ -2,7 +2,7 @@
 //!
 //! The tables are read back from the C text, and become a controller again for the machine in this
 //! process. So it is known beforehand which changes the plan shows: a bound that moves where the
-//! assumptions allow nothing, or a place that cannot be told apart from another in this machine, is
+//! assumptions allow nothing, or a place that is indistinguishable from another in this machine, is
 //! no fault. Only the others are given to the host.
 
 use super::machines::Subject;

@@ -1,7 +1,7 @@
 //! The host passes on the library of every machine, on this computer and under Wine.
 //!
 //! Ten million calls are made once on each, on the machine with the most components; on the others
-//! so many that each kind of call comes often, and all together stay within a minute and a half.
+//! enough that each kind of call comes often, and all together stay within a minute and a half.
 
 use super::machines::{Subject, as_functions, fixtures, named, shipped};
 use super::programs::{Host, Prepared};

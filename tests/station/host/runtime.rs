@@ -37,7 +37,7 @@ const LONG_PATIENCE: Duration = Duration::from_mins(4);
 /// Mutants in the sample of the gate. `LINEWRIGHT_MUTANTS` may name another number.
 const SAMPLE: usize = 6;
 
-/// Calls with which the host uses up all generations, and so many that its threads meet under a
+/// Calls with which the host uses up all generations, and enough that its threads meet under a
 /// sanitizer, where every call takes long.
 const MANY_CALLS: u64 = 300_000;
 const THREADED_CALLS: u64 = 8_000;

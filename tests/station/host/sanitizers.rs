@@ -10,7 +10,7 @@ use linewright::station::Toolchain;
 use std::path::Path;
 use std::process::Command;
 
-/// So many calls, each of which takes up to twenty times as long as usual.
+/// Number of calls, each of which takes up to twenty times as long as usual.
 const CALLS: u64 = 40_000;
 
 /// The compiler's option, which the skip word of each is part of.

@@ -26,7 +26,7 @@ pub enum Type {
     Integer(usize),
     /// By its place among the declared ones.
     Enumeration(usize),
-    /// A string of at most so many characters. Its value is its place in [`Program::texts`].
+    /// A string with a maximum length. Its value is its place in [`Program::texts`].
     Text(usize),
     /// A number without a type of its own.
     Literal,
@@ -71,7 +71,7 @@ pub enum Flow {
 pub type Numbers = [i64];
 pub type Run = Box<dyn Fn(&mut Numbers) -> Flow>;
 
-/// A compiled expression; the simple ones are told apart for speed.
+/// A compiled expression; the simple ones are distinguished for speed.
 pub enum Code {
     Constant(i64),
     Slot(usize),

@@ -32,10 +32,10 @@ impl Random {
     }
 }
 
-/// So many letters are tried for a step.
+/// Number of letters tried for a step.
 const TRIES: usize = 16;
 
-/// After so many refused steps in a row all begins anew.
+/// Number of refused steps in a row after which everything restarts.
 const REFUSED_AT_MOST: usize = 40;
 
 /// What was played.
@@ -236,7 +236,7 @@ pub fn compiled(text: &str) -> Result<Program, String> {
     Program::new(&parse(text)?)
 }
 
-/// Plays so many steps: what was played, or where the two differ.
+/// Plays this number of steps: what was played, or where the two differ.
 pub fn compare(
     program: &Program,
     controller: &Controller,

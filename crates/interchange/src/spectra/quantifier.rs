@@ -8,7 +8,7 @@ use super::value::Value;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::BinaryOp;
 
-/// A quantifier may have so many values.
+/// Maximum number of values of a quantifier.
 const MAX_VALUES: u64 = 1 << 12;
 
 impl Reader {

@@ -20,7 +20,7 @@ use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
 use linewright_core::gr1::{Expr, Owner, Time, VarId};
 use linewright_core::source::Span;
 
-/// A parametrised assumption or guarantee may come to so many.
+/// Maximum number of instances of a parametrised assumption or guarantee.
 const MAX_INSTANCES: usize = 1 << 12;
 
 impl Reader {

@@ -11,16 +11,16 @@ use linewright_core::gr1::eval::holds;
 use linewright_core::gr1::{Expr, UnaryOp};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So many states are worth having in a monitor.
+/// Maximum number of states of a monitor.
 const MAX_STATES: usize = 48;
 /// How far an automaton is looked into before it is made minimal.
 const LIMITS: Limits = Limits {
     states: 4 * MAX_STATES,
     alternatives: 48,
 };
-/// So many different conditions on a step may occur.
+/// Maximum number of different conditions on a step.
 const MAX_LETTERS: usize = 8;
-/// Conditions are tried on all values of so many variables at most.
+/// Maximum number of variables whose values are enumerated for a condition.
 const MAX_VARIABLES: usize = 12;
 
 /// A deterministic automaton that refuses the steps that break its formula.

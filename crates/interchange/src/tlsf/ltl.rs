@@ -8,11 +8,11 @@ use linewright_core::gr1::VarId;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// A formula may have so many operators and operands, written out.
+/// Maximum number of operators and operands of an expanded formula.
 const MAX_SIZE: u64 = 1 << 16;
 /// Formulas may nest so deep.
 const MAX_DEPTH: u32 = 400;
-/// So many nodes may be made for a file.
+/// Maximum number of nodes for a file.
 const MAX_NODES: usize = 1 << 21;
 
 /// A node of [`Formulas`].

@@ -26,7 +26,7 @@ impl Classifier<'_> {
         })
     }
 
-    /// Whether so many steps were before this one.
+    /// Whether at least this many steps precede the current one.
     pub fn begun(&mut self, steps: u32) -> Expr {
         (0..steps).fold(Expr::TRUE, |e, _| self.before(&e))
     }

@@ -11,7 +11,7 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Formula, Specification, Time, UnaryOp, VarId};
 use std::collections::{BTreeMap, HashMap};
 
-/// So many values are tried for one formula.
+/// Maximum number of values tried for one formula.
 const MAX_TRIALS: u64 = 1 << 18;
 
 /// A gate of a [`Gates`].

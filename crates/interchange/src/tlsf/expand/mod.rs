@@ -22,11 +22,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::rc::Rc;
 
-/// So many expressions are evaluated for one file.
+/// Maximum number of expressions evaluated for one file.
 const MAX_STEPS: u64 = 4_000_000;
 /// Evaluations nest so deep; the stack is that of [`crate::read`].
 const MAX_DEPTH: u32 = 4_000;
-/// A set has at most so many elements.
+/// Maximum number of elements of a set.
 const MAX_SET: i64 = 1 << 16;
 /// `X[n]` looks at most so far ahead.
 const MAX_AHEAD: i64 = 256;
