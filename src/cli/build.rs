@@ -150,7 +150,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     let library = &loaded.library;
     let chosen = picked::picked(selection, &loaded)?;
-    let picked = picked::told_apart(&chosen.machines);
+    let picked = picked::with_distinct_names(&chosen.machines);
     let machines = picked.iter().map(|m| &**m);
     let synthesis = Synthesis::new(machines, &settings, |count| {
         console.progress(count, "synthesizing")

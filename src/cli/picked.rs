@@ -89,7 +89,7 @@ fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnosti
 
 /// The same machines with names whose files differ: if two would be written to the same file, such
 /// as one machine in two sizes, the second is named `Printer_2`.
-pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
+pub fn with_distinct_names<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
     // SimTalk ignores case, too.
     let keys = |name: &str| [file_stem(name), name.to_lowercase()];
     let mut taken: BTreeSet<String> = BTreeSet::new();

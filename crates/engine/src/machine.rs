@@ -152,7 +152,7 @@ pub fn proved(
             if let Some(verdict) = both.verdict {
                 let met = verdict.met.iter().map(|(at, met)| both.shown(*at, *met));
                 result.discharges = met.collect();
-                both.told_open(verdict, &[], &mut result.findings);
+                both.report_open(verdict, &[], &mut result.findings);
                 if !verdict.undecided.is_empty() {
                     result.findings.push(limited);
                 }
@@ -170,7 +170,7 @@ pub fn proved(
         // The proof represents inner machines by their promises; the controllers are those of all
         // layers.
         if is_layered(controlled) {
-            both.told_open(verdict, &[], &mut result.findings);
+            both.report_open(verdict, &[], &mut result.findings);
         }
         let operations = closed::operations(&closed, verdict, standing);
         result.findings.extend(operations);
@@ -255,8 +255,8 @@ impl Both<'_> {
                 .into_iter()
                 .partition(|c: &Circle| c.assumptions.iter().any(is_met));
             proof.circles = circles;
-            self.told_resolved(resolved, findings);
-            self.told_open(verdict, &members(&proof), findings);
+            self.report_resolved(resolved, findings);
+            self.report_open(verdict, &members(&proof), findings);
             let settled =
                 |at: FormulaRef| verdict.is_met(at).is_some() || verdict.is_open(at).is_some();
             proof.open.retain(|o| !settled(o.what));
@@ -268,7 +268,7 @@ impl Both<'_> {
             entries.extend(shown);
         }
         entries.sort_by_key(|(at, _)| (at.part.unwrap_or(usize::MAX), at.kind, at.index));
-        self.told_unsettled(&mut proof, findings);
+        self.report_unsettled(&mut proof, findings);
         entries.into_iter().map(|(_, e)| e).collect()
     }
 
@@ -300,7 +300,7 @@ impl Both<'_> {
     }
 
     /// Reports what the controllers themselves violate.
-    fn told_open(&self, verdict: &Verdict, but: &[FormulaRef], findings: &mut Vec<Diagnostic>) {
+    fn report_open(&self, verdict: &Verdict, but: &[FormulaRef], findings: &mut Vec<Diagnostic>) {
         // Requests are reported per operation, and a circle as one finding.
         let open = verdict.open.iter();
         let open =
@@ -310,7 +310,7 @@ impl Both<'_> {
     }
 
     /// Reports what the contracts do not show and the controllers neither show nor violate.
-    fn told_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
+    fn report_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
         let circular = members(proof);
         // A circle is one finding, without extra findings for its members.
         proof.open.retain(|o| !circular.contains(&o.what));
@@ -330,7 +330,7 @@ impl Both<'_> {
     }
 
     /// Reports circles of contracts that the controllers escape.
-    fn told_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
+    fn report_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
         let proof = Proof {
             circles,
             ..Proof::default()

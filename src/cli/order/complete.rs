@@ -112,7 +112,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         allowed: names(skills, &allowed),
         refused,
     };
-    answer(&document, || told(&document), options)?;
+    answer(&document, || text(&document), options)?;
     Ok(ExitCode::Success)
 }
 
@@ -149,7 +149,7 @@ fn next(
     Ok((allowed, refused))
 }
 
-fn told(document: &Document) -> String {
+fn text(document: &Document) -> String {
     let mut text = String::new();
     let joined = |calls: &[Vec<String>]| {
         let calls: Vec<String> = calls.iter().map(|c| c.join(" & ")).collect();

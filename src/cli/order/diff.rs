@@ -134,7 +134,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         second: titles[1].clone(),
     };
     let text = || {
-        told(
+        text(
             found.as_ref(),
             why.as_deref(),
             &titles,
@@ -160,7 +160,7 @@ fn refused_call(
     format!("`{}`: {why}", last.text(skills))
 }
 
-fn told(
+fn text(
     found: Option<&Difference>,
     why: Option<&str>,
     [first, second]: &[String; 2],

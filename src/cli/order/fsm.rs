@@ -199,7 +199,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let console = options.console();
     if let Some(calls) = is_cut {
         let masks: Vec<u64> = calls.iter().map(|c| c.0).collect();
-        rules::told_cut(&masks, options)?;
+        rules::report_cut(&masks, options)?;
     }
     match &arguments.out {
         None => console.result(&text)?,

@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     match (made, arguments.emit) {
         (Ok((Ok(table), _)), Some(emit)) => {
             if is_cut {
-                rules::told_cut(&table.calls, options)?;
+                rules::report_cut(&table.calls, options)?;
             }
             emitted(&table, emit, arguments.out.as_deref(), &chosen, options)
         }

@@ -159,7 +159,7 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
 }
 
 /// Note that calls of more skills at once than these are omitted because there would be too many.
-pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
+pub fn report_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
     let most = calls.iter().map(|c| c.count_ones()).max().unwrap_or(0);
     options.console().remark(&format!(
         "only calls of up to {most} skills at once are in it: all larger ones would be more than {MOST_CALLS}\n"

@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         transitions: fsm.transitions().len(),
         candidates: entries(&found, skills),
     };
-    answer(&document, || told(&found, &fsm, skills), options)?;
+    answer(&document, || text(&found, &fsm, skills), options)?;
     Ok(ExitCode::Success)
 }
 
@@ -203,7 +203,7 @@ fn entries(found: &Strongest, skills: &Skills) -> Vec<CandidateEntry> {
     found.candidates.iter().map(entry).collect()
 }
 
-fn told(found: &Strongest, fsm: &Fsm, skills: &Skills) -> String {
+fn text(found: &Strongest, fsm: &Fsm, skills: &Skills) -> String {
     let mut text = String::new();
     for candidate in &found.candidates {
         let rule = &candidate.rule.text;

@@ -71,7 +71,7 @@ impl Analysis {
     }
 
     /// Puts the results into words.
-    pub(super) fn told(self, job: &Job, examine: bool) -> CheckedContract {
+    pub(super) fn into_contract(self, job: &Job, examine: bool) -> CheckedContract {
         let specification = &*job.specification;
         let mut findings = Vec::new();
         let mut core = Vec::new();

@@ -40,16 +40,18 @@ impl Task {
         } else {
             match worker::run(deadline, move |report| self.check(report)) {
                 Completion::Done(Err(error)) => return Err(error),
-                Completion::Done(Ok(Ok(known))) => known.told(&job, examine),
+                Completion::Done(Ok(Ok(known))) => known.into_contract(&job, examine),
                 Completion::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
                 // In this phase the guarantees that clash are being searched.
                 Completion::Left(_, None) if solve.phase() == Phase::Core => {
-                    Analysis::lost(&solve, &job.specification).told(&job, examine)
+                    Analysis::lost(&solve, &job.specification).into_contract(&job, examine)
                 }
                 Completion::Left(late, None) => gave_up(&job, late.into(), &solve),
                 Completion::Left(late, Some(known)) => {
                     let known: Analysis = known;
-                    known.stopped(late.into(), &job).told(&job, examine)
+                    known
+                        .stopped(late.into(), &job)
+                        .into_contract(&job, examine)
                 }
             }
         };
