@@ -45,7 +45,7 @@ struct List {
 struct Entry {
     /// Its name, as `linewright schema` takes it.
     name: &'static str,
-    /// What it is.
+    /// One-line description.
     title: &'static str,
 }
 
@@ -57,7 +57,7 @@ type Form = fn(&mut SchemaGenerator) -> Schema;
 pub struct Described {
     /// Its name: that of its command, or of what is in the file.
     pub name: &'static str,
-    /// What it is.
+    /// One-line description.
     pub title: &'static str,
     forms: &'static [Form],
 }

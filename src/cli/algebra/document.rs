@@ -195,7 +195,7 @@ struct Proofs {
 /// What became of a contract from one library to the other.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct ContractComparison {
-    /// Its name.
+    /// Name of the contract.
     pub name: String,
     /// What became of it.
     pub verdict: LibraryChange,
