@@ -1,5 +1,5 @@
-//! Whether a line asks its stations for operations as their machines assume it: orders of skills
-//! above all, which a machine that is called from outside hands on to its caller.
+//! Checks whether a line calls its stations as their machines assume, in particular in the order of
+//! skills, which a machine called from outside leaves to its caller.
 
 use super::closed;
 use crate::controlled::Controlled;
@@ -16,17 +16,17 @@ use linewright_solver::game::{Limit, Limits};
 use linewright_station::messages;
 use std::collections::BTreeSet;
 
-/// What is known of the stations of a line.
+/// Result of the check of a line's stations.
 #[derive(Debug, Default)]
 pub struct CallCheck {
-    /// What may be asked for against what is assumed.
+    /// Calls that may violate an assumption.
     pub findings: Vec<Diagnostic>,
-    /// Stations of which that was not decided, and why.
+    /// Stations for which this was not decided, and the reason.
     pub undecided: Vec<(String, Undecided)>,
 }
 
-/// Looks at the stations that are `wanted`. Where contracts alone do not show it, and `controlled`
-/// has the controllers of a machine, these may.
+/// Checks the `wanted` stations. If contracts alone prove nothing and `controlled` has the
+/// machine's controllers, those are used too.
 pub fn examine<'a>(
     line: &Line,
     wanted: impl Fn(usize) -> bool,
@@ -46,7 +46,7 @@ pub fn examine<'a>(
                 .map(|(operation, given)| Asks::new(machine, *operation, given, carried))
                 .collect()
         });
-        // In the order of the operations: what two tasks ask for alike is asked for once.
+        // Sequences in operation order; identical sequences of two tasks are checked once.
         let sequences: BTreeSet<Vec<Asks>> = sequences.collect();
         let sequences: Vec<Vec<Asks>> = sequences.into_iter().collect();
         let Some(called) = Called::of(machine, &sequences) else {
@@ -74,7 +74,7 @@ pub fn examine<'a>(
     asked
 }
 
-/// What is assumed of calls and may not be kept.
+/// Reports an assumption about calls that may be violated.
 fn open(
     called: &Called,
     controlled: Option<Controlled<'_>>,
@@ -92,7 +92,7 @@ fn open(
     if let Some(controlled) = controlled {
         let closed = Closed::of_called(controlled.machine, &controlled.controllers, called);
         if let Ok(verdict) = closed.decide(&closed::bounded(limits))
-            // Where a component is stuck, what is asked of it afterwards is not looked at.
+            // Once a component is stuck, later calls are not examined.
             && verdict.stuck.is_empty()
             && called.asked.iter().all(|at| !verdict.undecided.contains(at))
         {

@@ -1,4 +1,4 @@
-//! Machines with their controllers: whether they fit together, and their station libraries.
+//! Checks whether machines with their controllers fit together, and writes their station libraries.
 
 use super::output;
 use crate::controlled::Controlled;
@@ -9,17 +9,17 @@ use linewright_station::{self as station, Package, Toolchain, fmi, probe, simtal
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// What was written, and what is to be said of it.
+/// Result of writing a library.
 #[derive(Debug, Default)]
 pub struct Written {
-    /// The files that a user needs.
+    /// Files that a user needs.
     pub files: Vec<PathBuf>,
-    /// Files that were kept, binaries that are missing.
+    /// Findings on files that were kept and binaries that are missing.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Writes a machine's station library, or its sources where there is no toolchain, into a folder.
-/// With what Windows can load come the C source and the texts for Plant Simulation.
+/// Writes a machine's station library, or its sources if there is no toolchain, into a folder. For
+/// Windows targets it adds the C source and the texts for Plant Simulation.
 pub fn build(
     controlled: &Controlled<'_>,
     profile: &Profile,
@@ -57,8 +57,8 @@ pub fn build(
 }
 
 impl Written {
-    /// Writes the methods that call a library. A user puts paths and stations into them, so that a
-    /// file that differs is kept.
+    /// Writes the methods that call a library. Users enter paths and stations in them, so a file
+    /// that differs is kept.
     fn methods(&mut self, folder: &Path, library: &str, text: &str) -> Result<(), Box<Diagnostic>> {
         let path = folder.join(simtalk::methods_name(library));
         match output::keep(
@@ -78,7 +78,7 @@ impl Written {
     }
 }
 
-/// Writes the probe's library, or its sources, and the SimTalk that calls it. With a profile it is
+/// Writes the probe's library, or its sources, and the SimTalk that calls it. A profile makes it
 /// the second round.
 pub fn build_probe(
     profile: Option<&Profile>,
@@ -97,7 +97,8 @@ pub fn build_probe(
     Ok(written)
 }
 
-/// The files of a package, and the library's file name: for the sources, what it would be called.
+/// Returns the files of a package and the library's file name; for sources, the name that it would
+/// have.
 fn compile(
     package: &Package,
     toolchain: Option<&Toolchain>,
@@ -137,7 +138,7 @@ pub fn build_units(
     Ok(Written { files, findings })
 }
 
-/// The C of a machine.
+/// Generates the C of a machine.
 pub fn package(controlled: &Controlled<'_>, profile: &Profile) -> Package {
     Package::emit_with(controlled.machine, &controlled.owned(), profile)
 }

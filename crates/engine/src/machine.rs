@@ -1,6 +1,6 @@
-//! What `check` says of a machine as a whole: how its components discharge one another's
-//! assumptions, whether it keeps its own guarantees, and whether it refines the contracts that it
-//! is said to refine.
+//! What `check` examines for a machine as a whole: how its components discharge each other's
+//! assumptions, whether it keeps its own guarantees, and whether it refines the contracts named in
+//! its declaration.
 
 use super::layers;
 use crate::closed::{self, bounded, undecided};
@@ -22,26 +22,26 @@ use serde::Serialize;
 /// Where a machine works.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// In a plant, which gives its signals the values that its file says.
+    /// In a plant, which gives its signals the values declared in its file.
     Alone,
-    /// In other machines only, which bind its signals, and are judged with it.
+    /// Only in other machines, which bind its signals; it is judged with them.
     Within,
 }
 
-/// What is known of a machine.
+/// Result of the proofs of a machine.
 #[derive(Debug, Default)]
 pub struct Proved {
-    /// How each assumption of a component is met, and each guarantee of the machine.
+    /// How each assumption of a component and each guarantee of the machine is met.
     pub discharges: Vec<DischargeEntry>,
-    /// What its controllers do together.
+    /// Result of the closed composition of its controllers.
     pub closed: Option<ClosedEntry>,
-    /// The contracts that it is said to refine.
+    /// Contracts that it is declared to refine.
     pub refines: Vec<RefinesEntry>,
-    /// What is wrong.
+    /// Problems found.
     pub findings: Vec<Diagnostic>,
 }
 
-/// What the controllers of a machine do together.
+/// Verdict on the closed composition of a machine's controllers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClosedVerdict {

@@ -1,4 +1,4 @@
-//! What a run was, for people ([`table()`]) and for programs ([`json()`]).
+//! Formats a run for people ([`table()`]) and for programs ([`json()`]).
 //!
 //! Both show the same [`Trace`](linewright_line::Trace) and add nothing to it. Figures are rounded
 //! to fixed places, so that the same run gives the same bytes; the one measured figure, the wall

@@ -1,4 +1,4 @@
-//! What is odd about the plant's side of a contract that is realizable: LW205 and LW206.
+//! Findings about the environment of a realizable contract: LW205 and LW206.
 
 use super::situation;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -6,7 +6,7 @@ use linewright_core::gr1::Specification;
 use linewright_core::source::Span;
 use linewright_solver::game::EnvironmentFindings;
 
-/// What makes a realizable contract mean less than it seems to: LW205 and LW206.
+/// Returns what makes a realizable contract mean less than it seems to: LW205 and LW206.
 pub fn findings(
     specification: &Specification,
     span: Span,
@@ -14,7 +14,7 @@ pub fn findings(
 ) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     findings.extend(empty(specification, span, found));
-    // Whether the machine could break what no plant can keep does not matter.
+    // If no plant can keep the assumptions, whether the machine could break them does not matter.
     if !found.cannot_start && !found.unsatisfiable {
         findings.extend(forced(specification, span, found));
     }

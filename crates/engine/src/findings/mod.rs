@@ -1,4 +1,4 @@
-//! What was found out about a contract, in words.
+//! Findings about a contract, in words.
 
 pub mod environment;
 pub mod lost;
@@ -7,7 +7,7 @@ pub mod shape;
 
 use linewright_core::gr1::Specification;
 
-/// A valuation in words: what the variables are that any formula mentions.
+/// A valuation in words: the values of all variables that some formula mentions.
 fn situation(specification: &Specification, values: &[i64]) -> String {
     let shown: Vec<String> = specification
         .variables

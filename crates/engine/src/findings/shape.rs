@@ -1,4 +1,4 @@
-//! Where a realizable contract asks for less than it seems to: LW212 to LW219.
+//! Findings where a realizable contract demands less than it seems to: LW212 to LW219.
 
 use super::situation;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -6,7 +6,7 @@ use linewright_core::gr1::text::{operand, text};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
 use linewright_solver::game::{GuaranteeRef, Shape, negation};
 
-/// The findings.
+/// Returns the findings.
 pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic> {
     let s = specification;
     let mut findings = Vec::new();
@@ -166,8 +166,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
     findings
 }
 
-/// A frame for an output: it stays unless one of the conditions holds under which a guarantee sets
-/// it.
+/// A frame for an output: its value stays unless a condition holds under which a guarantee sets it.
 fn frame(s: &Specification, v: VarId) -> String {
     let name = &s.variable(v).name;
     let mut conditions: Vec<String> = Vec::new();
@@ -203,7 +202,7 @@ fn frame(s: &Specification, v: VarId) -> String {
     format!("say that it stays: `guarantee frame: always (not {moves} -> next {name} = {name})`")
 }
 
-/// Whether the next value of a variable occurs.
+/// Whether the next value of a variable occurs in a formula.
 pub(super) fn sets(expr: &Expr, v: VarId) -> bool {
     let mut found = false;
     expr.for_each_var(&mut |w, t| found |= w == v && t == Time::Next);
