@@ -1,4 +1,4 @@
-//! One contract through the pipeline, from the cache or by solving it.
+//! Takes one contract through the pipeline, from the cache or by solving it.
 
 use super::explain::explain;
 use super::known::{Known, gave_up};
@@ -15,10 +15,10 @@ use linewright_solver::mealy::functions::Functions;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Examining the plant's side of a small game ends at so many nodes.
+/// Maximum node count for examining the environment of a small game.
 const MOST_EXAMINED_NODES: u64 = 400_000;
 
-/// A job, and all that it depends on.
+/// A job and everything that it depends on.
 pub(super) struct Task {
     pub(super) job: Job,
     pub(super) examine: bool,
@@ -29,7 +29,7 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Does the job on a thread of its own, and leaves it there when it does not end in time.
+    /// Runs the job on its own thread, and abandons the thread if it does not end in time.
     pub(super) fn in_time(self) -> Result<CheckedContract, InternalError> {
         let start = Instant::now();
         let deadline = self.settings.limits.deadline;
@@ -42,7 +42,7 @@ impl Task {
                 Ended::Done(Err(error)) => return Err(error),
                 Ended::Done(Ok(Ok(known))) => known.told(&job, examine),
                 Ended::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
-                // What is looked for then are the guarantees that clash.
+                // In this phase the guarantees that clash are being searched.
                 Ended::Left(_, None) if solve.phase() == Phase::Core => {
                     Known::lost(&solve, &job.specification).told(&job, examine)
                 }
@@ -59,9 +59,9 @@ impl Task {
         })
     }
 
-    /// Solves the specification, extracts its controller, and verifies that; also looks for what
-    /// makes a realizable contract mean less than it seems to. As soon as there is a verdict, it is
-    /// given to `report`.
+    /// Solves the specification, extracts its controller, and verifies it; also searches for what
+    /// makes a realizable contract mean less than it seems to. The verdict is passed to `report` as
+    /// soon as it is known.
     fn check(&self, report: &dyn Fn(Known)) -> Result<Result<Known, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let heuristics: Vec<Heuristic> = Heuristic::ALL
@@ -101,7 +101,7 @@ impl Task {
         Ok(known)
     }
 
-    /// The answers to the questions about another tool.
+    /// Answers the questions about another tool.
     fn answers(&self) -> Result<Vec<Option<Vec<bool>>>, InternalError> {
         let answer = |question: &Specification| -> Result<Option<bool>, InternalError> {
             let task = Self {
@@ -128,13 +128,13 @@ impl Task {
             .collect()
     }
 
-    /// Whether a controller is asked for.
+    /// Whether a controller is requested.
     fn extracts(&self, large: bool) -> bool {
         self.job.goal.extracts(large)
     }
 
-    /// What it shall be like. Where only a small game has one at all, a machine may still be large;
-    /// functions show as well that there is a right controller.
+    /// Requested properties of the controller. If only small games get a controller, its machine
+    /// may still be large; functions equally show that a correct controller exists.
     fn wish(&self) -> ExtractionOptions {
         ExtractionOptions {
             functions: !self.job.explicit && (self.wish.functions || self.job.goal == Goal::Small),
@@ -142,7 +142,7 @@ impl Task {
         }
     }
 
-    /// Whether the plant's side is examined.
+    /// Whether the environment is examined.
     fn examines(&self, large: bool) -> bool {
         self.examine && self.job.goal >= Goal::Verdict && !large
     }
@@ -154,8 +154,8 @@ impl Task {
     ) -> Result<Result<Known, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let limits = &self.settings.limits;
-        // What a written controller looks like may depend on the order. So only where none is
-        // written may the search begin with what earlier runs have left.
+        // The form of a written controller may depend on the order. So a search may start from
+        // earlier results only if no controller is written.
         let version = cache.filter(|_| self.job.goal != Goal::Controller);
         let hints = version
             .and_then(|c| c.version(specification))
@@ -230,7 +230,8 @@ impl Task {
         }
         report(known.clone());
         if self.examines(large) {
-            // A game that is small may still be large here: then this gives up by itself.
+            // A game below the solver's limit for small games may still be large for this step,
+            // which then gives up by itself.
             let limits = Limits {
                 most_nodes: Some(MOST_EXAMINED_NODES),
                 ..*limits
@@ -276,16 +277,15 @@ impl Task {
         game::solve_with(&self.job.specification, &options)
     }
 
-    /// What an entry says, cut down to what would be known without it. `None` when it does not say
-    /// enough.
+    /// Restores an entry, reduced to what would be known without it. `None` if the entry is
+    /// incomplete.
     fn recall(&self, entry: Entry) -> Option<Known> {
         let large = entry.statistics.large;
         let extracts = entry.realizable && self.extracts(large);
         let examines = entry.realizable && self.examines(large);
         let explains = !entry.realizable && self.job.goal > Goal::Answer;
         let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
-        // An entry is about the specification itself, and so would be what it says of the
-        // assumptions.
+        // An entry describes the specification itself, including findings about its assumptions.
         let other = examines && self.job.own.is_some();
         if other
             || extracts && !entry.extracted
@@ -324,12 +324,12 @@ impl Task {
             peak_nodes: entry.peak_nodes,
             statistics,
         };
-        // The entry may be one of another tool's file, of which less was asked.
+        // The entry may come from another tool's file, for which less was examined.
         let says_enough = known.examined == Examined::Whole || !known.tells_shape(&self.job);
         (says_enough || !examines).then_some(known)
     }
 
-    /// What there is to remember. `None` when a limit of time or memory had a part in it.
+    /// The entry to store. `None` if a time or memory limit affected the result.
     fn entry(&self, known: &Known) -> Option<Entry> {
         let (extracted, machine, functions) = match &known.controller {
             Controller::NotRequested => (false, None, None),
