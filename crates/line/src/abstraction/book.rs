@@ -1,4 +1,4 @@
-//! A claim to which lemmas are added one by one.
+//! Builds a claim by adding lemmas one at a time.
 
 use super::parts::formula;
 use super::vocabulary::Model;
@@ -9,7 +9,7 @@ use linewright_language::contract::line::Line;
 use linewright_solver::game::RuleKind;
 use std::collections::BTreeSet;
 
-/// A claim to which lemmas are added.
+/// A claim under construction.
 pub(super) struct Book<'a> {
     pub(super) model: Model<'a>,
     pub(super) line: &'a Line,
@@ -18,8 +18,8 @@ pub(super) struct Book<'a> {
 }
 
 impl Book<'_> {
-    /// A lemma, and what it is shown from, or what stands near where that is empty; gives where it
-    /// stands.
+    /// Adds a lemma with the formulas it is proved from, or the formulas close to it if `from` is
+    /// empty; returns its reference.
     pub(super) fn lemma(
         &mut self,
         place: usize,
@@ -45,7 +45,7 @@ impl Book<'_> {
         at
     }
 
-    /// What a formula of the goal is tried to be shown from first.
+    /// Sets which formulas to try first in the proof of a goal.
     pub(super) fn rests_on(&mut self, name: &str, from: BTreeSet<FormulaRef>) {
         let found = self.claim.goals().find(|(_, f)| f.name == name);
         if let Some((at, _)) = found {
@@ -53,14 +53,14 @@ impl Book<'_> {
         }
     }
 
-    /// The formula of the goal that says this of a place, if there is one.
+    /// The goal `what` for a place, if there is one.
     pub(super) fn goal(&self, what: &str, place: usize) -> Option<FormulaRef> {
         let name = format!("{what}_at_{}", self.model.shape.places[place].name);
         let mut goals = self.claim.goals();
         goals.find(|(_, f)| f.name == name).map(|(at, _)| at)
     }
 
-    /// What a place guarantees.
+    /// Guarantees of a place.
     pub(super) fn guarantees(&self, place: usize) -> impl Iterator<Item = FormulaRef> {
         formulas(&self.system.parts[place].guarantees).map(move |(kind, index, _)| FormulaRef {
             part: Some(place),
@@ -70,8 +70,8 @@ impl Book<'_> {
         })
     }
 
-    /// What is given of a place: all that speaks of nothing but variables of the environment that
-    /// its contract mentions, and its own.
+    /// Given formulas of a place: those that mention only its own variables and the environment
+    /// variables in its contract.
     pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
         let part = &self.system.parts[place];
         let mut known: BTreeSet<_> = part.drives.iter().copied().collect();

@@ -1,5 +1,4 @@
-//! What does not hold of a line, in words: who waits for whom, how it comes to that, and the way
-//! out.
+//! Findings about a line, in words: who waits for whom, how this comes about, and the remedy.
 
 use super::Abstraction;
 use super::chain::{Chain, View};
@@ -12,7 +11,7 @@ use linewright_core::gr1::eval::holds;
 use linewright_language::contract::line::{Line, NodeKind};
 use std::collections::BTreeMap;
 
-/// The findings of a verdict: at most one for each thing that is wrong.
+/// The findings of a verdict: at most one per problem.
 pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut told = false;
@@ -21,8 +20,8 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
         match &open.why {
             Broken::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
             Broken::Lasso(lasso) => {
-                // Where one place does not go on, those before it do not either, and orders are not
-                // finished.
+                // If one place does not proceed, the places before it do not either, and orders are
+                // not finished.
                 if !std::mem::replace(&mut told, true) {
                     let run: Vec<&Vec<i64>> = lasso.prefix.iter().chain(&lasso.cycle).collect();
                     found.push(unfinished(line, abstraction, open, &run, &lasso.cycle));
@@ -92,7 +91,7 @@ fn unfinished(
     let goal = abstraction.goal(open.what);
     let state = cycle.first().map_or(&[][..], Vec::as_slice);
     let view = View { abstraction, state };
-    // What never moves in the cycle is what is stuck.
+    // Whatever never moves in the cycle is stuck.
     let model = abstraction.model();
     let quiet = (0..abstraction.shape.places.len()).filter(|place| {
         cycle.iter().all(|s| {
@@ -135,7 +134,7 @@ fn unfinished(
         .with_help(advice(line, abstraction, &chain))
 }
 
-/// How many parts went which way.
+/// Number of parts per way in a run.
 fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     let model = abstraction.model();
     let shape = model.shape;
@@ -143,7 +142,7 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     for (to, place) in shape.places.iter().enumerate() {
         for from in &place.from {
             let taken = model.taken(*from, to);
-            // What is taken in a step has moved in the next one.
+            // A part taken in one step has moved by the next.
             let moved = run.iter().take(run.len().saturating_sub(1));
             let count = moved.filter(|state| holds(&taken, state, &[])).count();
             if count > 0 {
@@ -165,7 +164,7 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     }
 }
 
-/// The way out of what a chain shows.
+/// The remedy for what a chain shows.
 fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     let shape = &abstraction.shape;
     if !chain.circle {
@@ -209,8 +208,8 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     }
 }
 
-/// How to let in fewer of the parts that wait in a circle, and of those that they are made of. A
-/// limit below what one product is made of would leave the line without products.
+/// How to admit fewer of the parts that wait in a circle, and of their components. A limit below
+/// the number of parts in one product would leave the line without products.
 fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     let mut found = Vec::new();
     for (place, part, most) in supplies(line, shape) {
@@ -233,8 +232,7 @@ fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     found
 }
 
-/// The sources: their places, the types of their parts, and how many of these they let into the
-/// line.
+/// The sources: their places, part types, and how many parts of the type they admit to the line.
 fn supplies<'s>(
     line: &'s Line,
     shape: &'s Shape,
