@@ -37,8 +37,8 @@ impl Verdict {
     }
 }
 
-/// Maximum number of goals decided together. If everything that takes time waits for everything
-/// that does not, no goal involves only a few places.
+/// Maximum number of variables if parts move at once. There, everything that takes time waits for
+/// everything that does not, so no goal involves only a few places.
 const MOST_AT_ONCE: usize = 24;
 
 /// The rules of a line: guarantees of all places, and what is given. Rules of the goal follow them.
@@ -56,8 +56,8 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
 }
 
 /// Decides whether a line is sound, and returns the abstraction that shows it. Justice, and the
-/// case in which parts move at once, is examined only for lines with at most `most` variables; for
-/// larger ones it stays undecided.
+/// case in which parts move at once, is examined only for lines with at most `most_variables`
+/// variables; for larger ones it stays undecided.
 ///
 /// # Errors
 /// Returns the reason if it was not decided.

@@ -59,7 +59,7 @@ pub struct Vars {
 pub enum Phase {
     /// In work; a part of this type will leave.
     Work(usize),
-    /// A part of the first type waits to go to the second's place.
+    /// A part of this type (first) waits to go to that place (second).
     Done(usize, usize),
 }
 
