@@ -1,7 +1,7 @@
 //! Attractor computation on a graph.
 
 /// The vertices of a goal, and repeatedly those with at least `wanted` outgoing edges into the set
-/// so far; never those with `wanted` equal to 0. `before` holds the incoming edges, in which the
+/// so far; never those without a `wanted` number. `before` holds the incoming edges, in which the
 /// run time is linear.
 pub(super) fn attractor(
     before: &[Vec<usize>],
