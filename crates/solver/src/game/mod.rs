@@ -61,8 +61,8 @@ pub use crate::symbolic::{Budget, Diagram, DiagramNode, Edge, Effort, Limit, Lim
 
 use linewright_core::gr1::Specification;
 
-/// An order of the pairs of bits to begin with, from the structure of the formulas, for whoever
-/// encodes them without a game.
+/// An initial order of the pairs of bits from the structure of the formulas, for users that encode
+/// them without a game.
 pub fn order_by_structure(specification: &Specification) -> Order {
     arena::first_order(specification, Heuristics::default())
 }

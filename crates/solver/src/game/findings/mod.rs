@@ -1,12 +1,12 @@
-//! What is odd about the assumptions: contradictions, dead ends, and whether the machine can win by
-//! breaking them; and, in [`shape`], about guarantees that ask for less than they seem to.
+//! Checks of the assumptions: contradictions, dead ends, and whether the machine can win by forcing
+//! a violation. In [`shape`]: guarantees that demand less than they seem to.
 //!
 //! A specification is *well-separated* (Klein and Pnueli; Maoz and Ringert, "On well-separation of
 //! GR(1) specifications", FSE 2016) when the machine cannot force the environment to violate its
 //! assumptions. Only then does "safety first, strictly" equal the plain implication. The check is
 //! the same game with the machine's justice replaced by `false`, played from the states that can
-//! occur. It is made twice, as there: for a machine that keeps its own safety all the while, and
-//! for one that does as it likes, which says whether the assumptions make sense by themselves.
+//! occur. As in that paper, it is made twice: for a machine that always keeps its own safety, and
+//! for an unrestricted one, which shows whether the assumptions are meaningful by themselves.
 
 pub mod requests;
 pub mod shape;
@@ -21,12 +21,11 @@ use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
 use serde::{Deserialize, Serialize};
 
-/// What is odd about the environment's side. A valuation has one value a variable of the
-/// specification.
+/// Findings about the environment. A valuation has one value per variable of the specification.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentFindings {
     /// The environment's initial conditions and invariants contradict each other: every machine is
-    /// right.
+    /// correct.
     pub cannot_start: bool,
     /// A first valuation after which the environment has no move.
     pub stuck_at_start: Option<Vec<i64>>,
@@ -37,17 +36,15 @@ pub struct EnvironmentFindings {
     /// keep its safety and force the environment to break an assumption. `None`: the specification
     /// is well-separated.
     pub forced: Option<Vec<i64>>,
-    /// From how many of the valuations that can occur it can, and how many can occur.
+    /// In how many of the valuations that can occur it can do so, and how many can occur.
     pub forced_states: [f64; 2],
-    /// The same for a machine that need not keep its safety: a valuation that can occur then, and
-    /// the numbers.
+    /// The same for a machine that need not keep its safety: a valuation that can occur then.
     pub forced_recklessly: Option<Vec<i64>>,
     /// See [`Self::forced_recklessly`].
     pub forced_recklessly_states: [f64; 2],
-    /// The assumptions that can be broken so, each by itself, where one alone is enough.
+    /// Assumptions that can each be broken alone in this way.
     pub broken: Vec<AssumptionRef>,
-    /// No play keeps all assumptions, not even with a machine that helps and forgets about its
-    /// guarantees.
+    /// No play keeps all assumptions, even with a cooperating machine that ignores its guarantees.
     pub unsatisfiable: bool,
 }
 
@@ -58,7 +55,7 @@ impl EnvironmentFindings {
     }
 }
 
-/// Examines the environment's side of a game that is encoded already.
+/// Examines the environment of an encoded game.
 pub fn examine<K: Kernel>(
     formulas: &Formulas<K>,
     arena: &Arena<K>,
@@ -80,7 +77,7 @@ pub fn examine<K: Kernel>(
     let dead_end = m.and(&stuck, &reachable)?;
     let forced = m.and(&forcing(arena)?, &reachable)?;
 
-    // The same for a machine without guarantees.
+    // The game for a machine without guarantees.
     let reckless = formulas.arena(&Selection::Only(&[]), SPLIT)?;
     let first = m.and(&reckless.env_initial, &reckless.sys_initial)?;
     let anywhere = reachable::reachable(&reckless, &first, &moves)?;
@@ -139,7 +136,7 @@ pub fn examine<K: Kernel>(
     })
 }
 
-/// The states from which the machine can make the environment break an assumption.
+/// States from which the machine can force the environment to break an assumption.
 fn forcing<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
     winning_states(&Arena {
         goals: vec![arena.kernel.constant(false)],
