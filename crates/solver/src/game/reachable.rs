@@ -4,7 +4,7 @@ use super::arena::Arena;
 use crate::symbolic::{BitSet, Kernel, Limit};
 use linewright_core::gr1::Timing;
 
-/// The arena's states that can be reached from `some` by these moves.
+/// The arena's states that can be reached from `from` by these moves.
 pub fn reachable<K: Kernel>(
     arena: &Arena<K>,
     from: &K::Function,
