@@ -1,11 +1,11 @@
-//! The JSON text that `station_describe` returns: what a host must know to call the library.
+//! The JSON text returned by `station_describe`: what a host must know to call the library.
 
 use linewright_core::gr1::Domain;
 use linewright_language::contract::machine::{Machine, PlantSource, PropertyKind};
 use serde_json::{Map, Value, json};
 
-/// The description of a machine whose values are laid out by this profile. Values are numbers in
-/// every call; `labels` says what an enumeration's numbers mean.
+/// Describes a machine whose values are laid out by this profile. Values are numbers in every call;
+/// `labels` gives the meaning of an enumeration's numbers.
 pub(super) fn describe(machine: &Machine, contract_hash: &str, profile: &Value) -> String {
     let plant: Vec<Value> = machine
         .plant

@@ -24,7 +24,7 @@ pub fn fair<K: Kernel>(
 /// The states of `within` that have an infinite past in `within` with all justice met again and
 /// again. The set is empty exactly if no run does this for ever, since both need a cycle. Steps
 /// forward from reachable states stay within them and are far cheaper than steps back, which come
-/// from everywhere; so this is asked first if no run is expected.
+/// from everywhere; so it is checked first if no run is expected.
 pub fn past<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
