@@ -1,4 +1,4 @@
-//! What is written down beside a library: whose it is, and what its bytes are.
+//! The record stored beside a library: its owner and its checksum.
 
 use crate::{Error, Package, disk, emit};
 use serde::{Deserialize, Serialize};
@@ -18,7 +18,7 @@ pub(crate) struct Manifest {
 }
 
 impl Manifest {
-    /// That of a package's library with these bytes.
+    /// Creates the manifest of a package's library with these bytes.
     pub(super) fn new(package: &Package, bytes: &[u8]) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
@@ -29,7 +29,7 @@ impl Manifest {
         }
     }
 
-    /// Where a library's manifest is.
+    /// Path of a library's manifest.
     pub(super) fn path(library: &Path) -> PathBuf {
         library.with_extension("json")
     }
