@@ -36,7 +36,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// As it is written on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linux => "linux",
@@ -52,7 +52,7 @@ impl Target {
         matches!(self, Self::Windows | Self::Msvc)
     }
 
-    /// The compiler for it; none for the sources. Units have several, and take what there is: see
+    /// The compiler for it; `None` for sources. Units have several, and use those available: see
     /// [`fmi::toolchains`].
     pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
         let found = match self {
@@ -142,10 +142,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(chosen.notes);
     findings.extend(synthesis.findings());
 
-    // A missing compiler is said once, not once a machine.
+    // A missing compiler is reported once, not once per machine.
     let until = settings.limits.deadline;
     let toolchains = toolchains(&arguments.target, until, &mut findings);
-    // The bundled runner passes what is assumed; for Plant Simulation it matters.
+    // The bundled runner passes the assumed layout; for Plant Simulation it matters.
     let for_windows = toolchains.iter().any(|(t, _)| t.is_windows());
     if for_windows || arguments.profile.is_some() {
         findings.extend(profiles::caution(&profile));
@@ -196,15 +196,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     }
     debug_assert!(has_errors(&findings) || synthesis.is_complete());
-    // What is wrong with a line keeps no library from being built, but it is an error all the same,
-    // as it is for `check` and `run`.
+    // Findings about a line do not prevent a library from being built, but they are errors
+    // nonetheless, as in `check` and `run`.
     let controlled = |machine: &Machine| synthesis.of(machine);
     for line in &library.lines {
         if chosen.lines.iter().any(|l| std::ptr::eq(*l, line)) {
             lines::judge(line, controlled, &settings.limits, &mut findings);
         } else {
-            // Its parts are not followed, so what is not sure of their routes stays so, and it is
-            // not what was asked for.
+            // Its parts are not followed, so doubts about their routes remain; they do not concern
+            // this command.
             findings.retain(|f| !lines::is_doubt(f, line));
         }
     }
@@ -218,7 +218,7 @@ fn toolchains<'a>(
     findings: &mut Vec<Diagnostic>,
 ) -> Vec<(&'a Target, Option<Toolchain>)> {
     let mut found = Vec::new();
-    // Units have several, and are built apart.
+    // Units have several, and are built separately.
     for target in targets.iter().filter(|t| **t != Target::Fmu) {
         match target.toolchain() {
             Ok(toolchain) => found.push((target, toolchain.map(|t| t.until(until)))),
@@ -228,7 +228,7 @@ fn toolchains<'a>(
     found
 }
 
-/// The probe, for every target.
+/// Builds the probe for every target.
 fn build_probe(
     arguments: &Arguments,
     profile: &Profile,
@@ -254,7 +254,7 @@ fn build_probe(
     print(libraries, &SourceMap::new(), &findings, options)
 }
 
-/// Notes what was written for a target, and what is to be said of it; each finding once.
+/// Records the files written for a target, and the findings, each once.
 fn built_one(
     machine: &str,
     target: Target,

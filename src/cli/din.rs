@@ -1,4 +1,4 @@
-//! `linewright din`: the taxonomies, and which of their codes have contracts.
+//! `linewright din`: the taxonomies, and the codes that have contracts.
 
 use super::console::schema;
 use super::exit::ExitCode;
@@ -163,7 +163,7 @@ fn branches(taxonomy: &Taxonomy, entry: &Entry, indent: &str, text: &mut String)
     }
 }
 
-/// An entry and everything below it.
+/// An entry and all its descendants.
 fn below<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a Entry>) {
     entries.push(entry);
     for child in taxonomy.children(entry) {
@@ -286,7 +286,7 @@ fn coverage(paths: &[String], options: &GlobalOptions) -> anyhow::Result<ExitCod
     Ok(options.exit_code(&loaded.findings))
 }
 
-/// By full code, what implements it: contracts, machines, and operations of machines.
+/// Implementations by full code: contracts, machines, and operations of machines.
 fn implementations(library: &Library) -> BTreeMap<String, Vec<String>> {
     let mut by_code: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let contracts = library.contracts.iter().map(|c| (c.name.clone(), &c.codes));
@@ -297,7 +297,7 @@ fn implementations(library: &Library) -> BTreeMap<String, Vec<String>> {
     });
     for (name, codes) in contracts.chain(machines) {
         for code in codes {
-            // As the taxonomy spells it: contracts may write umlauts and case in another way.
+            // As spelled in the taxonomy: contracts may write umlauts and case differently.
             let Some(entry) = taxonomy().find(&code.text) else {
                 continue;
             };

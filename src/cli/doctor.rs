@@ -1,9 +1,8 @@
-//! `linewright doctor`: what there is on this computer for building station libraries, and what a
-//! probe has found.
+//! `linewright doctor`: what this computer has for building station libraries, and the evaluation
+//! of a probe.
 //!
-//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A compiler
-//! for Windows is one more thing that may be missing: a warning, and the way out. 2 without a C
-//! compiler.
+//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A missing
+//! compiler for Windows is only a warning, with a remedy. 2 without a C compiler.
 
 mod probe;
 
@@ -66,7 +65,7 @@ struct Entry<'a> {
     found: Option<&'a Found>,
 }
 
-/// Where `build` and `run` put libraries.
+/// Folder where `build` and `run` put libraries.
 const LIBRARIES: &str = ".linewright beside the file that is built, or --out";
 
 /// Runs the command.
@@ -123,8 +122,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// What is said where no compiler for Windows is found, or the one that would be taken compiles
-/// nothing.
+/// Finding if no compiler for Windows is found, or the preferred one cannot compile anything.
 fn no_windows(survey: &Survey) -> Option<Diagnostic> {
     let (why, help) = match survey.windows() {
         None => {
@@ -173,7 +171,7 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
         Err(_) => row("C compiler", "not found, or of no use"),
     }
     for (kind, found) in &survey.cross {
-        // What nobody has named is not missing.
+        // A compiler that was not named is not reported as missing.
         match found {
             Some(found) => row(kind.name(), &show(found)),
             None if kind.is_usual() => row(kind.name(), "not found"),

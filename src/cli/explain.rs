@@ -1,4 +1,4 @@
-//! `linewright explain`: what a finding means.
+//! `linewright explain`: the meaning of a finding.
 
 use super::console::schema;
 use super::exit::ExitCode;
@@ -49,7 +49,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             schema: schema("explain"),
             codes: shown.iter().map(|c| entry(*c, one.is_some())).collect(),
         })?,
-        // No findings, but the rules that findings of other commands point at.
+        // No findings, but the rules that findings of other commands refer to.
         Format::Sarif => console.document(&sarif::catalogue(shown))?,
         Format::Human | Format::Short => {
             let text = match one {

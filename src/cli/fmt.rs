@@ -1,8 +1,8 @@
-//! `linewright fmt`: lays `.lw` files out in the one way.
+//! `linewright fmt`: formats `.lw` files in the standard layout.
 //!
-//! A file is written only where that changes it, and only after [`format::checked`] has read the
-//! new text and found that it says the same: a mistake of the formatter is reported, and leaves the
-//! file as it is.
+//! A file is written only if its text changes, and only after [`format::checked`] has parsed the
+//! new text and found that it means the same: an error of the formatter is reported and leaves the
+//! file unchanged.
 
 use super::console;
 use super::console::Console;
@@ -21,7 +21,7 @@ use std::fmt::Write as _;
 use std::io::Read as _;
 use std::path::Path;
 
-/// The name under which standard input is shown.
+/// Name shown for standard input.
 const STANDARD_INPUT: &str = "<stdin>";
 
 /// The arguments of `fmt`.
@@ -51,7 +51,7 @@ struct Document {
     findings: Vec<json::Finding>,
 }
 
-/// A file in it.
+/// An entry of a file.
 #[derive(Serialize)]
 struct Entry {
     file: String,
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(work.code)
 }
 
-/// What is known of the files so far.
+/// State of the command over all files.
 struct Work {
     sources: SourceMap,
     findings: Vec<Diagnostic>,
@@ -156,11 +156,11 @@ impl Work {
         self.code = self.code.and(ExitCode::GaveUp);
     }
 
-    /// A file's text as it should be, or nothing where it does not parse.
+    /// Formats a file; `None` if it does not parse.
     ///
     /// # Errors
-    /// When the deadline is past. Parsing is not interrupted, so this may be found out a little
-    /// later.
+    /// Returns an error if the deadline is past. Parsing is not interrupted, so this may be noticed
+    /// somewhat later.
     fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, Late> {
         self.deadline.check()?;
         let file = self.sources.add(name, text);
@@ -211,8 +211,7 @@ impl Work {
     }
 }
 
-/// The lines that differ, from the first to the last, each with its number; not more than a screen
-/// of them.
+/// The lines that differ, from first to last, with their numbers; at most a screenful.
 fn difference(before: &str, after: &str) -> String {
     const MOST: usize = 20;
     let (old, new): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
@@ -223,7 +222,7 @@ fn difference(before: &str, after: &str) -> String {
             (i, j) = (i + 1, j + 1);
             continue;
         }
-        // The nearest place where the two go on alike.
+        // The nearest place where both continue alike.
         let (a, b) = rejoin(&old[i..], &new[j..]);
         for (sign, lines, first) in [('-', &old[i..i + a], i), ('+', &new[j..j + b], j)] {
             for (n, line) in lines.iter().enumerate() {
@@ -243,7 +242,7 @@ fn difference(before: &str, after: &str) -> String {
     text
 }
 
-/// How many lines of each to skip until the same line follows in both.
+/// Number of lines of each to skip until both continue with the same line.
 fn rejoin(old: &[&str], new: &[&str]) -> (usize, usize) {
     const FARTHEST: usize = 200;
     for sum in 1..=FARTHEST.min(old.len() + new.len()) {

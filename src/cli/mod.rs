@@ -1,8 +1,8 @@
-//! The command line: one file a subcommand, and what they share.
+//! The command line: one file per subcommand, and common parts.
 //!
-//! Results go to standard output, everything else to standard error; what the exit codes mean is
-//! said in [`exit`]. A command gives an [`exit::ExitCode`] for everything the user can cause, and
-//! an `anyhow` error, printed and answered with 2, for what keeps it from running at all.
+//! Results go to standard output, everything else to standard error; [`exit`] defines the exit
+//! codes. A command returns an [`exit::ExitCode`] for everything the user can cause, and an
+//! `anyhow` error, printed with exit code 2, for what prevents it from running at all.
 
 pub mod algebra;
 pub mod build;
@@ -97,12 +97,12 @@ pub enum Command {
     Completions(completions::Arguments),
 }
 
-/// The program: arguments in, exit code out. Prints why it failed, if it did.
+/// Runs the program: arguments in, exit code out. Prints the reason of a failure.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Also help and version come this way; a closed pipe is no failure.
+            // Help and version are also reported this way; a closed pipe is no failure.
             let _ = error.print();
             return if error.use_stderr() {
                 ExitCode::CannotRun
@@ -116,7 +116,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = arguments.command.name();
     let last_moment = arguments.last_moment();
     let doing = move || format!("running `{command}`");
-    // Fails only when the pool exists already (in tests, where it does not matter).
+    // Fails only if the pool already exists (in tests, where it does not matter).
     let _ = rayon::ThreadPoolBuilder::new()
         .stack_size(worker::STACK_BYTES)
         .build_global();
@@ -142,8 +142,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 impl Arguments {
-    /// When the command is ended even if it does not look at its time limit. What goes on for as
-    /// long as its user likes is not.
+    /// When the command is terminated even if it does not check its time limit; never for a command
+    /// that lasts as long as its user wants.
     fn last_moment(&self) -> Deadline {
         let endless = match &self.command {
             Command::Step(_) => true,
@@ -158,7 +158,7 @@ impl Arguments {
     }
 }
 
-/// What is said of a command that was ended in the middle of its work.
+/// Finding for a command that was terminated during its work.
 fn overdue(command: &str, late: Late) -> Diagnostic {
     let message =
         format!("`{command}` has no result: {late} while it was reading or writing large files");
@@ -166,8 +166,7 @@ fn overdue(command: &str, late: Late) -> Diagnostic {
 }
 
 impl Command {
-    /// Whether it looks at its deadline all the while. `step` does while it solves; what comes
-    /// after is a dialogue.
+    /// Whether it checks its deadline throughout. `step` does while it solves; a dialogue follows.
     fn has_deadline(&self) -> bool {
         match self {
             Self::Check(_)
@@ -191,7 +190,7 @@ impl Command {
         }
     }
 
-    /// As it is written on the command line.
+    /// Name on the command line.
     fn name(&self) -> &'static str {
         match self {
             Self::Check(_) => "check",

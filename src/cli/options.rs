@@ -1,4 +1,4 @@
-//! The options that every command takes.
+//! Options common to all commands.
 
 use super::console::Console;
 use super::exit::ExitCode;
@@ -13,8 +13,8 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// How long a command may need after its time limit to print what it knows. Then it is ended: it
-/// may be parsing, which does not look at the clock.
+/// Time for a command to print its results after its time limit. Then it is terminated: it may be
+/// parsing, which does not check the clock.
 const GRACE: Duration = Duration::from_secs(2);
 
 /// How results and findings look.
@@ -141,12 +141,12 @@ pub struct GlobalOptions {
 }
 
 impl GlobalOptions {
-    /// The console of these options.
+    /// Creates the console for these options.
     pub fn console(&self) -> Console {
         Console::new(self.format, self.color)
     }
 
-    /// Refuses SARIF, which is for findings, where a command has a result of another kind.
+    /// Rejects SARIF, a format for findings, if a command has a result of another kind.
     pub fn refuse_sarif(&self, result: &str) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.format != Format::Sarif,
@@ -160,7 +160,7 @@ impl GlobalOptions {
         self.limits_from(self.began)
     }
 
-    /// The limits of something that began at this time.
+    /// Limits of a command that began at this time.
     pub fn limits_from(&self, began: Instant) -> Limits {
         Limits {
             effort: self.effort,
@@ -173,14 +173,14 @@ impl GlobalOptions {
         }
     }
 
-    /// When the command is ended even if it does not look at its time limit.
+    /// When the command is terminated even if it does not check its time limit.
     pub fn last_moment(&self) -> Deadline {
         self.timeout.map_or(Deadline::NONE, |limit| {
             Deadline::after(self.began, limit).extended(GRACE)
         })
     }
 
-    /// How to solve.
+    /// Settings of the solver.
     pub fn settings(&self) -> Settings {
         let on = self
             .without
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
     use clap::FromArgMatches as _;
 
-    /// Whatever is done first, what comes after it has only the time that is left.
+    /// Later phases have only the time left by earlier ones.
     #[test]
     fn a_time_limit_is_one_for_the_whole_command() {
         let command = GlobalOptions::augment_args(clap::Command::new("linewright"));

@@ -1,4 +1,4 @@
-//! The machines that `build` and `synth` are asked for.
+//! Selects the machines for `build` and `synth`.
 
 use super::select::Selection;
 use crate::contract::line::Line;
@@ -11,20 +11,20 @@ use crate::station::file_stem;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// What is to be built.
+/// The selection.
 #[derive(Debug, Default)]
 pub struct Picked<'a> {
-    /// The machines.
+    /// Selected machines.
     pub machines: Vec<&'a Machine>,
-    /// The lines whose machines are among them.
+    /// Lines whose machines are among them.
     pub lines: Vec<&'a Line>,
-    /// What is to be said of the choice.
+    /// Notes on the selection.
     pub notes: Vec<Diagnostic>,
 }
 
-/// The machines that a selection names, or those of the line that it names. Without a name those of
-/// the file's lines, with the sizes that they have there, as `run` would build them; and those that
-/// the file declares and no line of it uses, with their default sizes.
+/// The machines that a selection names, or those of the line that it names. Without a name: those
+/// of the file's lines in the sizes used there, as `run` would build them, and those declared in
+/// the file that none of its lines uses, in their default sizes.
 pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Picked<'a>> {
     let library = &loaded.library;
     let declared = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
@@ -43,7 +43,7 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
         }
     }
     for machine in declared {
-        // One that only stands in machines of the lines is a part of their libraries.
+        // A machine that occurs only in machines of the lines is part of their libraries.
         if picked.machines.iter().any(|m| contains(m, machine.span)) {
             continue;
         }
@@ -62,7 +62,7 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
     Ok(picked)
 }
 
-/// That a machine is built with other sizes than its own.
+/// Note that a machine is built in sizes other than its defaults.
 fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnostic {
     let name = &machine.name;
     let users = lines
@@ -84,10 +84,10 @@ fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnosti
     ))
 }
 
-/// The same machines under names whose files differ: of two that would be written to the same file,
-/// such as one machine in two sizes, the second is called `Printer_2`.
+/// The same machines with names whose files differ: if two would be written to the same file, such
+/// as one machine in two sizes, the second is named `Printer_2`.
 pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
-    // SimTalk does not tell capitals from small letters either.
+    // SimTalk ignores case, too.
     let keys = |name: &str| [file_stem(name), name.to_lowercase()];
     let mut taken: BTreeSet<String> = BTreeSet::new();
     let mut told = Vec::new();

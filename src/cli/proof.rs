@@ -1,12 +1,12 @@
-//! `check --proof`: why a contract is realizable, for whoever does not want to believe it.
-//! `docs/proof.md` says what is to be checked.
+//! `check --proof`: the reason why a contract is realizable, for an independent check.
+//! `docs/proof.md` describes that check.
 
 use super::console::schema;
 use crate::game::{Rank, Ranking};
 use crate::gr1::{Domain, Owner, Specification, Timing};
 use serde::Serialize;
 
-/// The document.
+/// The JSON document.
 #[derive(Debug, Serialize)]
 struct Document<'a> {
     schema: String,
@@ -18,7 +18,7 @@ struct Document<'a> {
     goals: Vec<Goal<'a>>,
     order: Vec<String>,
     region: u32,
-    /// Bit, edge when it is 1, edge when it is 0.
+    /// Bit, edge if it is 1, edge if it is 0.
     nodes: Vec<(u16, u32, u32)>,
 }
 
@@ -46,7 +46,7 @@ struct Layer {
     reached: u32,
 }
 
-/// The document as text, one line a node.
+/// The document as text, one line per node.
 pub fn to_text(specification: &Specification, ranking: &Ranking) -> String {
     let root = |root: usize| ranking.diagram.roots[root].0;
     let layer = |rank: &Rank| Layer {
@@ -116,7 +116,7 @@ fn or_true(names: Vec<String>) -> Vec<String> {
     }
 }
 
-/// Each current bit by its variable's name and its place in it.
+/// Each current bit by its variable's name and its index in it.
 fn order(specification: &Specification, ranking: &Ranking) -> Vec<String> {
     let name = |bit: &u16| {
         let variables = specification.variables.iter().zip(&ranking.bits);

@@ -1,4 +1,4 @@
-//! `linewright run`: a line in the bundled runner, from its contracts to its figures.
+//! `linewright run`: runs a line in the bundled runner, from its contracts to its figures.
 
 use super::build::default_folder;
 use super::exit::ExitCode;
@@ -98,8 +98,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         return Ok(options.exit_code(&findings));
     }
 
-    // A line that refuses parts can be run, and its run shows how often; that it does is an error
-    // all the same.
+    // A line that refuses parts can be run, and the run shows how often; it is an error
+    // nonetheless.
     let of_machine = |machine: &Machine| synthesis.of(machine);
     lines::judge(line, of_machine, &settings.limits, &mut findings);
 

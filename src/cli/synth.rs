@@ -1,4 +1,4 @@
-//! `linewright synth`: a verified controller, written down.
+//! `linewright synth`: writes a verified controller.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
@@ -101,7 +101,7 @@ pub enum Emit {
 }
 
 impl Emit {
-    /// How many files it takes.
+    /// Number of files per controller.
     fn files(self) -> usize {
         if self == Self::C { 2 } else { 1 }
     }
@@ -122,7 +122,7 @@ impl Emit {
         }
     }
 
-    /// The format of a specification, if it is one rather than a controller's.
+    /// The format of a specification; `None` for the format of a controller.
     fn target(self) -> Option<Target> {
         match self {
             Self::Spc => Some(Target::Spc),
@@ -190,7 +190,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     let mut jobs = Jobs::examining().wishing(ExtractionOptions {
         preference: arguments.prefer.into(),
-        // The other forms can only show a machine.
+        // The other formats can only show a machine.
         functions: controllers
             .iter()
             .all(|e| matches!(e, Emit::Json | Emit::C | Emit::St | Emit::Plcopen)),
@@ -266,8 +266,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// The counterstrategy of a contract that has no controller; otherwise a finding says why there is
-/// none.
+/// The counterstrategy of a contract that has no controller; otherwise a finding explains why there
+/// is none.
 fn counterstrategy<'c>(
     checked: &'c CheckedContract,
     span: Span,
@@ -289,18 +289,18 @@ fn counterstrategy<'c>(
     found
 }
 
-/// The files that are to be written.
+/// Files to be written.
 #[derive(Default)]
 struct Results {
     /// Names and texts.
     files: Vec<(String, String)>,
-    /// Whose each file is, by its name without regard to capitals: not every disk tells them apart.
+    /// Owner of each file by its name in lower case: some disks ignore case.
     owners: BTreeMap<String, String>,
 }
 
 impl Results {
-    /// Adds files of a contract. A finding (LW504), and none of them, where one has the name of
-    /// another contract's file.
+    /// Adds files of a contract. If one has the name of another contract's file, returns a finding
+    /// (LW504) and adds none.
     fn add(
         &mut self,
         contract: &str,
@@ -324,14 +324,13 @@ impl Results {
     }
 }
 
-/// A name that every system takes for a file's.
+/// A file name that is valid on every system.
 fn file_name(name: &str, ending: &str) -> String {
     let mark = if is_device(name) { "_" } else { "" };
     format!("{name}{mark}.{ending}")
 }
 
-/// The files of one of its written forms, by name. A finding (LW204) where that form would be too
-/// large.
+/// The files of a controller in one format, by name. A finding (LW204) if it would be too large.
 fn write_files(
     controller: &mealy::Controller,
     emit: Emit,
@@ -378,7 +377,7 @@ fn write_files(
     Ok(vec![(file_name(name, emit.ending()), text)])
 }
 
-/// A controller in one of its written forms. A finding (LW204) where that form would be too large.
+/// A controller in one format. A finding (LW204) if it would be too large.
 fn write(
     emit: Emit,
     machine: &mealy::Machine,

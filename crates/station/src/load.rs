@@ -246,7 +246,7 @@ fn call(export: Export, arguments: &mut [UfValue]) -> Answer {
 fn text(export: TextExport, handle: i32) -> String {
     let mut buffer = vec![0_u8; 1024];
     #[expect(unsafe_code, reason = "the loader of station libraries")]
-    // SAFETY: the export writes at most as many bytes as it is told, the last of them a zero.
+    // SAFETY: the export writes at most the given number of bytes, the last one a zero.
     unsafe {
         export(handle, buffer.as_mut_ptr().cast(), buffer.len());
     }

@@ -1,4 +1,4 @@
-//! Two states of a library: which contracts still keep what they promised.
+//! Compares two states of a library: which contracts still keep what they promised.
 
 use super::document::{self, Compared, Document, Fate, Semantics, Verdict};
 use super::operand::Operand;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The path of an operand that stands for all contracts in it: a folder, as far as the disk says.
+/// The path of an operand that stands for all contracts in it: a folder on disk.
 pub fn library(operand: &Operand) -> Option<String> {
     match operand {
         Operand::Contract {
@@ -121,7 +121,7 @@ fn within<'a>(loaded: &'a Loaded, folder: &str) -> BTreeMap<String, &'a Contract
     own.map(|c| (c.name.clone(), c)).collect()
 }
 
-/// One contract of both.
+/// Compares a contract that both have.
 fn pair(
     name: &str,
     old: &Contract,
@@ -184,7 +184,7 @@ fn pair(
     }
 }
 
-/// Whether two contracts say the same in the same words, wherever they stand.
+/// Whether two contracts have the same wording, wherever they are declared.
 fn alike(old: &Contract, new: &Contract) -> bool {
     let (a, b) = (&old.specification, &new.specification);
     let variables = |s: &crate::gr1::Specification| -> Vec<_> {

@@ -1,4 +1,4 @@
-//! Composition with its discharge table, one controller of all parts, and compatibility.
+//! Composition with its discharge table, a controller of all parts, and compatibility.
 
 use super::document::{self, Document, Semantics, Verdict};
 use super::{CompatArguments, ComposeArguments, Joined, Outcome, bring_together, gave_up, tell};
@@ -67,7 +67,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
     tell(outcome, &joined.loaded, options)
 }
 
-/// The table, what the whole assumes and guarantees, and the verdict in a sentence.
+/// The table, the assumptions and guarantees of the whole, and the verdict as a sentence.
 fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     let names: Vec<&str> = printer
         .system
@@ -115,8 +115,8 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     text
 }
 
-/// One contract of all parts, where every assumption is met or handed on: its assumptions are those
-/// that were handed on.
+/// One contract of all parts, if every assumption is met or passed on: its assumptions are those
+/// passed on.
 fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     let system = printer.system;
     let mut assumptions = Side::default();
@@ -165,7 +165,7 @@ fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     }
 }
 
-/// Assumptions that are handed on although the outside does not control what they constrain: no
+/// Assumptions that are passed on although the outside does not control what they constrain: no
 /// GR(1) contract of the whole can make them, since its environment gives the inputs of a step
 /// before it sees the outputs (the rule of [`Specification::assumptions`]).
 fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
@@ -209,13 +209,13 @@ fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnosti
     findings
 }
 
-/// Names in quotes, as a list.
+/// A list of quoted names.
 fn words<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let quoted: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     findings::list(&quoted)
 }
 
-/// A controller of the whole.
+/// Synthesizes a controller of the whole.
 fn synth(
     joined: &Joined,
     printer: ProofPrinter<'_>,

@@ -1,4 +1,4 @@
-//! What the commands of the algebra print as JSON.
+//! JSON documents of the algebra commands.
 
 use crate::algebra::proof::{Broken, Discharge, Discharged, Open, Proof};
 use crate::algebra::system::{FormulaRef, System, formulas};
@@ -9,52 +9,52 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Points at a formula.
+/// A reference to a formula.
 #[derive(Debug, Serialize)]
 pub struct Named {
-    /// The contract or component it belongs to.
+    /// Contract or component that it belongs to.
     pub of: String,
-    /// Its name there.
+    /// Name of the formula.
     pub name: String,
-    /// Its text.
+    /// Text of the formula.
     pub text: String,
 }
 
 /// How an obligation is met.
 #[derive(Debug, Serialize)]
 pub struct DischargeEntry {
-    /// What.
+    /// The obligation.
     #[serde(flatten)]
     pub what: Named,
-    /// By which rule.
+    /// The rule that meets it.
     pub rule: MetBy,
-    /// Of justice: the turn, from 1.
+    /// For justice: the turn, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turn: Option<usize>,
-    /// On what it rests.
+    /// Formulas on which it rests.
     pub by: Vec<Named>,
 }
 
 /// An obligation that is not met.
 #[derive(Debug, Serialize)]
 pub struct OpenEntry {
-    /// What.
+    /// The obligation.
     #[serde(flatten)]
     pub what: Named,
-    /// Why.
+    /// Why it is not met.
     pub reason: String,
-    /// How it is broken.
+    /// A run that violates it.
     pub counterexample: Counterexample,
 }
 
-/// A counterexample, with a value for every variable by its name.
+/// A counterexample with the values of all variables by name.
 #[derive(Debug, Serialize)]
 pub struct Counterexample {
-    /// `trace`, whose last step breaks something, or `lasso`.
+    /// `trace`, whose last step is a violation, or `lasso`.
     pub kind: &'static str,
-    /// The steps.
+    /// Steps in order.
     pub steps: Vec<BTreeMap<String, String>>,
-    /// Of a lasso: the step with which it goes on after the last one.
+    /// For a lasso: index of the step that follows the last one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<usize>,
 }
@@ -62,9 +62,9 @@ pub struct Counterexample {
 /// A proof.
 #[derive(Debug, Serialize)]
 pub struct ProofEntry {
-    /// What is met.
+    /// Obligations that are met.
     pub discharges: Vec<DischargeEntry>,
-    /// What is not.
+    /// Obligations that are not met.
     pub open: Vec<OpenEntry>,
     /// Justice assumptions that wait for one another.
     pub circles: Vec<Vec<Named>>,
@@ -72,23 +72,23 @@ pub struct ProofEntry {
     pub loops: Vec<Vec<String>>,
 }
 
-/// One contract among those that a result is made of.
+/// One of the contracts that a result is made of.
 #[derive(Debug, Serialize)]
 pub struct Pair {
-    /// What it is called.
+    /// Name of the contract.
     pub name: String,
-    /// What it assumes.
+    /// Its assumptions.
     pub assumptions: Vec<Text>,
-    /// What it guarantees.
+    /// Its guarantees.
     pub guarantees: Vec<Text>,
 }
 
 /// A formula as it was written.
 #[derive(Debug, Serialize)]
 pub struct Text {
-    /// Its name.
+    /// Name of the formula.
     pub name: String,
-    /// Its text.
+    /// Text of the formula.
     pub text: String,
 }
 
@@ -98,15 +98,15 @@ pub struct Text {
 pub enum Verdict {
     /// Every assumption of a part is met.
     Composed,
-    /// Some are not.
+    /// Some assumptions are not met.
     Open,
     /// Some environment keeps all assumptions.
     Compatible,
-    /// None does.
+    /// No environment does.
     Incompatible,
     /// What was promised is still kept.
     Refined,
-    /// It is not.
+    /// A promise is broken.
     Broken,
     /// A law of the algebra was proved for these operands.
     Proved,
@@ -114,7 +114,7 @@ pub enum Verdict {
     Refuted,
 }
 
-/// What two contracts are compared by.
+/// Semantics of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Semantics {
@@ -124,19 +124,19 @@ pub enum Semantics {
     Runs,
 }
 
-/// What became of a contract from one library to the next.
+/// Fate of a contract from one library to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Fate {
-    /// It says the same.
+    /// Unchanged.
     Same,
     /// It promises at least as much, and assumes no more.
     Refined,
-    /// It does not.
+    /// It promises less, or assumes more.
     Broken,
-    /// It is new.
+    /// Only in the new library.
     Added,
-    /// It is gone.
+    /// Only in the old library.
     Removed,
     /// A limit was reached.
     GaveUp,
@@ -151,41 +151,41 @@ impl fmt::Display for Fate {
 /// The document of a command.
 #[derive(Debug, Serialize)]
 pub struct Document {
-    /// Which command's.
+    /// Schema with the command's name.
     pub schema: String,
-    /// What came out.
+    /// Answer of the command.
     pub verdict: Verdict,
-    /// Which semantics it was decided in.
+    /// Semantics of the decision.
     pub semantics: Semantics,
-    /// The contracts it is about.
+    /// Contracts concerned.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<Pair>,
-    /// Proofs, by what they show.
+    /// Proofs by what they show.
     #[serde(flatten)]
     pub proofs: BTreeMap<&'static str, ProofEntry>,
-    /// A run or play that shows why not, where it belongs to no single formula.
+    /// A run or play that shows why not, if it belongs to no single formula.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counterexample: Option<Counterexample>,
-    /// Contract by contract, of two libraries.
+    /// Comparison of two libraries, contract by contract.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contracts: Vec<Compared>,
     /// All findings.
     pub findings: Vec<json::Finding>,
 }
 
-/// What became of a contract from one library to the other.
+/// Comparison of a contract in two libraries.
 #[derive(Debug, Serialize)]
 pub struct Compared {
-    /// Its name.
+    /// Name of the contract.
     pub name: String,
-    /// What became of it.
+    /// Result of the comparison.
     pub verdict: Fate,
-    /// What is not kept any more.
+    /// Obligations that are no longer met.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<OpenEntry>,
 }
 
-/// A formula by name.
+/// A formula with its name.
 pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> Named {
     let formula = printer.formula(at);
     Named {
@@ -195,7 +195,7 @@ pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> Named {
     }
 }
 
-/// A proof for other programs.
+/// A proof as JSON.
 pub fn proof(printer: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
     ProofEntry {
         discharges: proof
@@ -234,7 +234,7 @@ fn discharge(printer: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry
     }
 }
 
-/// An open obligation for other programs.
+/// An open obligation as JSON.
 pub fn open(printer: ProofPrinter<'_>, open: &Open) -> OpenEntry {
     OpenEntry {
         what: named(printer, open.what),
@@ -273,7 +273,7 @@ fn values(system: &System, step: &[i64]) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// The contracts of a system, as they were written.
+/// The contracts of a system as written.
 pub fn pairs(system: &System) -> Vec<Pair> {
     let texts = |side| {
         let mut texts: Vec<Text> = Vec::new();

@@ -140,25 +140,25 @@ pub struct QuotientArguments {
     pub common: Common,
 }
 
-/// Operands read and brought together.
+/// Operands that were loaded and joined into one system.
 struct Joined {
     loaded: Loaded,
     system: System,
-    /// One expression an operand.
+    /// One expression per operand.
     sets: Vec<Sets>,
-    /// Where each part is declared.
+    /// Place of each part's declaration.
     spans: Vec<Span>,
 }
 
-/// What is printed at the end.
+/// Result of a command, before it is printed.
 struct Outcome {
     document: Document,
-    /// For people.
+    /// Text for people.
     text: String,
     findings: Vec<Diagnostic>,
 }
 
-/// Reads all that some operands name.
+/// Loads everything that some operands name.
 fn load(
     command: &str,
     operands: &[&Operand],
@@ -186,8 +186,7 @@ fn load(
     Ok(Ok(loaded))
 }
 
-/// Reads operands and brings them together; what does not fit is printed, and the exit code given
-/// instead.
+/// Loads and joins operands; on failure, prints the findings and returns the exit code.
 fn bring_together(
     command: &str,
     operands: &[&Operand],
@@ -225,7 +224,7 @@ fn bring_together(
     }
 }
 
-/// Prints what came out, and gives the exit code.
+/// Prints the result and returns the exit code.
 fn tell(outcome: Outcome, loaded: &Loaded, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let sources = &loaded.library.sources;
@@ -247,7 +246,7 @@ fn tell(outcome: Outcome, loaded: &Loaded, options: &GlobalOptions) -> anyhow::R
     Ok(options.exit_code(&findings))
 }
 
-/// That a limit was reached before anything was known.
+/// Reports that a limit was reached before anything was known.
 fn gave_up(
     limit: crate::game::Limit,
     command: &str,

@@ -1,4 +1,4 @@
-//! The JSON document of `check`, which its other formats are made from, too.
+//! The JSON document of `check`, from which its other formats are also made.
 
 use super::watch::Trigger;
 use crate::diagnostics::json;
@@ -22,12 +22,12 @@ pub(super) struct Document {
     pub(super) occasion: Option<Trigger>,
     pub(super) semantics: &'static str,
     pub(super) contracts: Vec<ContractEntry>,
-    /// The sets of skills; left out where there are none.
+    /// Sets of skills; omitted if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) skills: Vec<SkillsEntry>,
     pub(super) machines: Vec<MachineEntry>,
     pub(super) lines: Vec<LineEntry>,
-    /// Findings that belong to no declaration.
+    /// Findings outside all declarations.
     pub(super) findings: Vec<json::Finding>,
     pub(super) summary: Summary,
 }
@@ -36,7 +36,7 @@ pub(super) struct Document {
 pub(super) struct ContractEntry {
     pub(super) name: String,
     pub(super) file: String,
-    /// For a specification of another tool: its format, by the ending of its files.
+    /// For a specification of another tool: its format, by file extension.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) format: Option<&'static str>,
     pub(super) codes: Vec<String>,
@@ -49,14 +49,14 @@ pub(super) struct ContractEntry {
     /// The play that shows that it is unrealizable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) play: Option<PlayEntry>,
-    /// What would make it realizable.
+    /// Changes that would make it realizable.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) suggestions: Vec<Suggestion>,
-    /// How large its counterstrategy is, which `synth --counterstrategy` writes down.
+    /// Size of its counterstrategy, which `synth --counterstrategy` writes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) counterstrategy: Option<CounterstrategyEntry>,
-    /// For a realizable one: from how many situations the machine can make the plant break an
-    /// assumption.
+    /// For a realizable one: the number of situations from which the machine can make the plant
+    /// break an assumption.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) well_separation: Option<WellSeparation>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,27 +69,27 @@ pub(super) struct ContractEntry {
     pub(super) seconds: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) peak_nodes: Option<u64>,
-    /// With `--stats`.
+    /// Present with `--stats`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) statistics: Option<Statistics>,
-    /// The kernel, for people; in JSON it is among the statistics.
+    /// Kernel name, for people; in JSON it is in the statistics.
     #[serde(skip)]
     pub(super) kernel: String,
-    /// Whether only the verdict was asked for, since the game is large.
+    /// Whether only the verdict was computed, since the game is large.
     #[serde(skip)]
     pub(super) verdict_only: bool,
 }
 
-/// A play that the machine loses.
+/// A play lost by the machine.
 #[derive(Debug, Serialize)]
 pub(super) struct PlayEntry {
-    /// Step by step the values of all variables, by name; of a step that has no answer, those of
+    /// Values of all variables by name for every step; for a step without an answer, only those of
     /// the inputs.
     pub(super) steps: Vec<BTreeMap<String, serde_json::Value>>,
-    /// The guarantees that clash in the last step.
+    /// Guarantees that clash in the last step.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) clash: Vec<String>,
-    /// The step that follows the last one, for ever.
+    /// Index of the step that follows the last one, for ever.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) repeats_from: Option<usize>,
     /// The guarantee that is never met again.
@@ -103,12 +103,12 @@ pub(super) struct CounterstrategyEntry {
     pub(super) verified: bool,
 }
 
-/// Both checks of Maoz and Ringert: `[from, of]` situations that can occur.
+/// Both checks of Maoz and Ringert: `[from, of]` possible situations.
 #[derive(Debug, Serialize)]
 pub(super) struct WellSeparation {
-    /// For a machine that keeps its guarantees all the while.
+    /// For a machine that always keeps its guarantees.
     pub(super) forced: [u64; 2],
-    /// For one that does as it likes.
+    /// For an unrestricted machine.
     pub(super) forced_ignoring_guarantees: [u64; 2],
 }
 
@@ -116,11 +116,11 @@ pub(super) struct WellSeparation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Validity {
-    /// It can.
+    /// No problems found.
     Valid,
-    /// Something is wrong with it, or with one of its machines.
+    /// The line, or one of its machines, has an error.
     Invalid,
-    /// This program failed while it looked at it.
+    /// An internal error occurred.
     InternalError,
 }
 
@@ -130,7 +130,7 @@ impl fmt::Display for Validity {
     }
 }
 
-/// What is known of a set of skills.
+/// Verdict on a set of skills.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum SkillsVerdict {
@@ -169,12 +169,12 @@ pub(super) struct MachineEntry {
     pub(super) codes: Vec<String>,
     pub(super) verdict: Verdict,
     pub(super) components: Vec<ComponentEntry>,
-    /// How each assumption of a component is met, where the composition was checked.
+    /// How each assumption of a component is met, if the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
-    /// What its controllers do together, where each component has one.
+    /// Closed composition of its controllers, if each component has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) closed: Option<ClosedEntry>,
-    /// The contracts that it is said to refine.
+    /// Contracts that it is declared to refine.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) refines: Vec<RefinesEntry>,
     pub(super) findings: Vec<json::Finding>,
@@ -192,13 +192,13 @@ pub(super) struct LineEntry {
     pub(super) name: String,
     pub(super) file: String,
     pub(super) verdict: Validity,
-    /// Of a valid one: whether parts move on in it.
+    /// For a valid line: whether parts keep moving.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) proof: Option<LineVerdict>,
-    /// Of a proved or safe one: what that rests on and the line itself does not show.
+    /// If proved or safe: premises that the line itself does not establish.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) premises: Vec<PremiseEntry>,
-    /// Of a safe one: what was not decided.
+    /// If safe: what was not decided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) undecided: Vec<String>,
     /// What each requirement of the line, and each assumption of a place in it, rests on.
@@ -206,11 +206,11 @@ pub(super) struct LineEntry {
     pub(super) findings: Vec<json::Finding>,
 }
 
-/// Something that a proof takes for granted.
+/// A premise of a proof.
 #[derive(Debug, Serialize)]
 pub(super) struct PremiseEntry {
     pub(super) name: String,
-    /// In words.
+    /// The premise as text.
     pub(super) text: String,
 }
 
@@ -226,7 +226,7 @@ pub(super) struct Summary {
     pub(super) unrealizable: usize,
     pub(super) gave_up: usize,
     pub(super) invalid: usize,
-    /// Contracts that this program failed at; left out where there are none.
+    /// Number of contracts with an internal error; omitted if there are none.
     #[serde(skip_serializing_if = "is_zero")]
     pub(super) internal_error: usize,
     pub(super) findings: usize,

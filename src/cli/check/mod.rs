@@ -1,4 +1,4 @@
-//! `linewright check`: the consistency of every contract, machine and line found.
+//! `linewright check`: checks the consistency of every contract, machine and line found.
 
 mod assembly;
 mod document;
@@ -73,7 +73,7 @@ pub struct Arguments {
     pub watch: bool,
 }
 
-/// What was found.
+/// Result of a check.
 struct Checked {
     loaded: Loaded,
     document: Document,
@@ -106,7 +106,7 @@ fn check(
     );
     let files = FileView::all(&loaded);
 
-    // A machine's actions are looked at in the form that `build` gives them.
+    // A machine's actions are examined in the form that `build` gives them.
     let mut jobs = Jobs::examining()
         .wishing(ExtractionOptions {
             functions: true,
@@ -162,7 +162,7 @@ fn check(
                 .contains(&library.sources.file(c.span.file).name)
         });
         let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
-        // Where there is no contract because of mistakes, these are what there is to say.
+        // If errors prevented a contract, those errors are the findings.
         let found = if own.is_empty() && has_errors(&findings) {
             Vec::new()
         } else {
@@ -193,8 +193,8 @@ fn check(
     })
 }
 
-/// The machines of lines that have other arguments there than by default, each with where the first
-/// of these lines is declared.
+/// Machines to which lines give arguments other than the defaults, each with the place of the first
+/// such line.
 fn sized<'a>(
     files: &[FileView<'_>],
     library: &'a Library,
@@ -215,8 +215,8 @@ fn sized<'a>(
     sized
 }
 
-/// Whether a contract was imported to be refined, and for nothing else: that it can be kept is
-/// shown by what refines it.
+/// Whether a contract was imported only to be refined: whatever refines it shows that it can be
+/// kept.
 fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
     let library = &loaded.library;
     let own = &library.sources.file(contract.span.file).name;
@@ -228,7 +228,7 @@ fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
         && !library.machines.iter().any(used)
 }
 
-/// Writes the proof of the only contract; the findings say why there is none.
+/// Writes the proof of the only contract; the findings explain why there is none.
 fn write_proof(
     path: &Path,
     contracts: &[(&Contract, &CheckedContract)],
@@ -256,12 +256,12 @@ fn write_proof(
                 "a proof can only be written of a realizable contract as yet; the guarantees that clash are named above",
             ),
         ],
-        // Its own finding says why there is no verdict.
+        // Its own finding explains why there is no verdict.
         (None, _) => Vec::new(),
     })
 }
 
-/// Prints what was found. Gives whether somebody still reads it.
+/// Prints the result. Returns whether the output is still read.
 fn write(console: Console, checked: &Checked, options: &GlobalOptions) -> anyhow::Result<bool> {
     let Checked {
         loaded,

@@ -1,4 +1,4 @@
-//! `linewright doctor --probe`: the layout that a dump tells, what is not sure about it, and the
+//! `linewright doctor --probe`: the layout inferred from a dump, its uncertainties, and the
 //! profile.
 
 use super::super::console::schema;
@@ -17,7 +17,7 @@ use std::path::Path;
 
 const ELSEWHERE: &str = "name another file with --out, or move that one away first";
 
-/// No dump is larger.
+/// Maximum size of a dump.
 const LARGEST_FILE: u64 = 16 << 20;
 
 #[derive(Serialize)]
@@ -36,7 +36,7 @@ struct Found {
     written: Option<String>,
 }
 
-/// Reads a dump, and writes the profile to `out` where it is given.
+/// Reads a dump, and writes the profile to `out` if given.
 pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let mut sources = SourceMap::new();
@@ -99,8 +99,8 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     Ok(options.exit_code(&findings))
 }
 
-/// The profile that a dump tells: in the second round the one that the probe was built with, if the
-/// host kept to it.
+/// The profile inferred from a dump: in the second round the one that the probe was built with, if
+/// the host kept to it.
 fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Diagnostic>> {
     match infer::confirm(dump) {
         Some(Ok(profile)) => {

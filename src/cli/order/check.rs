@@ -1,4 +1,4 @@
-//! `linewright order check`: a program of calls, before it is loaded.
+//! `linewright order check`: checks a program of calls before it is loaded.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
@@ -55,15 +55,15 @@ struct Document {
     programs: Vec<Entry>,
 }
 
-/// What is known of a program.
+/// Verdict on a program.
 #[derive(Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum ProgramVerdict {
-    /// It keeps the orders.
+    /// The program keeps the orders.
     Accepted,
-    /// A call breaks one, or it ends too early.
+    /// A call violates an order, or the program ends too early.
     Refused,
-    /// It could not be read.
+    /// The program could not be read.
     Invalid,
 }
 
@@ -93,7 +93,7 @@ struct ViolationEntry {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
-    // Each is read once: it may be a pipe.
+    // Each is read once, since it may be a pipe.
     let programs: Vec<(&str, Read)> = arguments
         .programs
         .iter()
@@ -143,7 +143,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     Ok(code)
 }
 
-/// The text of a program, or why there is none.
+/// The text of a program, or why it cannot be read.
 type Read = Result<String, Box<Diagnostic>>;
 
 fn read(name: &str) -> Read {
@@ -154,8 +154,8 @@ fn read(name: &str) -> Read {
     })
 }
 
-/// The rules beside the first program that can be read. Without one, or without rules, programs
-/// that cannot be read are told here, since they may be why.
+/// The rules beside the first readable program. Without one, or without rules, unreadable programs
+/// are reported here, since they may be the cause.
 fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selection, EarlyExit> {
     let unreadable: Vec<Diagnostic> = programs
         .iter()
@@ -291,7 +291,7 @@ fn violation_entry(v: &Violation, chosen: &Chosen) -> ViolationEntry {
     }
 }
 
-/// A program that ends in the middle of a sequence.
+/// Finding for a program that ends in the middle of a sequence.
 fn unfinished(
     checked: &Checked,
     chosen: &Chosen,

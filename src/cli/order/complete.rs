@@ -1,4 +1,4 @@
-//! `linewright order complete`: what may come next.
+//! `linewright order complete`: the calls that may come next.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, program, rules, words};
@@ -53,7 +53,7 @@ struct RefusedEntry {
     /// The shortest calls after which it is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<Vec<Vec<String>>>,
-    /// Whether there are such calls was too much to be found out.
+    /// Whether the search for such calls was abandoned.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     undecided: bool,
 }
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     Ok(ExitCode::Success)
 }
 
-/// What is allowed, and what is not.
+/// What is allowed and what is not.
 fn next(
     supervisor: &mut Supervisor<'_>,
     state: &State,
@@ -107,7 +107,7 @@ fn next(
     let serialisation = supervisor.options().serialisation;
     let (mut allowed, mut refused) = (Vec::new(), Vec::new());
     let calls = calls(skills, usize::from(arguments.at_once));
-    // For all of them together four times as much as for one.
+    // Four times as much for all of them together as for one.
     let entries = 4 * MOST_SOUGHT / calls.len().max(1);
     for call in calls {
         match supervisor.call(state, call)? {

@@ -1,4 +1,4 @@
-//! `linewright order diff`: the shortest calls that tell two sets of rules apart.
+//! `linewright order diff`: the shortest calls that distinguish two sets of rules.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
@@ -170,7 +170,7 @@ fn told(
     )
 }
 
-/// The names of both; with the level where they are alike.
+/// The names of both, with the level if the names are equal.
 fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2] {
     let (a, b) = (&first.skills.name, &second.skills.name);
     let level = arguments.choice.level.level().word();
@@ -185,14 +185,14 @@ fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2]
     }
 }
 
-/// The calls that both have: skills of one component of either are never called at once.
+/// The calls that both have: skills that share a component in either are never called at once.
 fn common_calls(first: &Chosen, second: &Skills, most: usize) -> Vec<Call> {
     let own = calls(&first.skills, most);
     let other = calls(second, most);
     own.into_iter().filter(|c| other.contains(c)).collect()
 }
 
-/// The second set with its skills numbered as those of the first.
+/// The second set, with its skills numbered as in the first.
 fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
     let missing = |a: &Skills, b: &Skills| -> Vec<String> {
         let is_in = |name: &str| b.skills.iter().any(|s| s.name == name);

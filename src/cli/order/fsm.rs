@@ -16,7 +16,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Without `--at-once`, as many skills at once as there are components, up to this.
+/// Maximum number of skills at once without `--at-once`; otherwise the number of components.
 const ALL_AT_ONCE: u8 = 64;
 
 /// The arguments of `order fsm`.

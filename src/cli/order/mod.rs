@@ -1,4 +1,4 @@
-//! `linewright order`: what may follow what, by the rules of a skill order.
+//! `linewright order`: what may follow what under the rules of a skill order.
 
 mod check;
 mod complete;
@@ -58,7 +58,7 @@ pub enum LevelName {
 }
 
 impl LevelName {
-    /// The level of the name.
+    /// The level as a core type.
     pub fn level(self) -> Level {
         match self {
             Self::Arbitrary => Level::Arbitrary,
@@ -91,7 +91,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// The same for the core, with the time limit counted from now.
+    /// The options for the core, with the time limit counted from now.
     pub fn options(&self, global: &GlobalOptions) -> Options {
         Options {
             level: self.level.level(),
@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     outcome.or_else(|early| early.report(options))
 }
 
-/// Prints an answer: its document with `--format json`, else its text.
+/// Prints an answer: its document with `--format json`, otherwise its text.
 fn answer(
     document: &impl Serialize,
     text: impl FnOnce() -> String,

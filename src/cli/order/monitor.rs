@@ -1,4 +1,5 @@
-//! `linewright order monitor`: calls watched as they come, and the monitor as C or Structured Text.
+//! `linewright order monitor`: monitors calls as they arrive, and writes the monitor as C or
+//! Structured Text.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, Chosen};
@@ -20,10 +21,10 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// What its documents and findings name it.
+/// Name of the command in its documents and findings.
 const COMMAND: &str = "order-monitor";
 
-/// A line that is no call is looked at and answered with up to this.
+/// Maximum length of a line that is parsed and quoted even if it is no call.
 const LONGEST_CALL: usize = 1 << 12;
 
 /// The arguments of `order monitor`.
@@ -71,7 +72,7 @@ pub enum Emit {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let chosen = rules::choose(COMMAND, &arguments.rules, &arguments.choice, options)?;
-    // A monitor names the rules that it keeps, and no others.
+    // A monitor lists only the rules that it keeps.
     let kept = chosen.skills.rules.iter().enumerate();
     let kept: Vec<usize> = kept
         .filter(|(_, r)| r.level <= chosen.options.level)
@@ -94,7 +95,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             let watching = Watching::Table(Monitor::new(&table));
             Ok(watch(watching, &skills, arguments.stop, options)?)
         }
-        // Without a table of all calls the rules themselves answer.
+        // Without a table of all calls, the rules themselves are evaluated.
         (Ok((Ok(_) | Err(TooLarge::Count { .. }), supervisor)), None) => {
             let watching =
                 Watching::Rules(Unfolding::new(&supervisor, u32::from(arguments.at_once)));
@@ -107,9 +108,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     }
 }
 
-/// What answers.
+/// How calls are answered.
 enum Watching<'a> {
-    /// A table: nothing is allocated for a call.
+    /// A table: nothing is allocated per call.
     Table(Monitor<'a>),
     /// Rules whose table would be too large.
     Rules(Unfolding<'a>),
@@ -172,8 +173,8 @@ fn emitted(
     Ok(ExitCode::Success)
 }
 
-/// Answers line by line. With a table, nothing is allocated for a call that is allowed once the
-/// longest line has been seen.
+/// Answers line by line. With a table, nothing is allocated for an allowed call once the longest
+/// line has been seen.
 fn watch(
     mut monitor: Watching<'_>,
     skills: &Skills,
@@ -224,7 +225,8 @@ fn watch(
         } else {
             answer.write(&mut out, call, number)
         };
-        // Who waits for the answer gets it; who sends much at once is not slowed down.
+        // A sender that waits for an answer gets it; one that sends many lines at once is not
+        // slowed down.
         if input.buffer().is_empty() {
             written = written.and_then(|()| out.flush());
         }
@@ -245,7 +247,7 @@ fn watch(
     }
 }
 
-/// What stands before a comment, without blanks around it.
+/// The text before a comment, trimmed.
 fn without_comment(line: &[u8]) -> &[u8] {
     let end = line.iter().position(|b| *b == b'#').unwrap_or(line.len());
     let slashes = line.windows(2).position(|w| w == b"//").unwrap_or(end);
@@ -261,14 +263,14 @@ fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
     })
 }
 
-/// The text of a line, without the mark that some editors and shells put before the first one.
+/// The text of a line, without a byte order mark on the first one.
 fn without_mark(line: &[u8], number: u64) -> &[u8] {
     let mark = if number == 1 { "\u{feff}" } else { "" };
     line.strip_prefix(mark.as_bytes()).unwrap_or(line)
 }
 
-/// What is called by a line that is not just names and `&`: blanks may be others than those of
-/// ASCII. Else what is wrong with it.
+/// The skills in a line that is not just names and `&`, such as one with non-ASCII spaces;
+/// otherwise the reason why it is no call.
 fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
     if call.len() > LONGEST_CALL {
         let longer = format!("this line is longer than {LONGEST_CALL} bytes");
@@ -283,12 +285,12 @@ fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
     }
 }
 
-/// What is said of a line.
+/// Answer to a line.
 enum Answer {
     Allowed,
-    /// The call is refused, and why.
+    /// The call is refused, for this reason.
     Refused(String),
-    /// It is no call, and why.
+    /// The line is no call, for this reason.
     NoCall(String),
 }
 
@@ -310,7 +312,7 @@ impl Answer {
                 out.write_all(call)?;
                 writeln!(out, ": refused, {why}")
             }
-            // Whatever was sent must not do anything to a terminal.
+            // Input must not be able to control a terminal.
             Self::NoCall(why) => {
                 let call = &call[..call.len().min(LONGEST_CALL)];
                 let call = printable(&String::from_utf8_lossy(call));

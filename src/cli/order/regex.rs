@@ -1,4 +1,4 @@
-//! `linewright order regex`: what may be called, as a regular expression.
+//! `linewright order regex`: the allowed calls as a regular expression.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, rules};
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     Ok(ExitCode::Success)
 }
 
-/// Why an expression would be refused in a file, if it would.
+/// Why an expression would be rejected in a file, if so.
 fn too_much(regex: &str, skills: &Skills) -> Option<String> {
     let names: Vec<&str> = skills.skills.iter().map(|s| s.name.as_str()).collect();
     let set = format!(

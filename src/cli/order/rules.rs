@@ -1,4 +1,4 @@
-//! `FILE[::NAME]`: which set of rules is meant, and which of its rules.
+//! `FILE[::NAME]`: selects a set of rules, and some of its rules.
 
 use super::Choice;
 use super::early_exit::{EarlyExit, Outcome};
@@ -16,15 +16,15 @@ use std::sync::Arc;
 
 /// A set of rules, chosen from a file.
 pub struct Chosen {
-    /// What was loaded with it.
+    /// The library loaded with it.
     pub loaded: Loaded,
-    /// The skills, with the rules that were asked for.
+    /// The skills with the selected rules.
     pub skills: Skills,
-    /// How they are kept, and until when they are looked at.
+    /// Level at which they are kept, and the limits of the command.
     pub options: Options,
 }
 
-/// What the documents of these commands begin with.
+/// Common head of these commands' documents.
 #[derive(Debug, Serialize)]
 pub struct Head {
     schema: String,
@@ -33,7 +33,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// The head of a command's document about these skills at this level.
+    /// The head of a command's document for these skills at this level.
     pub fn of(command: &str, skills: &Skills, level: Level) -> Self {
         Self {
             schema: schema(command),
@@ -44,7 +44,7 @@ impl Head {
 }
 
 impl Chosen {
-    /// Prints what keeps the command from its answer.
+    /// Prints the finding that prevents an answer.
     pub fn failed(&self, command: &str, finding: Diagnostic, options: &GlobalOptions) -> Outcome {
         let findings = [finding];
         let console = options.console();
@@ -53,8 +53,7 @@ impl Chosen {
     }
 }
 
-/// Loads the one set of rules that is meant. Where the file has errors, they are printed as this
-/// command's.
+/// Loads the selected set of rules. Errors in the file are printed as this command's.
 pub fn choose(
     command: &str,
     selection: &Selection,
@@ -90,7 +89,7 @@ pub fn choose(
     })
 }
 
-/// Only the rules that are asked for.
+/// Restricts the skills to the selected rules.
 fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
     let names: Vec<&str> = skills.rules.iter().map(|r| r.name.as_str()).collect();
     for name in choice.rules.iter().chain(&choice.no_rules) {
@@ -119,7 +118,7 @@ fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
     Ok(skills.with_rules(&kept.collect::<Vec<_>>()))
 }
 
-/// The files of rules beside a program.
+/// Finds the files of rules beside a program.
 pub fn beside(program: &str) -> anyhow::Result<Selection> {
     let folder = match Path::new(program).parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -134,7 +133,7 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
         } else {
             None
         };
-        // Only a hint where to look: the file is read properly afterwards.
+        // Only a quick filter: the file is fully parsed afterwards.
         if text.is_some_and(|t| t.lines().any(|l| l.starts_with("skills "))) {
             found.push(path.to_string_lossy().into_owned());
         }
@@ -155,8 +154,7 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
     }
 }
 
-/// What is said where calls of more skills at once than these are left out, since there would be
-/// too many.
+/// Note that calls of more skills at once than these are omitted because there would be too many.
 pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
     let most = calls.iter().map(|c| c.count_ones()).max().unwrap_or(0);
     options.console().remark(&format!(
@@ -165,7 +163,7 @@ pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What else helps a command that calls so many skills at once.
+/// Additional help for a command whose calls have many skills at once.
 pub fn fewer_at_once(most: u8) -> Option<&'static str> {
     (most > 1).then_some("fewer skills at once (--at-once N)")
 }

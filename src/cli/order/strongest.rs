@@ -1,4 +1,4 @@
-//! `linewright order strongest`: the recalls and detours that can be left out.
+//! `linewright order strongest`: the recalls and detours that can be omitted.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, rules, words};
@@ -49,15 +49,15 @@ struct Document {
     candidates: Vec<CandidateEntry>,
 }
 
-/// What became of a rule.
+/// Verdict on a candidate rule.
 #[derive(Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum CandidateVerdict {
-    /// It stays at the stronger level.
+    /// It is kept at the stronger level.
     Kept,
     /// The intended program needs what it would forbid.
     Needed,
-    /// It says nothing beside the others.
+    /// It adds nothing to the other rules.
     Dropped,
 }
 
@@ -73,7 +73,7 @@ struct CandidateEntry {
 #[derive(Serialize)]
 struct LostEntry {
     after: Vec<Vec<String>>,
-    /// Left out where no program could be completed any more.
+    /// Omitted if no program could be completed any more.
     #[serde(skip_serializing_if = "Option::is_none")]
     situation: Option<String>,
 }
