@@ -1,9 +1,9 @@
-//! The algebra of contracts against brute force.
+//! The algebra of contracts compared with brute force.
 //!
-//! Random small contracts; every set of runs counted through on all lassos up to a bound; every
-//! game and every composition on explicit states. What is compared shares no code with
-//! `crates/algebra/src` but the shape of its data and look-ups in it (who sets a variable, which
-//! formula is pointed at, which variables it says something of).
+//! Random small contracts; every set of runs is enumerated on all lassos up to a bound; every game
+//! and every composition on explicit states. What is compared shares no code with
+//! `crates/algebra/src` except its data types and look-ups in them (who sets a variable, which
+//! formula is referenced, which variables it restricts).
 //!
 //! | file | what it shows |
 //! |---|---|
