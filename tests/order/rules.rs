@@ -1,8 +1,8 @@
-//! Skill orders against brute force.
+//! Skill orders compared with brute force.
 //!
-//! What rules mean is written down a second time, by quantifiers over the positions of a word and
-//! without automata (`naive`, `expression`); it shares no code with `crates/language/src/order` but
-//! the shape of its data. Everything that the automata say is compared with that.
+//! The meaning of rules is implemented a second time, by quantifiers over the positions of a word
+//! and without automata (`naive`, `expression`); it shares only data types with
+//! `crates/language/src/order`. All results of the automata are compared with it.
 //!
 //! | file | what it shows |
 //! |---|---|
