@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// `--timeout` of every command, in seconds.
 const TIMEOUT: &str = "2";
-/// Time after the limit at which a command counts as late. It allows for startup, a last question,
-/// a C compiler, and other load.
+/// Duration after which a command has exceeded its limit. The margin is for startup, a last
+/// question, a C compiler, and other load.
 const OVERRUN: Duration = Duration::from_secs(10);
 /// Time after which a command counts as hung, and is killed.
 const HANG: Duration = Duration::from_mins(1);
