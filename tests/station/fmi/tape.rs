@@ -8,7 +8,7 @@
 //! new N                    make instance N and initialize it; it is the one that further calls are on
 //! use N
 //! set REFERENCE TYPE VALUE a real number as its 64 bits in hexadecimal
-//! step TICKS               a communication step of so many steps of the machine
+//! step TICKS               a communication step of TICKS steps of the machine
 //! reset                    reset and initialize again
 //! save S, load S           the state into place S, and back; `load` may be on another instance
 //! bytes S                  the state in place S becomes bytes, and a new state made of them takes its place

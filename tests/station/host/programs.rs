@@ -86,7 +86,7 @@ impl Prepared {
     }
 }
 
-/// The machine whose handles are foreign to all others. The belt serves for itself.
+/// A machine whose handles are foreign: the belt for all others, the printer for the belt.
 fn other(name: &str) -> &'static Package {
     static OTHERS: OnceLock<[Package; 2]> = OnceLock::new();
     let others = OTHERS.get_or_init(|| {
