@@ -4,8 +4,8 @@
 //!
 //!     cargo bench --bench station                 all three tables
 //!     cargo bench --bench station -- shipped      every machine of the laboratory, and at real size: steps, operations, what surrounds them
-//!     cargo bench --bench station -- forms        tables beside functions on growing machines
-//!     cargo bench --bench station -- levels       levels of optimisation
+//!     cargo bench --bench station -- forms        tables and functions for growing machines
+//!     cargo bench --bench station -- levels       optimization levels
 //!
 //! Steps are those of random walks that keep the assumptions, replayed through `lw_step`;
 //! operations go through `simulate`, as in Plant Simulation. Every time is the best of nine, since

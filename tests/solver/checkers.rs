@@ -3,14 +3,14 @@
 //! and must name the clause; and they are mutated themselves, place by place, which must be
 //! detected.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
-//! | `definition` | the definitions, by enumeration: the set of clauses that an artefact breaks |
-//! | `artefacts` | right artefacts of the repository's contracts and of random specifications, and changes to them |
-//! | `witness` | whether the play that a verifier shows is one that breaks the clause it names |
+//! | `definition` | the definitions, by enumeration: the set of clauses that an artefact violates |
+//! | `artefacts` | correct artefacts of the repository's contracts and of random specifications, and changes to them |
+//! | `witness` | whether the play shown by a verifier violates the clause it names |
 //! | `../checker.rs` | the checker of proofs |
-//! | `../switch.rs` | which of the mutants that `mutation` has made is on |
-//! | `equivalent` | the mutants that nothing can notice, with the reason for each |
+//! | `../switch.rs` | the active one of the mutants made by `mutation` |
+//! | `equivalent` | the undetectable mutants, with the reason for each |
 
 mod artefacts;
 mod definition;

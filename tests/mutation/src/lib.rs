@@ -13,18 +13,18 @@
 //! `crate::switch::at(first, count)`, which returns `i` if mutant `first + i - 1` is active, and 0
 //! otherwise.
 //!
-//! | operator | what it makes |
+//! | operator | changes |
 //! |---|---|
-//! | comparison | `<` and `<=`, `>` and `>=` for one another; each the other way round; `==` and `!=` for one another |
-//! | logic | `&&` and `||` for one another, `!` left out |
-//! | condition | of an `if`, a guard, a predicate that is handed over: always, never |
-//! | quantifier | `any` and `all`, `is_some_and` and `is_none_or` for one another |
+//! | comparison | `<` and `<=`, `>` and `>=` exchanged; each reversed; `==` and `!=` exchanged |
+//! | logic | `&&` and `||` exchanged, `!` removed |
+//! | condition | of an `if`, a guard, a predicate argument: always, never |
+//! | quantifier | `any` and `all`, `is_some_and` and `is_none_or` exchanged |
 //! | loop | over nothing, over all but the first, over the first only; a `chain` without its second part |
-//! | arithmetic | `+` and `-`, `*` and `/`, `<<` and `>>`, `&` and `|` for one another |
+//! | arithmetic | `+` and `-`, `*` and `/`, `<<` and `>>`, `&` and `|` exchanged |
 //! | constant | truth values, `Time::Now` and `Time::Next`, the two owners, numbers by one |
-//! | statement | a call, an assignment, a `?` left out |
-//! | set | operations of the kernel for one another (`and`, `or`, `and_not`, `xor`, `iff`), `prime` left out |
-//! | arm | where two arms of a `match` give a name each, the other name |
+//! | statement | a call, an assignment, a `?` removed |
+//! | set | operations of the kernel exchanged (`and`, `or`, `and_not`, `xor`, `iff`), `prime` removed |
+//! | arm | if two arms of a `match` each give a name, the other name |
 //!
 //! Not mutated: constants outside of functions, display code (`Display`, `Debug`), and code that
 //! affects only duration and never results: calls that check the clock or give a kernel an

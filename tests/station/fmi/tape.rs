@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! watch REFERENCE TYPE     print this variable after each step; the types are r, i, l, b and e
-//! new N                    make instance N and initialize it; it is the one that further calls are on
+//! new N                    make instance N and initialize it; further calls apply to it
 //! use N
 //! set REFERENCE TYPE VALUE a real number as its 64 bits in hexadecimal
 //! step TICKS               a communication step of TICKS steps of the machine
