@@ -1,5 +1,5 @@
-//! The composition of a coordinator and its actions: what fits is discharged, and each way of not
-//! fitting is found.
+//! The composition of a coordinator and its actions: what fits is discharged, and each kind of
+//! mismatch is found.
 //!
 //! The machine below is sound. Each test changes one thing in its text and names the finding that
 //! must appear; that the unchanged text has none shows that the finding comes from the change.
@@ -95,7 +95,7 @@ fn compose(text: &str) -> Composition {
     composition::check(machine, &controllers.iter().collect::<Vec<_>>())
 }
 
-/// The ids and messages of what is found when `from` is replaced by `to`.
+/// The ids and messages of the findings when `from` is replaced by `to`.
 #[track_caller]
 fn changed(from: &str, to: &str) -> Vec<String> {
     assert!(CELL.contains(from), "the text has no {from}");
@@ -141,7 +141,7 @@ fn what_fits_is_discharged_by_name() {
 
 #[test]
 fn a_request_that_is_dropped_is_found() {
-    // The coordinator takes the request back whenever it likes to.
+    // The coordinator may withdraw the request at any time.
     finds(
         "(if command != none then (if executed then none else command)",
         "(if command != none then none",
@@ -233,7 +233,7 @@ fn an_operation_that_never_ends_is_found() {
         "LW304",
         "`carry`",
     );
-    // It drops and grabs again without ever saying that it is done.
+    // It drops and grabs again without ever reporting that it is done.
     finds("done lead.done", "done lead.last", "LW306", "`carry`");
 }
 
@@ -247,8 +247,7 @@ fn an_operation_that_cannot_begin_is_found() {
     );
 }
 
-/// Two coordinators, each with a job of its own kind; what an action is asked for is set by the
-/// job.
+/// Two coordinators, each with its own kind of job; the job determines the request of an action.
 const TWO: &str = "
 moore contract Lead {
     input job: {none, near, far}
@@ -330,15 +329,15 @@ fn several_coordinators_fit_together() {
 #[test]
 fn several_coordinators_that_do_not_fit_are_found() {
     let changes = [
-        // The table's job is said to be the arm's.
+        // The table's job is attributed to the arm.
         (
             "operation face: turn",
             "operation face: drive(to = 0)",
             "LW306",
         ),
-        // The arm never says that it is done, and the table is not asked.
+        // The arm never reports that it is done, and the table is not asked.
         ("done arm.done or table.done", "done table.done", "LW3"),
-        // Nothing holds what the arm is asked for.
+        // Nothing holds the request of the arm.
         ("to = 2", "to = if arm.command then 1 else 2", ""),
         (
             "(not command or executed)\n    assume apart",

@@ -1,4 +1,4 @@
-//! The program from outside, the library as others use it, and the rules of the repository.
+//! The program from outside, the library as other programs use it, and the rules of the repository.
 
 mod algebra;
 mod book;

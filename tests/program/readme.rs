@@ -1,14 +1,13 @@
-//! What the documents say is what the program does: every `console` block of every README.md and of
-//! every page in `docs` is run, and every example in the help.
+//! The READMEs match the program: every `console` block of every README.md is run, and every
+//! example in the help.
 //!
-//! A page's blocks run one after the other in one folder with copies of `contracts` and `examples`.
-//! In a block, `$ ` begins a command (for `sh`; `> ` continues it), `? 2` the exit code where it is
-//! not 0, and the rest is what it prints, both streams together. In the output `[..]` stands for
-//! any text within a line, and a line `...` for any lines. `cargo run --release --` is the built
-//! program; `cargo test` and what installs something is not run. A block fenced with a file's name
-//! (```` ```lw cell.lw ````) is written to that file first; a block fenced with ```` ```lw ````
-//! alone is a whole file in which `check` finds nothing. trycmd does none of: shells, cargo, files,
-//! so this is a small runner of our own.
+//! A file's blocks run one after the other in one folder with copies of `contracts` and `examples`.
+//! In a block, `$ ` begins a command (for `sh`; `> ` continues it), `? 2` gives the exit code if it
+//! is not 0, and the rest is the output, both streams together. In the output `[..]` stands for any
+//! text within a line, and a line `...` for any number of lines. `cargo run --release --` is the
+//! built program; `cargo test` and installation commands are not run. A block fenced with a file's
+//! name (```` ```lw cell.lw ````) is written to that file first. trycmd supports none of shells,
+//! cargo, and files, hence this small runner.
 
 use crate::imports::files_below;
 use crate::support;
@@ -101,7 +100,7 @@ fn commands(block: &[(usize, &str)]) -> Vec<Step> {
     steps
 }
 
-/// Whether a command is one that a test cannot run.
+/// Whether a test cannot run a command.
 fn left_out(command: &str) -> bool {
     [
         "cargo test",
@@ -116,7 +115,7 @@ fn left_out(command: &str) -> bool {
     .any(|start| command.starts_with(start))
 }
 
-/// Runs a command and gives its exit code and what it printed.
+/// Runs a command; returns its exit code and output.
 fn shell(folder: &Path, command: &str) -> (i32, String) {
     let command = command.replace("cargo run --release -- ", "linewright ");
     let program = Path::new(support::PROGRAM).parent().expect("a folder");
@@ -177,7 +176,7 @@ fn line_matches(pattern: &str, line: &str) -> bool {
     }
 }
 
-/// What is wrong with a page; empty when nothing is.
+/// Faults in a README; empty if there are none.
 fn run(text: &str, folder: &Path) -> (usize, String) {
     let (mut runs, mut report) = (0, String::new());
     for step in steps(text) {
@@ -227,7 +226,7 @@ fn trimmed(lines: &[String]) -> Vec<String> {
     trim_lines(&texts).iter().map(|l| (*l).to_owned()).collect()
 }
 
-/// Without empty lines at the beginning and the end.
+/// Removes empty lines at the beginning and the end.
 fn trim_lines<'a, 'b>(lines: &'a [&'b str]) -> &'a [&'b str] {
     let start = lines.iter().position(|l| !l.trim().is_empty());
     let end = lines.iter().rposition(|l| !l.trim().is_empty());

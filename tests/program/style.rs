@@ -1,4 +1,4 @@
-//! How sources look, where no tool says it: the rules of CONTRIBUTING.md that a test can keep.
+//! Formatting rules of CONTRIBUTING.md that no tool checks.
 
 use super::imports::files_below;
 use std::fmt::Write as _;
@@ -7,8 +7,8 @@ use std::path::Path;
 /// Maximum width of a comment, in characters and with its indentation.
 const WIDTH: usize = 100;
 
-/// The lines of a source whose comment is too wide, with their numbers. Tables, indented text and
-/// fenced text are as wide as they are.
+/// Lines of a source with a comment that is too wide, with their numbers. Tables, indented text and
+/// fenced text are exempt.
 fn wide_comments(text: &str) -> Vec<(usize, &str)> {
     let mut fenced = false;
     let mut wide = Vec::new();

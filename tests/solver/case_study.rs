@@ -78,8 +78,8 @@ fn every_format_is_written_and_always_the_same() {
     }
 }
 
-/// What gr1c's format says, step by step: from each node, every successor is what the machine does
-/// on its inputs.
+/// The meaning of gr1c's format, step by step: from each node, every successor is what the machine
+/// does on its inputs.
 #[test]
 fn the_gr1c_automaton_is_the_machine() {
     let specification = fixtures::pick(2);
@@ -94,7 +94,7 @@ fn the_gr1c_automaton_is_the_machine() {
         let state = node["state"].as_array().expect("a list").iter();
         state.map(|v| v.as_i64().expect("a number")).collect()
     };
-    // Follow both from the beginning: what is reached together stays together.
+    // Both are followed from the start: what is reached together stays together.
     let mut pairs = Vec::new();
     for (name, node) in nodes {
         if node["initial"] == true {
@@ -123,7 +123,7 @@ fn the_gr1c_automaton_is_the_machine() {
         i += 1;
     }
     assert_eq!(pairs.len(), nodes.len());
-    // A camera grid of 6 cells and its reference has too many letters.
+    // A camera grid of 6 cells with its reference has too many letters.
     let specification = fixtures::quality_check(6);
     let grid = machine(&specification);
     assert_eq!(gr1c::to_json(&grid, &specification), Err(Limit::Size));

@@ -1,5 +1,5 @@
 //! The naive solver: all valuations, all pairs of valuations, sets as bits of a word, the fixpoint
-//! as the textbook has it.
+//! as in the textbook.
 
 use linewright::game::{GuaranteeKind, GuaranteeRef};
 use linewright::gr1::{
@@ -9,8 +9,8 @@ use linewright::gr1::{
 /// A set of valuations.
 pub type Set = u128;
 
-/// One formula, over every pair of valuations: for each current one the set of next ones for which
-/// it holds.
+/// One formula over all pairs of valuations: for each current one the set of next ones for which it
+/// holds.
 pub type Relation = Vec<Set>;
 
 /// The formulas of a side by kind.
@@ -21,11 +21,11 @@ pub struct Relations {
     pub justice: Vec<Relation>,
 }
 
-/// Everything there is to know about a small specification.
+/// All data on a small specification.
 pub struct Board<'a> {
     pub specification: &'a Specification,
     pub valuations: Vec<Vec<i64>>,
-    /// The number of each valuation's inputs, and of its outputs.
+    /// Number of each valuation's inputs, and of its outputs.
     pub parts: Vec<(usize, usize)>,
     inputs: usize,
     outputs: usize,
@@ -33,7 +33,7 @@ pub struct Board<'a> {
     pub guaranteed: Relations,
 }
 
-/// Which guarantees count.
+/// The guarantees that count.
 pub enum Subset<'a> {
     All,
     Only(&'a [GuaranteeRef]),
@@ -55,11 +55,11 @@ pub struct Environment {
     pub unsatisfiable: bool,
 }
 
-/// The rules that hold for a play, put together.
+/// The combined rules of a play.
 pub struct Rules {
     pub env_start: Set,
     pub sys_start: Set,
-    /// Which next valuations have inputs that the environment may give.
+    /// The next valuations with inputs that the environment may give.
     pub env_step: Relation,
     pub sys_step: Relation,
     pub assumptions: Vec<Relation>,
@@ -295,7 +295,7 @@ impl<'a> Board<'a> {
     }
 
     /// The valuations that occur when both sides keep their safety; a Moore machine's answers are
-    /// right for all legal inputs.
+    /// correct for all legal inputs.
     pub fn occurring(&self, rules: &Rules, start: Set) -> Set {
         let groups = self.groups();
         let mut reachable = start;
@@ -305,7 +305,7 @@ impl<'a> Board<'a> {
                 let legal = rules.env_step[s];
                 let mut good = rules.sys_step[s];
                 if self.specification.timing == Timing::Moore {
-                    // Only outputs that are right for all legal inputs.
+                    // Only outputs that are correct for all legal inputs.
                     let x: Vec<Set> = groups
                         .inputs
                         .iter()
@@ -417,13 +417,13 @@ impl<'a> Board<'a> {
     }
 }
 
-/// The valuations with the same inputs, and with the same outputs.
+/// Valuations with the same inputs, and with the same outputs.
 pub struct Groups {
     pub inputs: Vec<Set>,
     pub outputs: Vec<Set>,
 }
 
-/// An evaluator of its own.
+/// An independent evaluator.
 pub fn value(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
     let of = |e: &Expr| value(e, now, next);
     match expr {
@@ -450,7 +450,7 @@ pub fn value(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
                 BinaryOp::Add => a + b,
                 BinaryOp::Sub => a - b,
                 BinaryOp::Mul => a * b,
-                // Division towards minus infinity, by what it means.
+                // Division toward minus infinity, by definition.
                 BinaryOp::Div | BinaryOp::Mod => {
                     let rest = ((a % b) + b) % b;
                     if *op == BinaryOp::Mod {

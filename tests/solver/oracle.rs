@@ -1,4 +1,4 @@
-//! Random specifications against a naive solver that shares no code with the real one.
+//! Random specifications compared with an independent naive solver.
 
 mod check;
 mod enumerated;
@@ -145,7 +145,7 @@ fn findings_about_the_environment() {
     assert!(stuck >= 20 && forced >= 20 && separated >= 20 && hopeless >= 20 && partial >= 100);
 }
 
-/// Where a realizable specification asks for less than it seems to.
+/// Where a realizable specification demands less than it seems to.
 #[test]
 fn shapes_of_realizable_specifications() {
     let limits = Limits::default();

@@ -1,4 +1,4 @@
-//! Machines of files, with the controllers that the program would make for them.
+//! Machines in files, with the controllers that the program would make for them.
 
 use linewright::contract::machine::Machine;
 use linewright::engine::controller::ExtractionOptions;
@@ -10,7 +10,7 @@ use linewright::mealy;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A machine of a file with the controllers that `build` would make.
+/// A machine in a file with the controllers that `build` would make.
 pub fn controlled(
     file: &str,
     name: &str,

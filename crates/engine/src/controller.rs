@@ -121,7 +121,7 @@ impl Work<'_> {
         })
     }
 
-    /// Adds the time that `f` takes to one of the phases.
+    /// Adds the time that `something` takes to one of the phases.
     fn timed<T>(
         &mut self,
         phase: fn(&mut Seconds) -> &mut Option<f64>,

@@ -112,7 +112,7 @@ pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Re
     })
 }
 
-/// Runs `work`; adds the activity to a panic and passes it on to whoever catches it.
+/// Runs `work`; adds the activity to a panic and passes it on to its catcher.
 pub fn within<R>(doing: &str, work: impl FnOnce() -> R) -> R {
     caught(|| doing.to_owned(), work).unwrap_or_else(|fault| resume_unwind(Box::new(fault)))
 }

@@ -97,7 +97,7 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
 /// A requirement over several runs: it holds if it holds in every run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReplicatedRequirement {
-    /// Name, as a requirement writes it.
+    /// Name of the requirement.
     pub name: String,
     /// Number of runs in which it holds.
     pub held_in: usize,

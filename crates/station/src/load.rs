@@ -364,7 +364,7 @@ impl Controller for Instance {
             return Err(CallError::output_count());
         }
         #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: both slices are as long as is said, which the library checks against its own
+        // SAFETY: both slices have the given lengths, which the library checks against its own
         // counts. The library takes a null pointer for "no outputs" only where there are none to
         // give.
         let code = unsafe {

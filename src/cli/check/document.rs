@@ -165,7 +165,7 @@ pub(super) enum SkillsVerdict {
     Contradictory,
     /// A limit was reached before it was decided.
     GaveUp,
-    /// It could not be understood.
+    /// The declaration is invalid.
     Invalid,
     /// This program failed while it looked at it.
     InternalError,

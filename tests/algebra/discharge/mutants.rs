@@ -1,5 +1,4 @@
-//! What happens to the lines of a discharge table when something that one of them names is taken
-//! away.
+//! The effect on a discharge table of removing something that one of its lines names.
 
 use super::tables::{name, table};
 use linewright::algebra::proof::{Claim, Discharge, DischargeRule, Exports, Proof, decide};
@@ -8,9 +7,8 @@ use linewright::algebra::system::{ContractSide, FormulaRef, System, formulas};
 use linewright::game::{Limits, RuleKind};
 use linewright::gr1::{Formula, Side};
 
-/// Every line of a table: what it names is enough by itself, and without any single one of it the
-/// proof fails, with a counterexample that the evaluator accepts. Gives how many lines there were,
-/// and how many mutants.
+/// Every line of a table: what it names suffices, and without any single item the proof fails, with
+/// a counterexample that the evaluator accepts. Returns the numbers of lines and of mutants.
 #[track_caller]
 pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) -> (usize, usize) {
     let (mut lines, mut mutants) = (0, 0);
@@ -35,8 +33,7 @@ pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) ->
     (lines, mutants)
 }
 
-/// One line of a table by itself: the obligation, and nothing but what it rests on, without one of
-/// these.
+/// One line of a table by itself: the obligation with what it rests on, except one item.
 fn alone(
     system: &System,
     claim: &Claim,
@@ -76,7 +73,8 @@ fn alone(
     let mut given = pick(&claim.given, &|k, n| {
         names.contains(&at(None, ContractSide::Assumptions, k, n))
     });
-    // What was handed on is the environment's, and what was shown of the goal before is known.
+    // What was passed on belongs to the environment, and what was proved of the goal before is
+    // known.
     for name in names
         .iter()
         .filter(|n| n.part.is_some() == (n.half == ContractSide::Assumptions))

@@ -14,7 +14,7 @@ pub fn name(system: &System, claim: &Claim, at: FormulaRef) -> String {
     }
 }
 
-/// One obligation a line. Every counterexample has to be accepted by the evaluator.
+/// One obligation per line. Every counterexample must be accepted by the evaluator.
 #[track_caller]
 pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
     let mut text = String::new();

@@ -25,8 +25,7 @@ struct Counts {
     lassos: u32,
     discharges: u32,
     reasons: u32,
-    /// Reasons without which there is no infinite run that breaks the formula, but a step that
-    /// does.
+    /// Reasons without which no infinite run violates the formula, but a step does.
     for_the_step: u32,
     environment: u32,
     induction: u32,
@@ -48,7 +47,7 @@ fn only(question: &Question, refs: &[FormulaRef]) -> Side {
     side
 }
 
-/// A run that keeps one side and not the other, of any length.
+/// A run of any length that keeps one side and not the other.
 fn between(question: &Question, kept: &Side, broken: &Side) -> Option<Lasso> {
     let reduced = part("reduced", kept.clone(), broken.clone());
     let reduced = system(&question.system.variables, vec![reduced]);
@@ -62,7 +61,7 @@ fn between(question: &Question, kept: &Side, broken: &Side) -> Option<Lasso> {
     found
 }
 
-/// Whether a finite run keeps one side, and its last step breaks the only formula of the other.
+/// Whether a finite run keeps one side, and its last step violates the only formula of the other.
 fn a_step_breaks(board: &Board, kept: &Side, broken: &Side) -> bool {
     let runs = board.steps([kept]);
     let right = board.steps([broken]);
@@ -72,7 +71,7 @@ fn a_step_breaks(board: &Board, kept: &Side, broken: &Side) -> bool {
         || everything.any(|s| reached >> s & 1 == 1 && runs.step[s] & !right.step[s] != 0)
 }
 
-/// The reasons of a discharge are enough, and none can be left out.
+/// The reasons of a discharge suffice, and none can be omitted.
 fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, counts: &mut Counts) {
     let what = only(question, &[found.what]);
     let by = only(question, &found.by);
@@ -94,7 +93,7 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
             counts.for_the_step += 1;
         }
     }
-    // A goal may rest on others that were shown before it.
+    // A goal may rest on others proved before it.
     let given = |at: &FormulaRef| at.part.is_none() && at.half == ContractSide::Assumptions;
     let environment = found.by.iter().all(given);
     let justice = found.by.iter().any(|at| at.kind == RuleKind::Justice);
@@ -112,9 +111,9 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
     }
 }
 
-/// A counterexample is one: by the evaluator of the algebra, and by the definitions. Of a trace: it
-/// keeps what is known, its last step breaks the formula, and from there a run goes on for ever and
-/// keeps what is known, justice included.
+/// A counterexample is one, by the evaluator of the algebra and by the definitions. A trace keeps
+/// what is known, its last step violates the formula, and from there an infinite run keeps what is
+/// known, including justice.
 fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     let Question {
         system,
@@ -159,7 +158,7 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     }
 }
 
-/// Every formula that is to be shown is discharged or open, and what is said of it is true.
+/// Every formula to be proved is discharged or open, and the reported reason is true.
 fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     let proof = &question.proof;
     assert!(proof.loops.is_empty() && proof.circles.is_empty());
@@ -190,9 +189,9 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     }
 }
 
-/// Refinement that is explained gives the verdict of the exact decision; its reasons are enough on
-/// every lasso up to the bound and on all runs; without any of them the formula can be broken; and
-/// every counterexample is one.
+/// Explained refinement gives the verdict of the exact decision; its reasons suffice on every lasso
+/// up to the bound and on all runs; without any of them the formula can be violated; and every
+/// counterexample is one.
 #[test]
 fn refinement_is_explained_right() {
     let limits = Limits::default();

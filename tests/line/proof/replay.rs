@@ -1,4 +1,4 @@
-//! Counterexamples, played again by somebody who only evaluates formulas.
+//! Counterexamples, checked by code that only evaluates formulas.
 
 use linewright::algebra::proof::Refutation;
 use linewright::game::RuleKind;
@@ -6,7 +6,7 @@ use linewright::gr1::Side;
 use linewright::gr1::eval::holds;
 use linewright::line::abstraction::{Abstraction, Open};
 
-/// Whether all sides are kept by this run, and where it goes round, justice too.
+/// Whether this run keeps all sides, including justice if it is a cycle.
 pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result<(), String> {
     for side in sides {
         for formula in &side.initial {
@@ -40,7 +40,7 @@ pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result
     Ok(())
 }
 
-/// Whether a counterexample is one: every place keeps its guarantees, what is given is given, and
+/// Whether a counterexample is valid: every place keeps its guarantees, what is given holds, and
 /// the goal is missed.
 pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
     let mut sides: Vec<&Side> = abstraction

@@ -1,4 +1,4 @@
-//! Lines that stand still, and what they say about it.
+//! Lines that stand still, and their findings.
 
 use crate::models::{Builder, Shift1, constant, every, refusing};
 use linewright::contract::line::{InitialValue, Supply};

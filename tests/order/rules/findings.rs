@@ -1,4 +1,4 @@
-//! What is found wrong with rules, against the words that they allow.
+//! Findings about rules, compared with the words that they allow.
 
 use super::naive::Naive;
 use super::random::{Size, skills};
@@ -22,10 +22,10 @@ const SIZE: Size = Size {
     sequences: 2,
 };
 
-/// Length of the words that are tried one by one.
+/// Maximum length of words that are tried one by one.
 const LONGEST: usize = 4;
 
-/// Every word of these calls that is allowed, up to this length.
+/// Every allowed word of these calls, up to `longest` calls.
 fn words(naive: &Naive<'_>, calls: &[u64], longest: usize) -> Vec<Vec<u64>> {
     let mut all = vec![Vec::new()];
     let mut last = all.clone();
@@ -53,7 +53,7 @@ fn named(message: &str, skills: &Skills) -> u64 {
     masks.last().expect("a skill is named")
 }
 
-/// The same with names and places by which the rules are distinguished, all at the level valid.
+/// The same with names and places that distinguish the rules, all at the level valid.
 fn numbered(mut skills: Skills) -> Skills {
     for (number, rule) in skills.rules.iter_mut().enumerate() {
         rule.name = format!("r{number}");

@@ -1,5 +1,5 @@
-//! The line at real size: every controller verified, both forms of controllers, libraries like the
-//! interpreter, no violation.
+//! The line at real size: every controller verified, both forms of controllers, libraries equal to
+//! the interpreter, no violation.
 
 use crate::differential::differential;
 use crate::support::{linewright_with_cache, root};
@@ -45,7 +45,7 @@ fn the_line_at_real_size_runs() {
         .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
     let settings = Settings {
-        // The command line's own, so that its run below finds what is remembered here.
+        // The command line's default, so that its run below finds the cached results.
         limits: Limits {
             memory_mib: Some(4096),
             ..Limits::default()
@@ -54,7 +54,7 @@ fn the_line_at_real_size_runs() {
         heuristics: Heuristics::default(),
         cache: Some(Cache::in_folder(&cache)),
     };
-    // What comes out of the pipeline was verified, or certified.
+    // Everything from the pipeline was verified, or certified.
     let checked = jobs.run(&settings, &indicatif::ProgressBar::hidden());
     let mut tables: Vec<&str> = Vec::new();
     for (machine, plan) in machines.iter().zip(&planned) {

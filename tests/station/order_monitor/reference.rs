@@ -1,4 +1,4 @@
-//! A monitor that looks everything up in the table as it is.
+//! A monitor that looks everything up in the plain table.
 
 use crate::random::Random;
 use linewright::order::monitor::RefusalReason;
@@ -25,7 +25,7 @@ impl<'a> Reference<'a> {
         self.state = self.table.start;
     }
 
-    /// The state after a call, or why it is refused.
+    /// The state after a call, or the reason for its refusal.
     pub fn look(&self, mask: u64) -> Result<u32, RefusalReason> {
         let table = self.table;
         if mask == 0 {
@@ -53,7 +53,7 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// A call that is mostly in the table, sometimes none, sometimes of anything at once.
+/// A random call: mostly from the table, sometimes empty, sometimes arbitrary.
 pub fn some_call(table: &Table, random: &mut Random) -> u64 {
     let skill = |random: &mut Random| 1_u64 << random.below(64.min(table.skills.len() as u64 + 1));
     match random.below(10) {

@@ -1,4 +1,4 @@
-//! The monitor of this process against the table it is made of.
+//! The monitor of this process compared with its table.
 
 use super::reference::{Reference, some_call};
 use super::tables::random;
@@ -27,7 +27,7 @@ fn the_unit_is_watched() {
         trays.text(&table.rules),
         "trays: after Down until Up: never Left, Right"
     );
-    // What was refused has not been done.
+    // A refused call has no effect.
     assert_eq!(monitor.call(5), Verdict::Allowed);
     assert_eq!(monitor.allowed(), 0b11_1100);
     // Up and Right at once: in one order of the two the arm moves while it is down.

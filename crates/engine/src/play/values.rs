@@ -64,8 +64,8 @@ pub(super) fn resolve(
     Ok(values)
 }
 
-/// A word alone is not a value if the move has several variables: it is a misspelled command, or
-/// values are missing.
+/// Error for a single word where the move needs another number of values: it is a misspelled
+/// command, or values are missing.
 fn unknown_word(word: &str, names: &[&str]) -> String {
     let meant = match nearest(word, WORDS.into_iter()) {
         Some(command) => format!("did you mean `{command}`?"),

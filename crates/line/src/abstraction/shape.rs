@@ -101,7 +101,7 @@ pub struct Shape {
     pub types: Vec<String>,
     /// Index of the end product's type.
     pub product: usize,
-    /// How many of part type `b` are in one of part type `a`, at `[a][b]`; 1 for itself.
+    /// Number of parts of type `b` in one of type `a`, at `[a][b]`; 1 for itself.
     pub contents: Vec<Vec<u64>>,
 }
 
@@ -345,7 +345,7 @@ impl Shape {
         found
     }
 
-    /// How many of part type `b` are in one of part type `a`, at `[a][b]`; 1 for itself.
+    /// Number of parts of type `b` in one of type `a`, at `[a][b]`; 1 for itself.
     pub fn contents(line: &Line) -> Vec<Vec<u64>> {
         let types = line.parts.len();
         let mut contents = vec![vec![0_u64; types]; types];

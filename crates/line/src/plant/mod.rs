@@ -60,7 +60,7 @@ struct Setup {
     /// The outlets without their parts, and each node's first outlet.
     outlets: Vec<Outlet>,
     first_outlet: Vec<usize>,
-    /// How many of part type `b` are in one of part type `a`, at `a * types + b`; 1 on the
+    /// Number of parts of type `b` in one of type `a`, at `a * types + b`; 1 on the
     /// diagonal.
     contents: Vec<u64>,
 }

@@ -22,7 +22,7 @@ pub enum Outcome {
     GaveUp(Limit),
 }
 
-/// A realizable specification. [`WonGame::explore`] makes a strategy of it.
+/// A realizable specification. [`Won::explore`] makes a strategy of it.
 #[derive(Debug)]
 pub struct WonGame {
     pub(super) game: Box<dyn Game>,
@@ -93,7 +93,7 @@ impl WonGame {
     }
 
     /// Returns a strategy as functions, as plain data: for machines that are too large for
-    /// [`WonGame::explore`].
+    /// [`Won::explore`].
     pub fn functions(
         &self,
         specification: &Specification,

@@ -184,7 +184,7 @@ struct Input<'a> {
     field: &'a str,
     low: String,
     high: String,
-    /// Its first signal in this step, and its number of bits; `None` in a machine.
+    /// Its first signal in this step, and its number of bits; both 0 in a machine.
     signal: u16,
     bits: usize,
 }

@@ -12,7 +12,7 @@
 //! expects integer:1
 //! ret 00000000...                   the bytes at `ret`, or null
 //! arg 01000000...
-//! points 8 4c696e65...              what the bytes from 8 on point to
+//! points 8 4c696e65...              the bytes that the pointer at 8 refers to
 //! end lw_probe_integer_1
 //! ```
 //!
