@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// The file cannot be written, is not a regular file (a device, a named pipe), or is one of the
-/// `sources` of the command's result ([`Loaded::places`](files::Loaded::places)). Existing content
-/// is then unchanged.
+/// `sources` of the command's result ([`LoadedFiles::places`](files::LoadedFiles::places)).
+/// Existing content is then unchanged.
 pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(), Box<Diagnostic>> {
     if std::fs::canonicalize(path).is_ok_and(|place| sources.contains(&place)) {
         let message = format!(

@@ -22,7 +22,7 @@ pub enum Outcome {
     GaveUp(Limit),
 }
 
-/// A realizable specification. [`Won::explore`] makes a strategy of it.
+/// A realizable specification. [`WonGame::explore`] makes a strategy of it.
 #[derive(Debug)]
 pub struct WonGame {
     pub(super) game: Box<dyn Game>,
@@ -50,23 +50,23 @@ pub trait Game: Debug + Send + Sync {
         limits: &Limits,
     ) -> Result<Explicit, Limit>;
 
-    /// See [`Won::functions`].
+    /// See [`WonGame::functions`].
     fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit>;
 
-    /// See [`Won::examine_environment`].
+    /// See [`WonGame::examine_environment`].
     fn examine_environment(
         &self,
         specification: &Specification,
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit>;
 
-    /// See [`Won::shape`].
+    /// See [`WonGame::shape`].
     fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit>;
 
-    /// See [`Won::ranking`].
+    /// See [`WonGame::ranking`].
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
 
-    /// See [`Won::region`].
+    /// See [`WonGame::region`].
     fn region(&self) -> Diagram;
 }
 
@@ -93,7 +93,7 @@ impl WonGame {
     }
 
     /// Returns a strategy as functions, as plain data: for machines that are too large for
-    /// [`Won::explore`].
+    /// [`WonGame::explore`].
     pub fn functions(
         &self,
         specification: &Specification,

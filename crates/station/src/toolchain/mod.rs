@@ -243,7 +243,7 @@ impl Toolchain {
 
     /// Ensures that a package's library is in `folder`. Unless `rebuild` is set, an existing
     /// library is used as it is; its integrity is checked when it is loaded, and by
-    /// [`Built::verify`].
+    /// [`BuiltLibrary::verify`].
     pub fn build(
         &self,
         package: &Package,

@@ -33,7 +33,7 @@ pub enum RuleKind {
     Invariant,
     /// From every step to the next.
     Safety,
-    /// Infinitely often; demanded of a run by [`Wanted::again`] or [`Wanted::never_again`].
+    /// Infinitely often; demanded of a run by [`RunQuery::again`] or [`RunQuery::never_again`].
     Justice,
 }
 
@@ -178,7 +178,7 @@ impl Runs {
 
     /// The variables whose values in a step influence which `answer` these rules allow in that
     /// step, whatever came before. `own` are set together with it and do not count. Kept rules are
-    /// as in [`Wanted::keep`].
+    /// as in [`RunQuery::keep`].
     ///
     /// # Errors
     /// Returns the limit that was reached.
