@@ -1,8 +1,8 @@
 //! Linewright: from assume-guarantee contracts to a running virtual production line.
 //!
-//! A program begins with a [`Project`](engine::project::Project): files in; verdicts, station
-//! libraries and runs out. This runs a line for an hour of its time, from station libraries that a
-//! C compiler has just made:
+//! The entry point for programs is [`Project`](engine::project::Project): files in; verdicts,
+//! station libraries and runs out. This runs a line for an hour of its time, with station libraries
+//! made by a C compiler:
 //!
 //! ```
 //! use linewright::engine::{project::Project, simulation::SimulationOptions};
@@ -20,16 +20,16 @@
 //! # }
 //! ```
 //!
-//! Below it, the way of the data is one module an arrow, each type owned by the module on its left:
+//! Underneath, the data flow is one module per arrow; each type is owned by the module on its left:
 //!
 //! ```text
 //! text ─parse→ Ast ─resolve→ Library ─lower→ gr1::Specification ─encode→ symbolic ─solve→ game::Outcome
 //!      ─extract→ mealy::Machine (verified) ─emit→ station::Package ─load→ line::Plant ─run→ line::Trace ─→ report
 //! ```
 //!
-//! Three narrow waists hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and
-//! [`line::Trace`]. To solve a specification of one's own, begin with [`game::solve`]; to read
-//! another tool's, with [`interchange::read`].
+//! Three narrow interfaces hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and
+//! [`line::Trace`]. To solve your own specification, start with [`game::solve`]; to read another
+//! tool's, with [`interchange::read`].
 
 pub mod cli;
 

@@ -1,5 +1,5 @@
-//! Tells cargo to build again when a page is added to the explanations: `include_dir!` itself only
-//! sees changes of files that were there before.
+//! Makes cargo rebuild when a page is added to the explanations: `include_dir!` itself only notices
+//! changes to existing files.
 
 fn main() {
     println!("cargo::rerun-if-changed=src/diagnostics/explanations");

@@ -1,15 +1,15 @@
-//! Gives the engine a hash of all that decides its results, so that it never takes what another
-//! version of it has remembered for its own.
+//! Gives the engine a hash of everything that determines its results, so that one version never
+//! reuses cached results of another.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
-/// Relative to this crate: every crate below `cli`, the C that stations are made of, and the
-/// packages that they are built with.
+/// Hashed paths, relative to this crate: every crate next to `cli`, the C sources of stations, and
+/// the locked dependencies.
 const SOURCES: [&str; 3] = ["..", "../../ffi", "../../Cargo.lock"];
 
 fn main() {
-    // `include_dir!` itself only sees changes of files that were there before.
+    // `include_dir!` alone only notices changes to files that already existed.
     println!("cargo::rerun-if-changed=../../contracts");
     let mut hasher = DefaultHasher::new();
     for path in SOURCES {
@@ -20,7 +20,7 @@ fn main() {
     println!("cargo::rustc-env=LINEWRIGHT_SOURCES={sources:016x}");
 }
 
-/// The names and contents of all files, in order; what cannot be read counts as nothing.
+/// Hashes the names and contents of all files in order; skips what cannot be read.
 fn hash(path: &Path, hasher: &mut DefaultHasher) {
     if let Ok(entries) = std::fs::read_dir(path) {
         let mut inner: Vec<_> = entries.flatten().map(|e| e.path()).collect();

@@ -1,5 +1,5 @@
-//! Tells cargo to build again when a template is added: `include_dir!` itself only sees changes of
-//! files that were there before.
+//! Makes cargo rebuild when a template is added: `include_dir!` alone only notices changes to files
+//! that already existed.
 
 fn main() {
     println!("cargo::rerun-if-changed=templates");

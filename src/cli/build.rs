@@ -5,17 +5,20 @@ use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::select::Selection;
 use super::{picked, profiles};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::contract::machine::Machine;
 use crate::deadline::Deadline;
 use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::engine::internal;
-use crate::engine::libraries::{self, Written};
+use crate::engine::libraries::{self, BuildOutput};
 use crate::engine::lines;
 use crate::engine::synthesis::Synthesis;
 use crate::source::SourceMap;
 use crate::station::profile::Profile;
 use crate::station::{Toolchain, fmi};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -23,20 +26,20 @@ use std::path::{Path, PathBuf};
 /// What `build` makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Target {
-    /// A shared library for this computer
+    /// Shared library for this computer
     Linux,
-    /// A 64-bit DLL, with MinGW or Zig
+    /// 64-bit DLL, compiled with MinGW or Zig
     Windows,
-    /// A 64-bit DLL, with Microsoft's compiler; on Windows only
+    /// 64-bit DLL, compiled with Microsoft's compiler; on Windows only
     Msvc,
-    /// Co-simulation units of FMI 2.0 and 3.0, with the binaries that there are compilers for
+    /// Co-simulation FMUs (FMI 2.0 and 3.0), with binaries for each available compiler
     Fmu,
-    /// The C sources, with all headers they need
+    /// C sources and headers
     Source,
 }
 
 impl Target {
-    /// As it is written on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linux => "linux",
@@ -52,7 +55,7 @@ impl Target {
         matches!(self, Self::Windows | Self::Msvc)
     }
 
-    /// The compiler for it; none for the sources. Units have several, and take what there is: see
+    /// The compiler for it; `None` for sources. Units have several, and use those available: see
     /// [`fmi::toolchains`].
     pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
         let found = match self {
@@ -72,43 +75,57 @@ impl Target {
     linewright build examples/ice-lab/line.lw --target source --out sources
     linewright build examples/ice-lab/camera.lw::QualityCheck --target source --out station
 
-`linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` \
-needs none. `fmu` takes what there is.")]
+`linux` needs a C compiler; `windows` needs MinGW's (x86_64-w64-mingw32-gcc) or Zig (zig, or Python's package ziglang); `source` needs none. `fmu` uses the compilers that it finds.")]
 pub struct Arguments {
-    /// A file with machines or lines, and the name of one of them; without a name, the machines of
-    /// all lines that the file declares, with the sizes that they have there, and the machines that
-    /// it declares beside, with their default sizes
+    /// File, and optionally one of its machines or lines. Without a name, all machines of its
+    /// lines, with the parameters they have there, and its other machines, with default parameters
     #[arg(value_name = "FILE[::NAME]", required_unless_present = "probe")]
     pub selection: Option<Selection>,
-    /// What to build; can be given several times
+    /// What to build (repeatable)
     #[arg(long, value_enum, default_value = "linux")]
     pub target: Vec<Target>,
-    /// The folder to write to [default: .linewright beside the file]
+    /// Output folder [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// The layout of Plant Simulation's UF_Value [default: an assumed, unverified one]
+    /// Profile file with the memory layout of Plant Simulation's UF_Value [default: an assumed,
+    /// unverified one]
     #[arg(long, value_name = "FILE")]
     pub profile: Option<PathBuf>,
-    /// Build the library that finds the layout of UF_Value, and the SimTalk that calls it; with a
-    /// profile, what confirms it
+    /// Build the probe that finds the layout of UF_Value, and its SimTalk; with --profile, the
+    /// probe that confirms it
     #[arg(long, conflicts_with = "selection")]
     pub probe: bool,
-    /// Compile again what is there already
+    /// Compile again even if nothing has changed
     #[arg(long)]
     pub rebuild: bool,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "build",
+    "The station libraries that were built",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
-    libraries: Vec<Built>,
+    /// The libraries that were built, one for each machine and target.
+    libraries: Vec<BuildResult>,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
-struct Built {
+/// A library that was built.
+#[derive(JsonSchema, Serialize)]
+struct BuildResult {
+    /// The machine.
     machine: String,
+    /// The target.
+    #[schemars(extend("enum" = ["linux", "windows", "msvc", "fmu", "source"]))]
     target: &'static str,
+    /// The files that were written, or that were up to date.
     files: Vec<String>,
 }
 
@@ -133,7 +150,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     let library = &loaded.library;
     let chosen = picked::picked(selection, &loaded)?;
-    let picked = picked::told_apart(&chosen.machines);
+    let picked = picked::with_distinct_names(&chosen.machines);
     let machines = picked.iter().map(|m| &**m);
     let synthesis = Synthesis::new(machines, &settings, |count| {
         console.progress(count, "synthesizing")
@@ -142,10 +159,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     findings.extend(chosen.notes);
     findings.extend(synthesis.findings());
 
-    // A missing compiler is said once, not once a machine.
+    // A missing compiler is reported once, not once per machine.
     let until = settings.limits.deadline;
     let toolchains = toolchains(&arguments.target, until, &mut findings);
-    // The bundled runner passes what is assumed; for Plant Simulation it matters.
+    // The bundled runner passes the assumed layout; for Plant Simulation it matters.
     let for_windows = toolchains.iter().any(|(t, _)| t.is_windows());
     if for_windows || arguments.profile.is_some() {
         findings.extend(profiles::caution(&profile));
@@ -196,15 +213,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     }
     debug_assert!(has_errors(&findings) || synthesis.is_complete());
-    // What is wrong with a line keeps no library from being built, but it is an error all the same,
-    // as it is for `check` and `run`.
+    // Findings about a line do not prevent a library from being built, but they are errors
+    // nonetheless, as in `check` and `run`.
     let controlled = |machine: &Machine| synthesis.of(machine);
     for line in &library.lines {
         if chosen.lines.iter().any(|l| std::ptr::eq(*l, line)) {
             lines::judge(line, controlled, &settings.limits, &mut findings);
         } else {
-            // Its parts are not followed, so what is not sure of their routes stays so, and it is
-            // not what was asked for.
+            // Its parts are not followed, so doubts about their routes remain; they do not concern
+            // this command.
             findings.retain(|f| !lines::is_doubt(f, line));
         }
     }
@@ -218,7 +235,7 @@ fn toolchains<'a>(
     findings: &mut Vec<Diagnostic>,
 ) -> Vec<(&'a Target, Option<Toolchain>)> {
     let mut found = Vec::new();
-    // Units have several, and are built apart.
+    // Units have several, and are built separately.
     for target in targets.iter().filter(|t| **t != Target::Fmu) {
         match target.toolchain() {
             Ok(toolchain) => found.push((target, toolchain.map(|t| t.until(until)))),
@@ -228,14 +245,14 @@ fn toolchains<'a>(
     found
 }
 
-/// The probe, for every target.
+/// Builds the probe for every target.
 fn build_probe(
     arguments: &Arguments,
     profile: &Profile,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     if arguments.target.contains(&Target::Fmu) {
-        anyhow::bail!("the probe is no FMI unit: build it with --target windows");
+        anyhow::bail!("the probe is not an FMU: build it with --target windows");
     }
     let mut findings = Vec::new();
     let profile = arguments.profile.as_ref().map(|_| profile);
@@ -254,17 +271,17 @@ fn build_probe(
     print(libraries, &SourceMap::new(), &findings, options)
 }
 
-/// Notes what was written for a target, and what is to be said of it; each finding once.
+/// Records the files written for a target, and the findings, each once.
 fn built_one(
     machine: &str,
     target: Target,
-    built: Result<Written, Box<Diagnostic>>,
-    libraries: &mut Vec<Built>,
+    built: Result<BuildOutput, Box<Diagnostic>>,
+    libraries: &mut Vec<BuildResult>,
     findings: &mut Vec<Diagnostic>,
 ) {
     let more = match built {
         Ok(written) => {
-            libraries.push(Built {
+            libraries.push(BuildResult {
                 machine: machine.to_owned(),
                 target: target.name(),
                 files: written
@@ -286,7 +303,7 @@ fn built_one(
 
 /// Prints what was built and found.
 fn print(
-    libraries: Vec<Built>,
+    libraries: Vec<BuildResult>,
     sources: &SourceMap,
     findings: &[Diagnostic],
     options: &GlobalOptions,

@@ -1,4 +1,5 @@
-//! `linewright completions`: a completion script for a shell, made from the same table as the help.
+//! `linewright completions`: a completion script for a shell, generated from the definitions behind
+//! the help.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;

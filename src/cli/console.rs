@@ -1,5 +1,5 @@
-//! Where results, findings and progress go: results to standard output, everything else to standard
-//! error.
+//! Output of results, findings and progress: results to standard output, everything else to
+//! standard error.
 
 use super::options::{Color, Format};
 use crate::diagnostics::{Diagnostic, json, render, sarif};
@@ -7,31 +7,33 @@ use crate::source::SourceMap;
 use anstream::{AutoStream, ColorChoice};
 use anyhow::Context as _;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether something was printed on standard output.
+/// Whether anything was printed to standard output.
 static PRINTED: AtomicBool = AtomicBool::new(false);
 
-/// The two streams, and how to write to them.
+/// The two streams and their formats.
 #[derive(Debug, Clone, Copy)]
 pub struct Console {
-    /// How results and findings look.
+    /// Format of results and findings.
     pub format: Format,
     color: ColorChoice,
 }
 
-/// The JSON document of a command that ended before it had a result.
-#[derive(Serialize)]
-struct Failed {
+/// The JSON document of a command that ended without a result.
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Failed {
     schema: String,
+    /// What kept the command from a result.
     findings: Vec<json::Finding>,
 }
 
 impl Console {
-    /// A console. `Auto` colours a stream when it is a terminal, unless `NO_COLOR` (or `CLICOLOR`)
-    /// says otherwise.
+    /// Creates a console. `Auto` colors a stream if it is a terminal, unless `NO_COLOR` (or
+    /// `CLICOLOR`) says otherwise.
     pub fn new(format: Format, color: Color) -> Self {
         let color = match color {
             Color::Auto => ColorChoice::Auto,
@@ -41,13 +43,12 @@ impl Console {
         Self { format, color }
     }
 
-    /// Prints a result. When nobody reads it any more (a closed pipe) that is no failure: the exit
-    /// code stays the verdict's.
+    /// Prints a result. A closed pipe is no failure: the exit code remains the verdict's.
     pub fn result(&self, text: &str) -> anyhow::Result<()> {
         self.part(text).map(|_| ())
     }
 
-    /// Prints a part of a result that goes on. Gives whether somebody still reads it.
+    /// Prints a part of a continued result. Returns whether the output is still read.
     pub fn part(&self, text: &str) -> anyhow::Result<bool> {
         PRINTED.store(true, Ordering::Relaxed);
         let mut out = AutoStream::new(io::stdout(), self.color);
@@ -55,29 +56,29 @@ impl Console {
             .context("standard output cannot be written")
     }
 
-    /// Prints a document in JSON that is one of many: in one line. Gives whether somebody still
-    /// reads it.
+    /// Prints one of many JSON documents on a single line. Returns whether the output is still
+    /// read.
     pub fn line(&self, document: &impl Serialize) -> anyhow::Result<bool> {
         let mut text = serde_json::to_string(document)?;
         text.push('\n');
         self.part(&text)
     }
 
-    /// Prints a result in JSON, indented, with a line break at its end.
+    /// Prints a result as indented JSON, ending with a line break.
     pub fn document(&self, document: &impl Serialize) -> anyhow::Result<()> {
         let mut text = serde_json::to_string_pretty(document)?;
         text.push('\n');
         self.result(&text)
     }
 
-    /// Prints a remark.
+    /// Prints a remark to standard error.
     pub fn remark(&self, text: &str) -> anyhow::Result<()> {
         let mut err = AutoStream::new(io::stderr(), self.color);
         open(err.write_all(text.as_bytes())).context("standard error cannot be written")?;
         Ok(())
     }
 
-    /// The findings as text, `human` or `short`.
+    /// Formats the findings as text, `human` or `short`.
     pub fn render(&self, sources: &SourceMap, findings: &[Diagnostic]) -> String {
         if self.format == Format::Short {
             render::short(sources, findings)
@@ -86,12 +87,12 @@ impl Console {
         }
     }
 
-    /// Prints findings beside a result: to standard error.
+    /// Prints findings beside a result, to standard error.
     pub fn findings(&self, sources: &SourceMap, findings: &[Diagnostic]) -> anyhow::Result<()> {
         self.remark(&self.render(sources, findings))
     }
 
-    /// Prints the findings of a command that has no result. In JSON and SARIF they are then the
+    /// Prints the findings of a command without a result. In JSON and SARIF they are then the
     /// document on standard output.
     pub fn failed(
         &self,
@@ -109,8 +110,8 @@ impl Console {
         }
     }
 
-    /// Says why a command was ended by a fault of this program. Where a format for programs was
-    /// asked for, that is the document, unless one was printed already.
+    /// Reports that an internal error ended a command. In a machine-readable format this is the
+    /// document, unless one was printed already.
     pub fn aborted(&self, command: &str, finding: &Diagnostic) -> anyhow::Result<()> {
         let sources = SourceMap::default();
         if PRINTED.load(Ordering::Relaxed) {
@@ -119,7 +120,7 @@ impl Console {
         self.failed(command, &sources, std::slice::from_ref(finding))
     }
 
-    /// A progress bar over `count` things; it is there only when standard error is a terminal.
+    /// A progress bar over `count` items, shown only if standard error is a terminal.
     pub fn progress(&self, count: usize, verb: &'static str) -> ProgressBar {
         let bar = ProgressBar::with_draw_target(Some(count as u64), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {msg}") {
@@ -134,7 +135,7 @@ pub fn schema(command: &str) -> String {
     format!("linewright/{command}/1")
 }
 
-/// Whether what was written to is still open.
+/// Whether the output is still open.
 fn open(result: io::Result<()>) -> io::Result<bool> {
     match result {
         Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(false),

@@ -1,13 +1,16 @@
-//! `linewright din`: the taxonomies, and which of their codes have contracts.
+//! `linewright din`: the taxonomies, and the codes that have contracts.
 
 use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::contract::Library;
 use crate::diagnostics::has_errors;
 use crate::engine::files::{self, StandardLibrary};
 use crate::taxonomy::{self, Entry, Standard, Taxonomy, taxonomy};
 use clap::{Args, Subcommand};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -26,7 +29,7 @@ pub enum Command {
     /// Show one process or function
     #[command(after_help = "Example:\n    linewright din show din:4.3.1")]
     Show {
-        /// A code with its standard: din:4.3.1, vdi:Drehen
+        /// Code with its standard, such as din:4.3.1 or vdi:Drehen
         code: String,
     },
     /// Find codes by a German or English word
@@ -35,13 +38,13 @@ pub enum Command {
         /// Part of a term; case and the spelling of umlauts do not matter
         word: String,
     },
-    /// Print a standard, or what stands below a code, as a tree
+    /// Print a standard, or the part below a code, as a tree
     #[command(after_help = "Example:\n    linewright din tree din:4.3")]
     Tree {
-        /// A code with its standard; without it, everything
+        /// Code with its standard; without it, everything
         code: Option<String>,
     },
-    /// Say which codes have contracts in the library
+    /// List the codes that have contracts in the library
     #[command(after_help = "Example:\n    linewright din coverage")]
     Coverage {
         /// Files or folders [default: ./contracts, or else the bundled library]
@@ -108,7 +111,7 @@ fn is_json(options: &GlobalOptions) -> bool {
 
 fn find(code: &str) -> anyhow::Result<&'static Entry> {
     taxonomy::lookup(code)
-        .map_err(|help| anyhow::anyhow!("`{code}` is no code of DIN 8580 or VDI 2860: {help}"))
+        .map_err(|help| anyhow::anyhow!("`{code}` is not a code of DIN 8580 or VDI 2860: {help}"))
 }
 
 fn show(taxonomy: &Taxonomy, entry: &Entry) -> String {
@@ -163,7 +166,7 @@ fn branches(taxonomy: &Taxonomy, entry: &Entry, indent: &str, text: &mut String)
     }
 }
 
-/// An entry and everything below it.
+/// An entry and all its descendants.
 fn below<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a Entry>) {
     entries.push(entry);
     for child in taxonomy.children(entry) {
@@ -171,22 +174,45 @@ fn below<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a Ent
     }
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "din",
+    "Entries of DIN 8580 and VDI 2860, or what of them has contracts",
+    &[
+        form::<Entries<'_>>,
+        form::<CoverageDocument>,
+        form::<Failed>,
+    ],
+);
+
+/// The JSON document of `din show`, `din search` and `din tree`.
+#[derive(JsonSchema, Serialize)]
 struct Entries<'a> {
     schema: String,
+    /// The entries.
     entries: Vec<EntryDocument<'a>>,
 }
 
-#[derive(Serialize)]
+/// An entry of a taxonomy.
+#[derive(JsonSchema, Serialize)]
 struct EntryDocument<'a> {
+    /// The code with its prefix, such as `din:3.2.1` or `vdi:Drehen`.
     code: String,
+    /// The title of the standard.
     standard: &'a str,
+    /// The German term.
     german: &'a str,
+    /// The English term.
     english: &'a str,
+    /// The code of the entry above it; null at the top.
     parent: Option<String>,
+    /// The edition of the standard; empty where the table has none.
     edition: &'a str,
+    /// How sure the entry is.
     confidence: &'a str,
+    /// Where the entry comes from.
     source: &'a str,
+    /// A remark; may be empty.
     note: &'a str,
 }
 
@@ -213,24 +239,35 @@ impl<'a> Entries<'a> {
     }
 }
 
-#[derive(Serialize)]
+/// The JSON document of `din coverage`.
+#[derive(JsonSchema, Serialize)]
 struct CoverageDocument {
     schema: String,
+    /// The standards.
     standards: Vec<StandardCoverage>,
 }
 
-#[derive(Serialize)]
+/// How much of a standard has contracts.
+#[derive(JsonSchema, Serialize)]
 struct StandardCoverage {
+    /// The title of the standard.
     standard: &'static str,
+    /// The number of its codes.
     codes: usize,
+    /// The codes that something implements.
     covered: Vec<CoveredCode>,
 }
 
-#[derive(Serialize)]
+/// A code that something implements.
+#[derive(JsonSchema, Serialize)]
 struct CoveredCode {
+    /// The code with its prefix.
     code: String,
+    /// The German term.
     german: String,
+    /// The English term.
     english: String,
+    /// The contracts, machines and operations that implement it.
     implemented_by: Vec<String>,
 }
 
@@ -286,7 +323,7 @@ fn coverage(paths: &[String], options: &GlobalOptions) -> anyhow::Result<ExitCod
     Ok(options.exit_code(&loaded.findings))
 }
 
-/// By full code, what implements it: contracts, machines, and operations of machines.
+/// Implementations by full code: contracts, machines, and operations of machines.
 fn implementations(library: &Library) -> BTreeMap<String, Vec<String>> {
     let mut by_code: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let contracts = library.contracts.iter().map(|c| (c.name.clone(), &c.codes));
@@ -297,7 +334,7 @@ fn implementations(library: &Library) -> BTreeMap<String, Vec<String>> {
     });
     for (name, codes) in contracts.chain(machines) {
         for code in codes {
-            // As the taxonomy spells it: contracts may write umlauts and case in another way.
+            // As spelled in the taxonomy: contracts may write umlauts and case differently.
             let Some(entry) = taxonomy().find(&code.text) else {
                 continue;
             };

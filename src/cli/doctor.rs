@@ -1,9 +1,8 @@
-//! `linewright doctor`: what there is on this computer for building station libraries, and what a
-//! probe has found.
+//! `linewright doctor`: what this computer has for building station libraries, and the evaluation
+//! of a probe.
 //!
-//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A compiler
-//! for Windows is one more thing that may be missing: a warning, and the way out. 2 without a C
-//! compiler.
+//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A missing
+//! compiler for Windows is only a warning, with a remedy. 2 without a C compiler.
 
 mod probe;
 
@@ -11,12 +10,15 @@ use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::profiles;
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
 use crate::diagnostics::{Diagnostic, codes, has_errors, json};
 use crate::engine::cache::Cache;
 use crate::source::SourceMap;
-use crate::station::profile::Profile;
-use crate::station::toolchain::survey::{self, Found, Survey};
+use crate::station::profile::{Profile, ProfileEntry};
+use crate::station::toolchain::survey::{self, FoundProgram, Survey};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -27,46 +29,72 @@ use std::path::PathBuf;
     linewright doctor
     linewright doctor --format json
 
-With the dump that the probe has left (`build --probe`), the layout of UF_Value is read from it:
+To infer the layout of UF_Value from the dump of a probe (`build --probe`):
 
     $ linewright doctor --probe linewright_probe.dll.dump.txt --out plant-simulation.toml
 
-Exit codes: 0 libraries for this computer can be built, or the layout was found; 1 the dump does not say the layout, \
-or refutes it; 2 there is no C compiler, or a file cannot be read.")]
+Exit codes: 0 libraries for this computer can be built, or the layout was found; 1 the dump \
+does not determine the layout, or contradicts the profile; 2 no C compiler, or an unreadable \
+file.")]
 pub struct Arguments {
-    /// Read the layout of UF_Value from this dump of the probe
+    /// Infer the layout of UF_Value from this dump of the probe
     #[arg(long, value_name = "FILE")]
     pub probe: Option<PathBuf>,
-    /// Write the profile to this file; one that is there and differs is kept
+    /// Write the profile to this file; a different profile there is kept
     #[arg(long, value_name = "FILE", requires = "probe")]
     pub out: Option<PathBuf>,
-    /// Show this profile of UF_Value instead of the assumed one
+    /// Show this profile of UF_Value instead of the built-in one
     #[arg(long, value_name = "FILE", conflicts_with = "probe")]
     pub profile: Option<PathBuf>,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "doctor",
+    "What there is for building station libraries, or what a probe has found",
+    &[
+        form::<Document<'_>>,
+        form::<probe::Document>,
+        form::<Failed>,
+    ],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document<'a> {
     schema: String,
-    c_compiler: Option<&'a Found>,
+    /// The C compiler for this computer.
+    c_compiler: Option<&'a FoundProgram>,
+    /// The compilers for 64-bit Windows, in the order of preference.
     windows_compilers: Vec<Entry<'a>>,
+    /// Whether libraries for Windows can be built.
     windows: bool,
-    wine: Option<&'a Found>,
-    python: Option<&'a Found>,
+    /// Wine, which runs Windows programs.
+    wine: Option<&'a FoundProgram>,
+    /// Python 3.
+    python: Option<&'a FoundProgram>,
+    /// The packages of Python that tests use and that are installed.
     python_packages: &'a [&'static str],
-    profile: Option<serde_json::Value>,
+    /// The profile of `UF_Value`; null where it cannot be read.
+    profile: Option<ProfileEntry>,
+    /// The folder of the cache; null where there is none.
     cache: Option<String>,
+    /// Where `build` and `run` put libraries.
     libraries: &'static str,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
+/// A compiler that was looked for.
+#[derive(JsonSchema, Serialize)]
 struct Entry<'a> {
+    /// Its kind.
     name: &'static str,
-    found: Option<&'a Found>,
+    /// What was found; null where it is not installed.
+    found: Option<&'a FoundProgram>,
 }
 
-/// Where `build` and `run` put libraries.
+/// Folder where `build` and `run` put libraries.
 const LIBRARIES: &str = ".linewright beside the file that is built, or --out";
 
 /// Runs the command.
@@ -123,8 +151,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// What is said where no compiler for Windows is found, or the one that would be taken compiles
-/// nothing.
+/// Finding if no compiler for Windows is found, or the preferred one cannot compile anything.
 fn no_windows(survey: &Survey) -> Option<Diagnostic> {
     let (why, help) = match survey.windows() {
         None => {
@@ -157,7 +184,7 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
     let mut row = |what: &str, said: &str| {
         let _ = writeln!(out, "  {what:24} {said}");
     };
-    let show = |found: &Found| {
+    let show = |found: &FoundProgram| {
         let fault = if found.fault.is_some() {
             ", which does not compile"
         } else {
@@ -173,7 +200,7 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
         Err(_) => row("C compiler", "not found, or of no use"),
     }
     for (kind, found) in &survey.cross {
-        // What nobody has named is not missing.
+        // A compiler that was not named is not reported as missing.
         match found {
             Some(found) => row(kind.name(), &show(found)),
             None if kind.is_usual() => row(kind.name(), "not found"),

@@ -1,29 +1,28 @@
-//! What the exit codes mean, and which findings lead to which.
+//! Meaning of the exit codes, and their relation to findings.
 
 use crate::diagnostics::{Diagnostic, Severity, codes};
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 
-/// The exit code of the program.
+/// Exit code of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum ExitCode {
-    /// All is well.
+    /// No errors.
     Success = 0,
-    /// There are findings of severity error: an unrealizable contract, a violated rule, a failed
-    /// validation.
+    /// Findings of severity error: an unrealizable contract, a violated rule, a failed validation.
     Findings = 1,
-    /// It could not run: bad arguments, an unreadable file, a file that does not parse, a missing
-    /// compiler.
+    /// The command could not run: bad arguments, an unreadable file, a file that does not parse, a
+    /// missing compiler.
     CannotRun = 2,
-    /// It gave up at a limit.
+    /// A limit was reached.
     GaveUp = 3,
-    /// The program itself failed (LW007): what it was looking at has no verdict.
+    /// Internal error (LW007): the object under examination has no verdict.
     Internal = 4,
 }
 
 impl ExitCode {
-    /// A file of another tool that does not parse keeps a command from running.
-    pub fn of_loading(loaded: &Loaded) -> Self {
+    /// A file of another tool that does not parse prevents a command from running.
+    pub fn of_loading(loaded: &LoadedFiles) -> Self {
         if loaded.lacks_foreign() {
             Self::CannotRun
         } else {
@@ -31,7 +30,7 @@ impl ExitCode {
         }
     }
 
-    /// The code for two things together: the first of 4, 2, 3, 1, 0 that occurs.
+    /// The combined code: the first of 4, 2, 3, 1, 0 that occurs.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let rank = |code: Self| match code {
@@ -48,8 +47,8 @@ impl ExitCode {
         }
     }
 
-    /// The code for some findings. With `deny_warnings`, a warning counts as an error does; that
-    /// the command came to a limit counts whatever the finding's severity is.
+    /// The code for some findings. With `deny_warnings`, a warning counts as an error; reaching a
+    /// limit of the command counts whatever the finding's severity.
     pub fn of(findings: &[Diagnostic], deny_warnings: bool) -> Self {
         findings
             .iter()

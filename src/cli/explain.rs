@@ -1,75 +1,130 @@
-//! `linewright explain`: what a finding means.
+//! `linewright explain`: the meaning of a finding.
+
+mod topics;
 
 use super::console::schema;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
-use crate::diagnostics::{Code, codes, explanations, sarif};
-use clap::Args;
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
+use crate::diagnostics::{Code, codes, explanations, nearest, sarif};
+use clap::{Args, Command};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
+use topics::Topic;
 
 /// The arguments of `explain`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
     linewright explain LW203
+    linewright explain buffer
+    linewright explain 'order check'
     linewright explain --list")]
 pub struct Arguments {
-    /// The code of a finding, such as LW203; without it, all codes are listed
-    pub code: Option<String>,
-    /// List all codes, by what they are about
-    #[arg(long, conflicts_with = "code")]
+    /// The code of a finding (LW203), a construct of the language (buffer) or a command (check);
+    /// all are listed without it
+    pub topic: Option<String>,
+    /// List all findings, constructs and commands
+    #[arg(long, conflicts_with = "topic")]
     pub list: bool,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "explain",
+    "Findings, constructs of the language and commands, and what they mean",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The codes.
     codes: Vec<Entry>,
+    /// Constructs of the language and commands; left out where only codes are explained.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    topics: Vec<Topic>,
 }
 
-#[derive(Serialize)]
+/// What a code means.
+#[derive(JsonSchema, Serialize)]
 struct Entry {
+    /// The code, such as `LW203`.
     code: &'static str,
+    /// What it is about.
     title: &'static str,
+    /// The title of its group.
     group: &'static str,
+    /// The explanation, in Markdown; left out in a list of all codes.
     #[serde(skip_serializing_if = "Option::is_none")]
     page: Option<&'static str>,
 }
 
-/// Runs the command.
-pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+/// Runs the command. `program` is the command line, of which the pages of commands are made.
+pub fn run(
+    arguments: &Arguments,
+    options: &GlobalOptions,
+    program: &Command,
+) -> anyhow::Result<ExitCode> {
+    let topics = topics::all(program);
+    match &arguments.topic {
+        None => {
+            let topics = topics.into_iter().map(Topic::without_page).collect();
+            show(options, codes::ALL, topics, true)
+        }
+        Some(name) => {
+            if let Some(code) = codes::find(name.trim()) {
+                return show(options, &[code], Vec::new(), false);
+            }
+            let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
+            let unknown = unknown(&name, &topics);
+            let found = topics::find(topics, &name);
+            anyhow::ensure!(!found.is_empty(), unknown);
+            show(options, &[], found, false)
+        }
+    }
+}
+
+/// Prints codes and topics: their names for a list, or else their pages.
+fn show(
+    options: &GlobalOptions,
+    codes: &[Code],
+    topics: Vec<Topic>,
+    as_list: bool,
+) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let one = match &arguments.code {
-        None => None,
-        Some(id) => Some(codes::find(id.trim()).ok_or_else(|| unknown(id))?),
-    };
-    let shown = one.as_ref().map_or(codes::ALL, std::slice::from_ref);
     match options.format {
         Format::Json => console.document(&Document {
             schema: schema("explain"),
-            codes: shown.iter().map(|c| entry(*c, one.is_some())).collect(),
+            codes: codes.iter().map(|c| entry(*c, !as_list)).collect(),
+            topics,
         })?,
-        // No findings, but the rules that findings of other commands point at.
-        Format::Sarif => console.document(&sarif::catalogue(shown))?,
+        // No findings, but the rules that findings of other commands refer to.
+        Format::Sarif => console.document(&sarif::catalogue(codes))?,
+        Format::Human | Format::Short if as_list => console.result(&list(&topics))?,
         Format::Human | Format::Short => {
-            let text = match one {
-                Some(code) => explanations::page(code).unwrap_or_default().to_owned(),
-                None => list(),
-            };
-            console.result(&text)?;
+            let findings = codes.iter().filter_map(|c| explanations::page(*c));
+            let others = topics.iter().map(|topic| topic.page.as_str());
+            let pages: Vec<&str> = findings.chain(others).collect();
+            console.result(&pages.join("\n"))?;
         }
     }
     Ok(ExitCode::Success)
 }
 
-fn unknown(id: &str) -> anyhow::Error {
-    anyhow::anyhow!(
-        "`{id}` is no code of a finding: codes look like LW203; `linewright explain --list` shows them all"
+fn unknown(name: &str, topics: &[Topic]) -> String {
+    let codes = codes::ALL.iter().map(|code| code.id);
+    let near = nearest(name, topics::names(topics).chain(codes));
+    let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
+    format!(
+        "nothing is known of `{name}`: {near}`linewright explain --list` lists all findings, constructs and commands"
     )
 }
 
-/// All codes with their titles, group by group.
-fn list() -> String {
+/// All codes with their titles, group by group, and all topics.
+fn list(topics: &[Topic]) -> String {
     let mut text = String::new();
     for group in codes::GROUPS {
         if !text.is_empty() {
@@ -79,6 +134,10 @@ fn list() -> String {
         for code in group.codes() {
             let _ = writeln!(text, "  {}  {}", code.id, code.title);
         }
+    }
+    text.push('\n');
+    for topic in topics {
+        let _ = writeln!(text, "{}", topic.line());
     }
     text
 }

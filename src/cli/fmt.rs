@@ -1,14 +1,16 @@
-//! `linewright fmt`: lays `.lw` files out in the one way.
+//! `linewright fmt`: formats `.lw` files in the standard layout.
 //!
-//! A file is written only where that changes it, and only after [`format::checked`] has read the
-//! new text and found that it says the same: a mistake of the formatter is reported, and leaves the
-//! file as it is.
+//! A file is written only if its text changes, and only after [`format::checked`] has parsed the
+//! new text and found that it means the same: an error of the formatter is reported and leaves the
+//! file unchanged.
 
 use super::console;
 use super::console::Console;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
-use crate::deadline::{Deadline, Late};
+use crate::cli::console::Failed;
+use crate::cli::schema::{Described, form};
+use crate::deadline::{Deadline, StopReason};
 use crate::diagnostics::{Diagnostic, json};
 use crate::engine::files;
 use crate::engine::output;
@@ -16,12 +18,13 @@ use crate::source::SourceMap;
 use crate::syntax::{format, parse};
 use anyhow::Context as _;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Read as _;
 use std::path::Path;
 
-/// The name under which standard input is shown.
+/// Name shown for standard input.
 const STANDARD_INPUT: &str = "<stdin>";
 
 /// The arguments of `fmt`.
@@ -31,30 +34,42 @@ const STANDARD_INPUT: &str = "<stdin>";
     linewright fmt --check examples
     linewright fmt - < contracts/handling/turn.lw
 
-Each file is written anew only where that changes it. Comments, the breaks of lines between operators, \
-single empty lines, line ends and a byte-order mark stay; operators are written as words. A file that does not \
-parse is left as it is (exit code 2). With --check, no file is written, and the exit code is 1 where one would be.")]
+A file is rewritten only if that changes it. Comments, line breaks between operators, single \
+empty lines, line endings and a byte-order mark are kept; operators become words. A file that \
+does not parse is left unchanged (exit code 2). With --check, no file is written, and the exit \
+code is 1 if one would be.")]
 pub struct Arguments {
-    /// Files, folders (every .lw file below them), or - alone for standard input to standard output
+    /// Files, folders (all .lw files in them), or `-` for standard input
     #[arg(value_name = "PATH", default_value = ".")]
     pub paths: Vec<String>,
-    /// Write nothing; show what would change
+    /// Show what would change, and write nothing
     #[arg(long)]
     pub check: bool,
 }
 
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "fmt",
+    "Which files were laid out anew",
+    &[form::<Document>, form::<Failed>],
+);
+
 /// The JSON document of the command.
-#[derive(Serialize)]
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The files that could be parsed.
     files: Vec<Entry>,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
-/// A file in it.
-#[derive(Serialize)]
+/// An entry of a file.
+#[derive(JsonSchema, Serialize)]
 struct Entry {
+    /// The name of the file.
     file: String,
+    /// Whether its layout changes, or would change with `--check`.
     changed: bool,
 }
 
@@ -132,7 +147,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(work.code)
 }
 
-/// What is known of the files so far.
+/// State of the command over all files.
 struct Work {
     sources: SourceMap,
     findings: Vec<Diagnostic>,
@@ -146,7 +161,7 @@ impl Work {
         self.code = self.code.and(ExitCode::CannotRun);
     }
 
-    fn give_up(&mut self, name: &str, late: Late) {
+    fn give_up(&mut self, name: &str, late: StopReason) {
         let finding = Diagnostic::error(
             crate::diagnostics::codes::GAVE_UP,
             None,
@@ -156,12 +171,12 @@ impl Work {
         self.code = self.code.and(ExitCode::GaveUp);
     }
 
-    /// A file's text as it should be, or nothing where it does not parse.
+    /// Formats a file; `None` if it does not parse.
     ///
     /// # Errors
-    /// When the deadline is past. Parsing is not interrupted, so this may be found out a little
-    /// later.
-    fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, Late> {
+    /// Returns an error if the deadline is past. Parsing is not interrupted, so this may be noticed
+    /// somewhat later.
+    fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, StopReason> {
         self.deadline.check()?;
         let file = self.sources.add(name, text);
         let (tree, findings) = parse(file, text);
@@ -211,8 +226,7 @@ impl Work {
     }
 }
 
-/// The lines that differ, from the first to the last, each with its number; not more than a screen
-/// of them.
+/// The lines that differ, from first to last, with their numbers; at most a screenful.
 fn difference(before: &str, after: &str) -> String {
     const MOST: usize = 20;
     let (old, new): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
@@ -223,7 +237,7 @@ fn difference(before: &str, after: &str) -> String {
             (i, j) = (i + 1, j + 1);
             continue;
         }
-        // The nearest place where the two go on alike.
+        // The nearest place where both continue alike.
         let (a, b) = rejoin(&old[i..], &new[j..]);
         for (sign, lines, first) in [('-', &old[i..i + a], i), ('+', &new[j..j + b], j)] {
             for (n, line) in lines.iter().enumerate() {
@@ -243,7 +257,7 @@ fn difference(before: &str, after: &str) -> String {
     text
 }
 
-/// How many lines of each to skip until the same line follows in both.
+/// Number of lines of each to skip until both continue with the same line.
 fn rejoin(old: &[&str], new: &[&str]) -> (usize, usize) {
     const FARTHEST: usize = 200;
     for sum in 1..=FARTHEST.min(old.len() + new.len()) {

@@ -44,7 +44,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         .and_then(|f| Some((f, f.reading.specification.as_ref()?)));
     let Some((foreign, specification)) = read else {
         anyhow::bail!(
-            "{} is no specification of another tool: give a .spc, .slugsin, .structuredslugs, .spectra or .tlsf file",
+            "{} is not a specification of another tool: give a .spc, .slugsin, .structuredslugs, .spectra or .tlsf file",
             arguments.file
         );
     };

@@ -1,28 +1,28 @@
-//! Ctrl-C: the first one is a deadline that is past, so that what is known is printed; the second
-//! one ends the program.
+//! Ctrl-C: the first one counts as a passed deadline, so that results so far are printed; the
+//! second one ends the program.
 //!
-//! A command that looks at its deadline watches; during any other, Ctrl-C ends the program as it
-//! always does.
+//! A command that checks its deadline creates a [`Watch`]; during any other, Ctrl-C ends the
+//! program as usual.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// What a shell calls a program that SIGINT has ended.
+/// Exit code of a shell for a program ended by SIGINT.
 const KILLED: i32 = 130;
 
 static INSTALL: Once = Once::new();
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 static WATCHING: AtomicUsize = AtomicUsize::new(0);
 
-/// While it is there, the first Ctrl-C does not end the program.
+/// While it exists, the first Ctrl-C does not end the program.
 #[derive(Debug)]
 pub struct Watch(());
 
 impl Watch {
-    /// Begins to watch.
+    /// Starts to watch.
     pub fn new() -> Self {
         INSTALL.call_once(|| {
-            // Fails where a handler exists already; then that one decides.
+            // Fails if a handler already exists, which then applies.
             let _ = ctrlc::set_handler(|| {
                 let watched = WATCHING.load(Ordering::SeqCst) > 0;
                 if INTERRUPTED.swap(true, Ordering::SeqCst) || !watched {
@@ -47,8 +47,7 @@ impl Drop for Watch {
     }
 }
 
-/// Whether Ctrl-C was pressed, for a command that it ends in the ordinary way: from now on it
-/// counts as not pressed.
+/// Whether Ctrl-C was pressed, for a command that it ends normally; resets the state.
 pub fn take() -> bool {
     INTERRUPTED.swap(false, Ordering::SeqCst)
 }
@@ -58,7 +57,7 @@ pub fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::SeqCst)
 }
 
-/// What is set when Ctrl-C is pressed.
+/// The flag set by Ctrl-C.
 pub fn flag() -> &'static AtomicBool {
     &INTERRUPTED
 }

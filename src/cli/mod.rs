@@ -1,8 +1,8 @@
-//! The command line: one file a subcommand, and what they share.
+//! The command line: one file per subcommand, and common parts.
 //!
-//! Results go to standard output, everything else to standard error; what the exit codes mean is
-//! said in [`exit`]. A command gives an [`exit::ExitCode`] for everything the user can cause, and
-//! an `anyhow` error, printed and answered with 2, for what keeps it from running at all.
+//! Results go to standard output, everything else to standard error; [`exit`] defines the exit
+//! codes. A command returns an [`exit::ExitCode`] for everything the user can cause, and an
+//! `anyhow` error, printed with exit code 2, for what prevents it from running at all.
 
 pub mod algebra;
 pub mod build;
@@ -23,16 +23,17 @@ pub mod picked;
 pub mod profiles;
 pub mod proof;
 pub mod run;
+pub mod schema;
 pub mod select;
 pub mod step;
 pub mod synth;
 pub mod time;
 
-use crate::deadline::{Deadline, Late};
+use crate::deadline::{Deadline, StopReason};
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::internal::{self, Fault};
 use crate::engine::pipeline;
-use crate::engine::worker::{self, Ended};
+use crate::engine::worker::{self, Completion};
 use clap::{CommandFactory as _, Parser, Subcommand};
 use exit::ExitCode;
 use options::GlobalOptions;
@@ -42,8 +43,8 @@ use std::ffi::OsString;
 #[derive(Debug, Parser)]
 #[command(name = "linewright", version, arg_required_else_help = true)]
 #[command(
-    after_help = "Exit codes: 0 all is well; 1 findings; 2 it could not run; 3 it gave up at a limit; 4 an internal error, \
-                  which is no verdict."
+    after_help = "Exit codes: 0 success; 1 findings; 2 the command could not run; 3 a limit was reached; 4 \
+internal error (no verdict)."
 )]
 pub struct Arguments {
     /// What to do.
@@ -57,52 +58,52 @@ pub struct Arguments {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Check every contract, machine and line found
+    /// Check contracts, machines and lines
     Check(check::Arguments),
     /// Synthesize a controller from a contract
     Synth(synth::Arguments),
-    /// Play a contract step by step: the plant against its controller, or the machine against the
-    /// counterstrategy
+    /// Play a contract step by step, against its controller or its counterstrategy
     Step(step::Arguments),
-    /// Build the station library of a machine
+    /// Build the station libraries of machines
     Build(build::Arguments),
-    /// Run a line in the bundled runner
+    /// Simulate a production line
     Run(run::Arguments),
-    /// Lay files out in the one way that all files are laid out
+    /// Format files
     Fmt(fmt::Arguments),
-    /// Prove that contracts discharge one another's assumptions
+    /// Prove which guarantees discharge which assumptions
     Compose(algebra::ComposeArguments),
-    /// Say whether one contract, or a whole library, can stand in for another
+    /// Check whether one contract, or a library, refines another
     Refine(algebra::RefineArguments),
-    /// Say whether some environment fits contracts
+    /// Check whether contracts are compatible
     Compat(algebra::CompatArguments),
-    /// Two viewpoints of one component as one contract
+    /// Compute the conjunction of contracts (views of one component)
     Conjoin(algebra::ConjoinArguments),
-    /// What is missing beside one contract to keep another
+    /// Compute the quotient (missing component)
     Quotient(algebra::QuotientArguments),
-    /// Requirements that hold at once
+    /// Merge contracts (requirements that hold at the same time)
     Merge(algebra::MergeArguments),
-    /// Print another tool's specification as a contract
+    /// Convert another tool's specification to a contract
     Import(import::Arguments),
-    /// Say what a finding means, with a minimal contract that shows it
+    /// Explain a finding, a construct of the language or a command
     Explain(explain::Arguments),
-    /// Say what skills may follow what: check programs, watch calls, print automata, by the rules
-    /// of skill orders
+    /// Check and monitor calls of skills against skill orders
     Order(order::Arguments),
-    /// Look things up in DIN 8580 and VDI 2860
+    /// Look up codes of DIN 8580 and VDI 2860
     Din(din::Arguments),
-    /// Say what there is for building station libraries, and what a probe has found
+    /// Report available compilers, and the layout that a probe found
     Doctor(doctor::Arguments),
-    /// Print a script that completes commands and options in a shell
+    /// Print the JSON Schema of a document
+    Schema(schema::Arguments),
+    /// Print a shell completion script
     Completions(completions::Arguments),
 }
 
-/// The program: arguments in, exit code out. Prints why it failed, if it did.
+/// Runs the program: arguments in, exit code out. Prints the reason of a failure.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Also help and version come this way; a closed pipe is no failure.
+            // Help and version are also reported this way; a closed pipe is no failure.
             let _ = error.print();
             return if error.use_stderr() {
                 ExitCode::CannotRun
@@ -116,23 +117,25 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = arguments.command.name();
     let last_moment = arguments.last_moment();
     let doing = move || format!("running `{command}`");
-    // Fails only when the pool exists already (in tests, where it does not matter).
+    // Fails only if the pool already exists (in tests, where it does not matter).
     let _ = rayon::ThreadPoolBuilder::new()
         .stack_size(worker::STACK_BYTES)
         .build_global();
     let work = move |_: &dyn Fn(())| internal::caught(doing, || dispatch(&arguments));
     let fault = match worker::run(last_moment, work) {
-        Ended::Done(Ok(Ok(code))) if interrupt::interrupted() => return code.and(ExitCode::GaveUp),
-        Ended::Done(Ok(Ok(code))) => return code,
-        Ended::Done(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
+        Completion::Done(Ok(Ok(code))) if interrupt::interrupted() => {
+            return code.and(ExitCode::GaveUp);
+        }
+        Completion::Done(Ok(Ok(code))) => return code,
+        Completion::Done(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
             Fault::noticed(doing(), error.to_string())
         }
-        Ended::Done(Ok(Err(error))) => {
+        Completion::Done(Ok(Err(error))) => {
             let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
             return ExitCode::CannotRun;
         }
-        Ended::Done(Err(fault)) => fault,
-        Ended::Left(late, _) => {
+        Completion::Done(Err(fault)) => fault,
+        Completion::Left(late, _) => {
             let _ = console.aborted(command, &overdue(command, late));
             return ExitCode::GaveUp;
         }
@@ -142,8 +145,8 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 impl Arguments {
-    /// When the command is ended even if it does not look at its time limit. What goes on for as
-    /// long as its user likes is not.
+    /// When the command is terminated even if it does not check its time limit; never for a command
+    /// that lasts as long as its user wants.
     fn last_moment(&self) -> Deadline {
         let endless = match &self.command {
             Command::Step(_) => true,
@@ -158,16 +161,15 @@ impl Arguments {
     }
 }
 
-/// What is said of a command that was ended in the middle of its work.
-fn overdue(command: &str, late: Late) -> Diagnostic {
+/// Finding for a command that was terminated during its work.
+fn overdue(command: &str, late: StopReason) -> Diagnostic {
     let message =
         format!("`{command}` has no result: {late} while it was reading or writing large files");
     Diagnostic::error(codes::GAVE_UP, None, message).with_help(late.remedy())
 }
 
 impl Command {
-    /// Whether it looks at its deadline all the while. `step` does while it solves; what comes
-    /// after is a dialogue.
+    /// Whether it checks its deadline throughout. `step` does while it solves; a dialogue follows.
     fn has_deadline(&self) -> bool {
         match self {
             Self::Check(_)
@@ -187,11 +189,12 @@ impl Command {
             | Self::Explain(_)
             | Self::Din(_)
             | Self::Doctor(_)
+            | Self::Schema(_)
             | Self::Completions(_) => false,
         }
     }
 
-    /// As it is written on the command line.
+    /// Name on the command line.
     fn name(&self) -> &'static str {
         match self {
             Self::Check(_) => "check",
@@ -211,6 +214,7 @@ impl Command {
             Self::Order(_) => "order",
             Self::Din(_) => "din",
             Self::Doctor(_) => "doctor",
+            Self::Schema(_) => "schema",
             Self::Completions(_) => "completions",
         }
     }
@@ -233,10 +237,11 @@ fn dispatch(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Quotient(a) => algebra::quotient(a, options),
         Command::Merge(a) => algebra::merge(a, options),
         Command::Import(a) => import::run(a, options),
-        Command::Explain(a) => explain::run(a, options),
+        Command::Explain(a) => explain::run(a, options, &Arguments::command()),
         Command::Order(a) => order::run(a, options),
         Command::Din(a) => din::run(a, options),
         Command::Doctor(a) => doctor::run(a, options),
+        Command::Schema(a) => schema::run(a, options),
         Command::Completions(a) => completions::run(a, options, Arguments::command()),
     }
 }

@@ -1,4 +1,4 @@
-//! The options that every command takes.
+//! Options common to all commands.
 
 use super::console::Console;
 use super::exit::ExitCode;
@@ -13,24 +13,24 @@ use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// How long a command may need after its time limit to print what it knows. Then it is ended: it
-/// may be parsing, which does not look at the clock.
+/// Time for a command to print its results after its time limit. Then it is terminated: it may be
+/// parsing, which does not check the clock.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// How results and findings look.
+/// Output format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// For a person: findings with their source lines.
+    /// Text, with the source lines of findings.
     Human,
-    /// One line a finding: `file:line:column: error[LW101]: message`.
+    /// One finding per line: `file:line:column: error[LW101]: message`.
     Short,
-    /// For a program: one document with a schema.
+    /// One JSON document (`linewright schema` prints its schema).
     Json,
     /// Findings in SARIF 2.1.0, for code hosts and editors.
     Sarif,
 }
 
-/// When to use colours.
+/// When to use colors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Color {
     /// On a terminal, unless `NO_COLOR` is set.
@@ -63,10 +63,10 @@ pub enum Kernel {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Options for every command")]
 pub struct GlobalOptions {
-    /// How results and findings look
+    /// Output format
     #[arg(long, global = true, value_enum, default_value = "human")]
     pub format: Format,
-    /// When to use colours
+    /// When to use colors
     #[arg(
         long,
         global = true,
@@ -75,13 +75,13 @@ pub struct GlobalOptions {
         value_name = "WHEN"
     )]
     pub color: Color,
-    /// Leave measured times and sizes out, so that equal input gives equal output
+    /// Omit measured times and sizes, so that equal input gives equal output
     #[arg(long, global = true)]
     pub no_timing: bool,
-    /// Give up after so many seconds, all contracts together [default: never]
+    /// Time limit of the whole command [default: never]
     #[arg(long, global = true, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub timeout: Option<Duration>,
-    /// Let proofs do so many times as much work before they give up
+    /// Multiply the work limit of proofs by FACTOR
     #[arg(
         long,
         global = true,
@@ -89,11 +89,11 @@ pub struct GlobalOptions {
         default_value = "1",
         value_parser = effort,
         allow_negative_numbers = true,
-        long_help = "Let proofs of machines and lines do so many times as much work before they give up. Work is counted in nodes \
-                     and operations, never in seconds, so that the same input has the same verdict on every computer"
+        long_help = "Multiply the work limit of proofs of machines and lines by FACTOR. Work is counted in BDD nodes \
+and operations, not in seconds, so the same input has the same verdict on every computer"
     )]
     pub effort: Effort,
-    /// Give up on a contract that needs more memory for its formulas
+    /// Memory limit for the BDDs of one contract, in MiB
     #[arg(
         long,
         global = true,
@@ -102,10 +102,11 @@ pub struct GlobalOptions {
         allow_negative_numbers = true
     )]
     pub memory: u64,
-    /// Which BDD package solves; none changes a verdict
+    /// BDD package; verdicts do not depend on it
     #[arg(long, global = true, value_enum, default_value = "auto")]
     pub kernel: Kernel,
-    /// Solve without these heuristics (a list with commas); none changes a verdict, for measuring
+    /// Disable these heuristics (comma-separated), to measure their effect; verdicts do not depend
+    /// on them
     #[arg(
         long,
         global = true,
@@ -116,23 +117,21 @@ pub struct GlobalOptions {
         long_help = without_help()
     )]
     pub without: Vec<Heuristic>,
-    /// Solve every contract anew, and remember nothing
+    /// Neither read nor write the cache of solved contracts
     #[arg(
         long,
         global = true,
-        long_help = "Solve every contract anew, and remember nothing. Otherwise what is known of a contract is kept \
-                     in the folder that LINEWRIGHT_CACHE names (`off` for none), or else in the user's folder for \
-                     caches; it can be deleted at any time"
+        long_help = "Neither read nor write the cache of solved contracts. By default the cache is in the folder that LINEWRIGHT_CACHE names (`off` disables it), or else \
+in the user's cache folder. It can be deleted at any time"
     )]
     pub no_cache: bool,
-    /// Let warnings count as errors in the exit code
+    /// Treat warnings as errors in the exit code
     #[arg(long, global = true, value_enum, value_name = "WHAT")]
     pub deny: Option<Deny>,
-    /// Read `import std...` from this folder instead of the bundled library
+    /// Folder that `import std...` reads instead of the bundled library
     #[arg(long, global = true, value_name = "DIR")]
     pub library: Option<PathBuf>,
-    /// Say more: `check` also names the file of each contract and the kernel that solved it, and
-    /// how every assumption is met
+    /// Verbose: show file and kernel of each contract, and how each assumption is discharged
     #[arg(long, short, global = true)]
     pub verbose: bool,
     /// When the command began: its time limit counts from here, whatever it is doing.
@@ -141,12 +140,12 @@ pub struct GlobalOptions {
 }
 
 impl GlobalOptions {
-    /// The console of these options.
+    /// Creates the console for these options.
     pub fn console(&self) -> Console {
         Console::new(self.format, self.color)
     }
 
-    /// Refuses SARIF, which is for findings, where a command has a result of another kind.
+    /// Rejects SARIF, a format for findings, if a command has a result of another kind.
     pub fn refuse_sarif(&self, result: &str) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.format != Format::Sarif,
@@ -160,7 +159,7 @@ impl GlobalOptions {
         self.limits_from(self.began)
     }
 
-    /// The limits of something that began at this time.
+    /// Limits of a command that began at this time.
     pub fn limits_from(&self, began: Instant) -> Limits {
         Limits {
             effort: self.effort,
@@ -173,14 +172,14 @@ impl GlobalOptions {
         }
     }
 
-    /// When the command is ended even if it does not look at its time limit.
+    /// When the command is terminated even if it does not check its time limit.
     pub fn last_moment(&self) -> Deadline {
         self.timeout.map_or(Deadline::NONE, |limit| {
             Deadline::after(self.began, limit).extended(GRACE)
         })
     }
 
-    /// How to solve.
+    /// Settings of the solver.
     pub fn settings(&self) -> Settings {
         let on = self
             .without
@@ -230,7 +229,8 @@ fn heuristic() -> impl TypedValueParser<Value = Heuristic> {
 fn without_help() -> String {
     let names = Heuristic::ALL.map(|(_, name)| name);
     format!(
-        "Solve without these heuristics (a list with commas); none changes a verdict, for measuring. One of {}",
+        "Disable these heuristics (comma-separated), to measure their effect; verdicts do not depend on \
+them. One of {}",
         names.join(", ")
     )
 }
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
     use clap::FromArgMatches as _;
 
-    /// Whatever is done first, what comes after it has only the time that is left.
+    /// Later phases have only the time left by earlier ones.
     #[test]
     fn a_time_limit_is_one_for_the_whole_command() {
         let command = GlobalOptions::augment_args(clap::Command::new("linewright"));

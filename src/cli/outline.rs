@@ -1,15 +1,15 @@
-//! Which declaration a place in a file belongs to, from the text alone.
+//! Determines from the text alone which declaration a place in a file belongs to.
 //!
-//! A contract that does not parse is not in the library, yet `check` has to list it, and its
-//! findings under it. So this looks for nothing but `contract NAME`, `machine NAME`, `line NAME`,
-//! `skills NAME {`, and for the brace that closes each. The first three are reserved words: one
-//! that begins a line begins a declaration, also where a brace before it is missing. `skills` may
-//! be a name, too; what follows tells.
+//! A contract that does not parse is not in the library, but `check` must list it with its
+//! findings. So this only searches for `contract NAME`, `machine NAME`, `line NAME`,
+//! `skills NAME {`, and for the closing brace of each. The first three are reserved words: at the
+//! beginning of a line they begin a declaration, even if a preceding brace is missing. `skills` may
+//! also be a name; the next tokens decide.
 
 use crate::source::{FileId, SourceMap, Span};
 use crate::syntax::{is_component, is_skill_set, is_skills_head};
 
-/// What is declared.
+/// Kind of a declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// `contract`
@@ -22,19 +22,19 @@ pub enum Kind {
     Skills,
 }
 
-/// One declaration and the text that belongs to it.
+/// A declaration and its text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Declaration {
-    /// What it declares.
+    /// Kind of declaration.
     pub kind: Kind,
-    /// Its name.
+    /// Declared name.
     pub name: String,
-    /// From its keyword to its closing brace; to the end of the file where that is missing.
+    /// From its keyword to its closing brace, or to the end of the file if that is missing.
     pub extent: Span,
 }
 
 impl Declaration {
-    /// Whether a place belongs to it.
+    /// Whether it contains a place.
     pub fn holds(&self, span: Span) -> bool {
         self.extent.file == span.file
             && self.extent.start <= span.start
@@ -42,7 +42,7 @@ impl Declaration {
     }
 }
 
-/// The declarations of a file, in their order.
+/// The declarations of a file in order.
 pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     let text = &sources.file(file).text;
     let mut found: Vec<Declaration> = Vec::new();
@@ -51,7 +51,7 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     let mut keyword: Option<(Kind, usize)> = None;
     for (start, token) in tokens(text) {
         match token {
-            // A machine within a machine declares nothing.
+            // A machine within a machine is no declaration.
             "machine" if depth > 0 && is_component(&text[start + token.len()..]) => {}
             "contract" | "machine" | "line" if depth == 0 || begins_line(text, start) => {
                 depth = 0;
@@ -97,19 +97,19 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     found
 }
 
-/// Whether a set of skills begins behind this word.
+/// Whether a set of skills begins after this word.
 fn begins_skills(text: &str, end: usize, depth: usize) -> bool {
     let (start, rest) = (end - "skills".len(), &text[end..]);
     depth == 0 && is_skills_head(rest) || begins_line(text, start) && is_skill_set(rest)
 }
 
-/// Whether nothing but `moore` stands before this place in its line.
+/// Whether only `moore` precedes this place in its line.
 fn begins_line(text: &str, at: usize) -> bool {
     let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
     matches!(text[line..at].trim(), "" | "moore")
 }
 
-/// A declaration that was still open ends where the next one begins.
+/// An unclosed declaration ends where the next one begins.
 fn close_before(found: &mut [Declaration], open: bool, from: usize) {
     if let Some(last) = found.last_mut().filter(|_| open) {
         last.extent.end = from as u32;
@@ -120,7 +120,7 @@ fn is_name(word: &str) -> bool {
     word.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// Words and single signs with their places; comments, strings and white space left out.
+/// Words and single characters with their places, without comments, strings and white space.
 fn tokens(text: &str) -> Vec<(usize, &str)> {
     let mut tokens = Vec::new();
     let mut at = 0;
@@ -195,7 +195,7 @@ mod tests {
         let wanted = [(Kind::Machine, "M"), (Kind::Skills, "S"), (Kind::Line, "L")];
         assert_eq!(short, wanted);
         assert_eq!(found[1].2, set);
-        // The letters of operators are names here.
+        // Letters used as operators are names here.
         let set = "skills U { component c { G } }";
         let found = outline(set);
         assert_eq!((found[0].1.as_str(), found[0].2.as_str()), ("U", set));

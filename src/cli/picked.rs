@@ -1,41 +1,44 @@
-//! The machines that `build` and `synth` are asked for.
+//! Selects the machines for `build` and `synth`.
 
 use super::select::Selection;
 use crate::contract::line::Line;
 use crate::contract::machine::Machine;
 use crate::diagnostics::{Diagnostic, codes};
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 use crate::engine::findings;
 use crate::engine::machines::{contains, is_same, of_line};
 use crate::station::file_stem;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// What is to be built.
+/// The selection.
 #[derive(Debug, Default)]
-pub struct Picked<'a> {
-    /// The machines.
+pub struct BuildSelection<'a> {
+    /// Selected machines.
     pub machines: Vec<&'a Machine>,
-    /// The lines whose machines are among them.
+    /// Lines whose machines are among them.
     pub lines: Vec<&'a Line>,
-    /// What is to be said of the choice.
+    /// Notes on the selection.
     pub notes: Vec<Diagnostic>,
 }
 
-/// The machines that a selection names, or those of the line that it names. Without a name those of
-/// the file's lines, with the sizes that they have there, as `run` would build them; and those that
-/// the file declares and no line of it uses, with their default sizes.
-pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<Picked<'a>> {
+/// The machines that a selection names, or those of the line that it names. Without a name: those
+/// of the file's lines in the sizes used there, as `run` would build them, and those declared in
+/// the file that none of its lines uses, in their default sizes.
+pub fn picked<'a>(
+    selection: &Selection,
+    loaded: &'a LoadedFiles,
+) -> anyhow::Result<BuildSelection<'a>> {
     let library = &loaded.library;
     let declared = selection.find(loaded, &library.machines, |m| (&m.name, m.span));
     if selection.name.is_some() && !declared.is_empty() {
-        return Ok(Picked {
+        return Ok(BuildSelection {
             machines: declared,
-            ..Picked::default()
+            ..BuildSelection::default()
         });
     }
     let lines = selection.find(loaded, &library.lines, |l| (&l.name, l.span));
-    let mut picked = Picked::default();
+    let mut picked = BuildSelection::default();
     for machine in lines.iter().flat_map(|l| of_line(l)) {
         let known = |m: &&Machine| is_same(m, machine);
         if !picked.machines.iter().any(known) {
@@ -43,7 +46,7 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
         }
     }
     for machine in declared {
-        // One that only stands in machines of the lines is a part of their libraries.
+        // A machine that occurs only in machines of the lines is part of their libraries.
         if picked.machines.iter().any(|m| contains(m, machine.span)) {
             continue;
         }
@@ -62,7 +65,7 @@ pub fn picked<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<P
     Ok(picked)
 }
 
-/// That a machine is built with other sizes than its own.
+/// Note that a machine is built in sizes other than its defaults.
 fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnostic {
     let name = &machine.name;
     let users = lines
@@ -84,10 +87,10 @@ fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnosti
     ))
 }
 
-/// The same machines under names whose files differ: of two that would be written to the same file,
-/// such as one machine in two sizes, the second is called `Printer_2`.
-pub fn told_apart<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
-    // SimTalk does not tell capitals from small letters either.
+/// The same machines with names whose files differ: if two would be written to the same file, such
+/// as one machine in two sizes, the second is named `Printer_2`.
+pub fn with_distinct_names<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
+    // SimTalk ignores case, too.
     let keys = |name: &str| [file_stem(name), name.to_lowercase()];
     let mut taken: BTreeSet<String> = BTreeSet::new();
     let mut told = Vec::new();

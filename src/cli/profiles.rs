@@ -1,5 +1,5 @@
-//! Profiles of `UF_Value` as files: read for `build` and `doctor`, and what is said of one that is
-//! unverified.
+//! Profiles of `UF_Value` as files: reading them for `build` and `doctor`, and the warning about an
+//! unverified one.
 
 use crate::diagnostics::{Diagnostic, codes};
 use crate::engine::files;
@@ -8,10 +8,10 @@ use crate::station::profile::{Profile, read};
 use std::io::Read;
 use std::path::Path;
 
-/// No profile is larger.
+/// Maximum size of a profile.
 const LARGEST_FILE: u64 = 1 << 20;
 
-/// The profile of a file, or the assumed one where none is given. The file's text is added to
+/// The profile in a file, or the assumed one if none is given. The file's text is added to
 /// `sources`.
 pub fn load(path: Option<&Path>, sources: &mut SourceMap) -> Result<Profile, Vec<Diagnostic>> {
     let Some(path) = path else {
@@ -22,7 +22,7 @@ pub fn load(path: Option<&Path>, sources: &mut SourceMap) -> Result<Profile, Vec
     read::parse(file, &text)
 }
 
-/// The text of a file of bounded size; what is not UTF-8 becomes a mark that no reader takes.
+/// The text of a file of bounded size; invalid UTF-8 becomes a character that no parser accepts.
 pub fn text(path: &Path, largest: u64) -> Result<String, Box<Diagnostic>> {
     let unreadable = |why: String| {
         let message = format!("{} cannot be read: {why}", path.display());
@@ -43,7 +43,7 @@ pub fn text(path: &Path, largest: u64) -> Result<String, Box<Diagnostic>> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// What is said wherever a profile is used that is not verified.
+/// Warning wherever an unverified profile is used.
 pub fn caution(profile: &Profile) -> Option<Diagnostic> {
     (!profile.verified()).then(|| {
         let message = format!("the layout of UF_Value is {}", profile.shown());

@@ -1,52 +1,87 @@
-//! `check --proof`: why a contract is realizable, for whoever does not want to believe it.
-//! `docs/proof.md` says what is to be checked.
+//! `check --proof`: the reason why a contract is realizable, for an independent check.
+//! `docs/proof.md` describes that check.
 
 use super::console::schema;
+use crate::cli::schema::{Described, form};
 use crate::game::{Rank, Ranking};
 use crate::gr1::{Domain, Owner, Specification, Timing};
+use schemars::JsonSchema;
 use serde::Serialize;
 
+/// The document of a proof.
+pub const DOCUMENT: Described = Described::new(
+    "proof",
+    "Why a contract is realizable: `check --proof`",
+    &[form::<Document<'_>>],
+);
+
 /// The document.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 struct Document<'a> {
     schema: String,
+    /// The name of the contract.
     contract: &'a str,
+    /// What is proved.
+    #[schemars(extend("const" = "realizable"))]
     verdict: &'static str,
+    /// `mealy`: the controller sees the inputs of the step that it answers; `moore`: it answers
+    /// first.
+    #[schemars(extend("enum" = ["mealy", "moore"]))]
     timing: &'static str,
+    /// The variables; internal ones count as outputs.
     variables: Vec<Variable<'a>>,
+    /// The names of what the plant does again and again; `true` where there is none.
     assumptions: Vec<&'a str>,
+    /// What the machine does again and again; `true` where there is none.
     goals: Vec<Goal<'a>>,
+    /// The bits from the top of the diagrams to their bottom, such as `turning.0`.
     order: Vec<String>,
+    /// The edge to the states from which the controller wins.
     region: u32,
-    /// Bit, edge when it is 1, edge when it is 0.
+    /// Bit, edge if it is 1, edge if it is 0.
     nodes: Vec<(u16, u32, u32)>,
 }
 
-#[derive(Debug, Serialize)]
+/// A variable.
+#[derive(Debug, JsonSchema, Serialize)]
 struct Variable<'a> {
+    /// The name of the variable.
     name: &'a str,
+    /// Who sets it.
+    #[schemars(extend("enum" = ["input", "output"]))]
     owner: &'static str,
+    /// The lowest value.
     low: i64,
+    /// The highest value.
     high: i64,
+    /// The labels of an enumeration.
     #[serde(skip_serializing_if = "Option::is_none")]
     labels: Option<&'a [String]>,
+    /// The numbers of its bits, the most significant first; they hold the value minus `low`.
     bits: &'a [u16],
 }
 
-#[derive(Debug, Serialize)]
+/// A goal.
+#[derive(Debug, JsonSchema, Serialize)]
 struct Goal<'a> {
+    /// The name of the goal.
     name: &'a str,
+    /// The layers in which it is approached.
     layers: Vec<Layer>,
 }
 
-#[derive(Debug, Serialize)]
+/// A layer of a goal.
+#[derive(Debug, JsonSchema, Serialize)]
 struct Layer {
+    /// The index of the assumption that it waits for.
     assumption: usize,
+    /// The edge to the states in which it waits.
     wait: u32,
+    /// The edge to the states from which the goal is reached.
     reached: u32,
 }
 
-/// The document as text, one line a node.
+/// The document as text, one line per node.
 pub fn to_text(specification: &Specification, ranking: &Ranking) -> String {
     let root = |root: usize| ranking.diagram.roots[root].0;
     let layer = |rank: &Rank| Layer {
@@ -116,7 +151,7 @@ fn or_true(names: Vec<String>) -> Vec<String> {
     }
 }
 
-/// Each current bit by its variable's name and its place in it.
+/// Each current bit by its variable's name and its index in it.
 fn order(specification: &Specification, ranking: &Ranking) -> Vec<String> {
     let name = |bit: &u16| {
         let variables = specification.variables.iter().zip(&ranking.bits);

@@ -1,4 +1,4 @@
-//! `linewright run`: a line in the bundled runner, from its contracts to its figures.
+//! `linewright run`: runs a line in the bundled runner, from its contracts to its figures.
 
 use super::build::default_folder;
 use super::exit::ExitCode;
@@ -23,25 +23,25 @@ use std::path::PathBuf;
 
 TIME is a number of seconds (3600) or has units (90m, 8h, 1d, 1h30m).")]
 pub struct Arguments {
-    /// A file with a line, and its name where there are several
+    /// File with a line, and the name of the line if there are several
     #[arg(value_name = "LINE")]
     pub selection: Selection,
-    /// End when so many end products are made
+    /// Stop after N finished products
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub parts: Option<u64>,
-    /// End at this time of the simulation
+    /// Stop at this simulation time
     #[arg(long, value_name = "TIME", value_parser = time::seconds)]
     pub until: Option<f64>,
-    /// Where all randomness comes from
+    /// Random seed
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u64,
-    /// Run so many times, with the seeds that follow
+    /// Number of replications, with consecutive random seeds
     #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub replications: u32,
-    /// The folder for the station libraries [default: .linewright beside the file]
+    /// Folder of the station libraries [default: .linewright beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Compile again what is there already
+    /// Compile again even if nothing has changed
     #[arg(long)]
     pub rebuild: bool,
 }
@@ -98,8 +98,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         return Ok(options.exit_code(&findings));
     }
 
-    // A line that refuses parts can be run, and its run shows how often; that it does is an error
-    // all the same.
+    // A line that refuses parts can be run, and the run shows how often; it is an error
+    // nonetheless.
     let of_machine = |machine: &Machine| synthesis.of(machine);
     lines::judge(line, of_machine, &settings.limits, &mut findings);
 

@@ -1,18 +1,18 @@
-//! `FILE::NAME`: which declaration of which file is meant.
+//! `FILE::NAME`: selects a declaration of a file.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
 use super::outline;
 use crate::diagnostics::{codes, has_errors};
-use crate::engine::files::{self, Loaded};
+use crate::engine::files::{self, LoadedFiles};
 use crate::source::Span;
 
-/// A path, and the name of a declaration in it.
+/// A path and the name of a declaration in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Selection {
-    /// The file or folder.
+    /// File or folder.
     pub path: String,
-    /// The name after `::`.
+    /// Name after `::`.
     pub name: Option<String>,
 }
 
@@ -36,23 +36,22 @@ impl std::str::FromStr for Selection {
 }
 
 impl Selection {
-    /// Loads the file; where it has errors, they are printed and the command's exit code is given
-    /// instead.
+    /// Loads the file; if it has errors, prints them and returns the command's exit code.
     pub fn load(
         &self,
         command: &str,
         options: &GlobalOptions,
-    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
         Self::sound(self.read(options), command, options)
     }
 
-    /// The same for a command that needs nothing but the declaration of that name: what is wrong
-    /// within others of the file does not matter, as long as the file can be read.
+    /// Like `load`, for a command that needs only the declaration with that name: errors in other
+    /// declarations do not matter, as long as the file can be read.
     pub fn load_alone(
         &self,
         command: &str,
         options: &GlobalOptions,
-    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
         let mut loaded = self.read(options);
         if let Some(name) = &self.name {
             let sources = &loaded.library.sources;
@@ -70,16 +69,16 @@ impl Selection {
         Self::sound(loaded, command, options)
     }
 
-    fn read(&self, options: &GlobalOptions) -> Loaded {
+    fn read(&self, options: &GlobalOptions) -> LoadedFiles {
         let standard = files::StandardLibrary::new(options.library.clone());
         files::load(std::slice::from_ref(&self.path), &standard)
     }
 
     fn sound(
-        loaded: Loaded,
+        loaded: LoadedFiles,
         command: &str,
         options: &GlobalOptions,
-    ) -> anyhow::Result<Result<Loaded, ExitCode>> {
+    ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
         if has_errors(&loaded.findings) {
             let sources = &loaded.library.sources;
             options
@@ -92,11 +91,11 @@ impl Selection {
         Ok(Ok(loaded))
     }
 
-    /// What is meant among `all`: that of the name, or else everything that the file itself
-    /// declares. It may be nothing.
+    /// The selected items of `all`: those with the name, or else everything that the file itself
+    /// declares. May be empty.
     pub fn find<'a, T>(
         &self,
-        loaded: &Loaded,
+        loaded: &LoadedFiles,
         all: &'a [T],
         describe: impl Fn(&T) -> (&str, Span),
     ) -> Vec<&'a T> {
@@ -107,7 +106,7 @@ impl Selection {
         match &self.name {
             Some(name) => {
                 let named = || all.iter().filter(|i| describe(i).0 == name);
-                // A name of the file itself goes before an equal one that is imported.
+                // A name declared in the file itself takes precedence over an imported one.
                 match named().find(|i| own(i)) {
                     Some(item) => vec![item],
                     None => named().take(1).collect(),
@@ -117,10 +116,10 @@ impl Selection {
         }
     }
 
-    /// The same, where nothing is an error that says what there is.
+    /// Like `find`, but an empty selection is an error that lists the candidates.
     pub fn pick<'a, T>(
         &self,
-        loaded: &Loaded,
+        loaded: &LoadedFiles,
         kind: &str,
         all: &'a [T],
         describe: impl Fn(&T) -> (&str, Span),

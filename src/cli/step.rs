@@ -1,4 +1,4 @@
-//! `linewright step`: a contract played in the terminal, one step at a time.
+//! `linewright step`: plays a contract in the terminal, one step at a time.
 
 use super::console::Console;
 use super::exit::ExitCode;
@@ -21,7 +21,7 @@ use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
-/// Scripts replay each other so deep.
+/// Maximum nesting depth of scripts that replay each other.
 const MOST_NESTED: usize = 8;
 
 /// The arguments of `step`.
@@ -29,21 +29,20 @@ const MOST_NESTED: usize = 8;
 #[command(after_help = "Example:
     linewright step contracts/handling/turn.lw --script examples/step/turn.txt
 
-Without a script, commands are read from the terminal or from a pipe; `help` lists them. Of a realizable contract you are \
-the plant, and its verified controller answers. Of one that is not, you are the machine, and the plant shows you why no \
-controller exists.
+Without a script, commands are read from the terminal or a pipe; `help` lists them. If the \
+contract is realizable, you play the plant against its verified controller. Otherwise you play \
+the machine, and the plant plays the counterstrategy.
 
-In a script and in a pipe, what is wrong with a command is said on standard error, the next one is run, and the exit code is 1 \
-in the end.")]
+In a script or a pipe, a wrong command is reported on standard error, the next one is run, and \
+the exit code is 1.")]
 pub struct Arguments {
-    /// A file with contracts, and the name of one of them; it may be left out where there is only
-    /// one
+    /// File, and the name of a contract if there are several
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
-    /// Run the commands in this file, one a line
+    /// Run the commands in this file, one per line
     #[arg(long, value_name = "FILE")]
     pub script: Option<PathBuf>,
-    /// What chance begins with: the same number gives the same moves
+    /// Random seed of the command `random`
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }
@@ -67,7 +66,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         let (path, names) = (&arguments.selection.path, names.join(", "));
         anyhow::bail!("one contract is played at a time: write one of {names} behind {path}::");
     };
-    // A script that cannot be read is no reason to solve anything.
+    // An unreadable script ends the command before anything is solved.
     let script = match &arguments.script {
         Some(path) => Some(read(path)?),
         None => None,
@@ -143,7 +142,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     })
 }
 
-/// Who plays against the person, or why nobody does.
+/// Determines the person's opponent, or why there is none.
 fn opponent(
     contract: &Contract,
     checked: &CheckedContract,
@@ -162,8 +161,8 @@ fn opponent(
     if let Some(machine) = known {
         return Ok(Ok(Opponent::Counterstrategy(machine)));
     }
-    // Saying why it is unrealizable ended at a limit of its own. Who cannot keep the guarantees
-    // that clash cannot keep more.
+    // The explanation of unrealizability reached its own limit. A machine that cannot keep the
+    // guarantees of the core cannot keep more.
     let specification = lost(&contract.specification, &checked.core);
     let gave_up = |limit: game::Limit| {
         let name = &contract.name;
@@ -191,7 +190,7 @@ fn opponent(
     }
 }
 
-/// The specification with the guarantees of a core only; all of them where no core is known.
+/// The specification with only the guarantees of a core; with all of them if no core is known.
 fn lost(specification: &Specification, core: &[String]) -> Specification {
     let side = &specification.guarantees;
     let lists = [
@@ -215,15 +214,15 @@ fn read(path: &Path) -> anyhow::Result<String> {
     files::read(path).map_err(|why| anyhow::anyhow!("{} cannot be read: {why}", path.display()))
 }
 
-/// Where a play takes place: what is said goes to the console, files are read and written.
+/// Input and output of a play: messages go to the console, files are read and written.
 struct Table<'a> {
     session: Session<'a>,
-    /// Where the sources lie on the disk.
+    /// Paths of the sources on disk.
     sources: &'a BTreeSet<PathBuf>,
     console: Console,
-    /// Commands that could not be done.
+    /// Number of failed commands.
     mistakes: usize,
-    /// Whether somebody reads what is said.
+    /// Whether the output is still read.
     open: bool,
 }
 
@@ -233,7 +232,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// Runs a script. Gives whether the play goes on.
+    /// Runs a script. Returns whether the play continues.
     fn script(&mut self, text: &str, name: &str, depth: usize) -> anyhow::Result<bool> {
         for (index, line) in text.lines().enumerate() {
             if !self.line(line, &format!("{name}:{}", index + 1), depth)? {
@@ -243,7 +242,7 @@ impl Table<'_> {
         Ok(true)
     }
 
-    /// Runs a line that nobody types: it is repeated before what comes of it.
+    /// Runs a line from a script: echoes it before its output.
     fn line(&mut self, line: &str, place: &str, depth: usize) -> anyhow::Result<bool> {
         let command = line.trim();
         if self.console.format != Format::Json && !command.is_empty() {
@@ -252,7 +251,7 @@ impl Table<'_> {
         self.command(command, depth, |message| format!("{place}: {message}"))
     }
 
-    /// Runs a command. Gives whether the play goes on.
+    /// Runs a command. Returns whether the play continues.
     fn command(
         &mut self,
         line: &str,
@@ -299,7 +298,7 @@ impl Table<'_> {
         Ok(self.open)
     }
 
-    /// Commands from a person at a terminal, until the end of the play or of the input.
+    /// Reads commands from a terminal until the end of the play or of the input.
     fn talk(&mut self) -> anyhow::Result<ExitCode> {
         let mut input = std::io::stdin().lock();
         loop {

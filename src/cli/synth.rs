@@ -1,4 +1,4 @@
-//! `linewright synth`: a verified controller, written down.
+//! `linewright synth`: writes a verified controller.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
@@ -27,29 +27,28 @@ use std::path::PathBuf;
     linewright synth contracts/handling/turn.lw --emit spc
     linewright synth --counterstrategy --emit json examples/repair-me/1-clash.lw
 
-A controller is written only after it was verified against its contract. One with too many states is written as functions; \
-then its forms are json, c, st and plcopen. `--emit spc`, `slugsin`, `spectra` and `tlsf` write the specification itself, for other tools, and \
-need no controller.")]
+A controller is verified against its contract before it is written. A controller with too many \
+states is written as a symbolic controller (Boolean functions); its forms are json, c, st and \
+plcopen. `--emit spc`, `slugsin`, `spectra` and `tlsf` write the specification for other tools \
+and need no controller.")]
 pub struct Arguments {
-    /// A file with contracts, and the name of one of them; without a name, all that the file
-    /// declares. Also a specification of gr1c (.spc), slugs (.slugsin, .structuredslugs) or Spectra
-    /// (.spectra), or in TLSF (.tlsf)
+    /// File, and optionally one of its contracts [default: all of them]. Also a specification for
+    /// gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) or in TLSF (.tlsf)
     #[arg(value_name = "FILE[::NAME]")]
     pub selection: Selection,
-    /// The form of the controller; can be given several times
+    /// Output form (repeatable)
     #[arg(long, value_enum, default_value = "json")]
     pub emit: Vec<Emit>,
-    /// Instead of a controller, of a contract that has none: the plant's machine that beats every
-    /// controller (json, dot, svg)
+    /// Write the counterstrategy of an unrealizable contract (json, dot, svg)
     #[arg(long)]
     pub counterstrategy: bool,
-    /// What a machine shall be good at, where there is a choice; functions always take short ways
+    /// Objective for a Mealy machine; symbolic controllers always use `reaction`
     #[arg(long, value_enum, default_value_t)]
     pub prefer: Prefer,
-    /// The folder to write to; without it, a single result goes to standard output
+    /// Output folder; without it, a single result goes to standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also say what each verdict took, by phase; to standard error
+    /// Show how each verdict was found, by phase, on standard error
     #[arg(long)]
     pub stats: bool,
 }
@@ -57,10 +56,10 @@ pub struct Arguments {
 /// What a machine shall be good at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Prefer {
-    /// Few steps until the next goal is reached
+    /// Few steps to the next justice guarantee
     #[default]
     Reaction,
-    /// Few states, even where that takes longer: never more than with `reaction`
+    /// Few states, even if goals take longer; never more states than `reaction`
     States,
 }
 
@@ -76,19 +75,19 @@ impl From<Prefer> for Preference {
 /// The forms of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// States and guarded transitions, or functions
+    /// States and guarded transitions; functions if there are too many states
     Json,
-    /// A header and a source file in C99, without dependencies
+    /// Header and source file in C99, without dependencies
     C,
-    /// A function block in Structured Text of IEC 61131-3
+    /// Function block in IEC 61131-3 Structured Text
     St,
-    /// The same as PLCopen XML
+    /// The same function block as PLCopen XML
     Plcopen,
-    /// What `gr1c -t json` writes
+    /// JSON as `gr1c -t json` writes it
     Gr1c,
-    /// A drawing for Graphviz
+    /// Graphviz drawing
     Dot,
-    /// A drawing for a browser
+    /// SVG drawing
     Svg,
     /// The specification, for gr1c
     Spc,
@@ -96,12 +95,12 @@ pub enum Emit {
     Slugsin,
     /// The specification, for Spectra
     Spectra,
-    /// The specification, for tools of LTL synthesis
+    /// The specification, for LTL synthesis tools
     Tlsf,
 }
 
 impl Emit {
-    /// How many files it takes.
+    /// Number of files per controller.
     fn files(self) -> usize {
         if self == Self::C { 2 } else { 1 }
     }
@@ -122,7 +121,7 @@ impl Emit {
         }
     }
 
-    /// The format of a specification, if it is one rather than a controller's.
+    /// The format of a specification; `None` for the format of a controller.
     fn target(self) -> Option<Target> {
         match self {
             Self::Spc => Some(Target::Spc),
@@ -190,7 +189,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     }
     let mut jobs = Jobs::examining().wishing(ExtractionOptions {
         preference: arguments.prefer.into(),
-        // The other forms can only show a machine.
+        // The other formats can only show a machine.
         functions: controllers
             .iter()
             .all(|e| matches!(e, Emit::Json | Emit::C | Emit::St | Emit::Plcopen)),
@@ -266,8 +265,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// The counterstrategy of a contract that has no controller; otherwise a finding says why there is
-/// none.
+/// The counterstrategy of a contract that has no controller; otherwise a finding explains why there
+/// is none.
 fn counterstrategy<'c>(
     checked: &'c CheckedContract,
     span: Span,
@@ -289,18 +288,18 @@ fn counterstrategy<'c>(
     found
 }
 
-/// The files that are to be written.
+/// Files to be written.
 #[derive(Default)]
 struct Results {
     /// Names and texts.
     files: Vec<(String, String)>,
-    /// Whose each file is, by its name without regard to capitals: not every disk tells them apart.
+    /// Owner of each file by its name in lower case: some disks ignore case.
     owners: BTreeMap<String, String>,
 }
 
 impl Results {
-    /// Adds files of a contract. A finding (LW504), and none of them, where one has the name of
-    /// another contract's file.
+    /// Adds files of a contract. If one has the name of another contract's file, returns a finding
+    /// (LW504) and adds none.
     fn add(
         &mut self,
         contract: &str,
@@ -324,14 +323,13 @@ impl Results {
     }
 }
 
-/// A name that every system takes for a file's.
+/// A file name that is valid on every system.
 fn file_name(name: &str, ending: &str) -> String {
     let mark = if is_device(name) { "_" } else { "" };
     format!("{name}{mark}.{ending}")
 }
 
-/// The files of one of its written forms, by name. A finding (LW204) where that form would be too
-/// large.
+/// The files of a controller in one format, by name. A finding (LW204) if it would be too large.
 fn write_files(
     controller: &mealy::Controller,
     emit: Emit,
@@ -378,7 +376,7 @@ fn write_files(
     Ok(vec![(file_name(name, emit.ending()), text)])
 }
 
-/// A controller in one of its written forms. A finding (LW204) where that form would be too large.
+/// A controller in one format. A finding (LW204) if it would be too large.
 fn write(
     emit: Emit,
     machine: &mealy::Machine,

@@ -1,10 +1,9 @@
 //! TIME on the command line: `3600`, `90m`, `8h`, `1d`, `1h30m`.
 
-/// The seconds of a text: a number, or numbers each with one of the units `d h m s` in descending
-/// order.
+/// Parses seconds: a number, or numbers each with one of the units `d h m s` in descending order.
 pub fn seconds(text: &str) -> Result<f64, String> {
     parse(text.trim()).ok_or_else(|| {
-        format!("`{text}` is no time: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
+        format!("`{text}` is not a valid duration: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
     })
 }
 

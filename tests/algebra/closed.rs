@@ -1,5 +1,5 @@
-//! The closed composition of synthesized controllers: against an exploration of all states by hand,
-//! on random machines and on the laboratory's, and with controllers that were changed.
+//! The closed composition of synthesized controllers: compared with an independent exploration of
+//! all states, on random machines and the laboratory's, and with modified controllers.
 
 mod brute;
 mod contradictory;
@@ -8,8 +8,8 @@ use crate::random::Random;
 use brute::{Brute, Found};
 use linewright::algebra::closed::{Closed, FailureKind, Verdict, replay};
 use linewright::algebra::machine::{COMPLETES, of_machine};
-use linewright::algebra::proof::{self, Discharged};
-use linewright::algebra::system::{FormulaRef, Half, list};
+use linewright::algebra::proof::{self, DischargeRule};
+use linewright::algebra::system::{ContractSide, FormulaRef, list};
 use linewright::contract;
 use linewright::contract::machine::Machine;
 use linewright::engine::files::{self, StandardLibrary};
@@ -19,13 +19,12 @@ use linewright::mealy::{self, Cube, Guard, Test, Transition, extract::extract};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-/// A place in a list of so many.
+/// A random index below `bound`.
 fn pick(random: &mut Random, bound: usize) -> usize {
     random.below(bound as u64) as usize
 }
 
-/// What a verdict says, in the words of the exploration. Every run in it is one that the
-/// controllers make.
+/// A verdict in the terms of the exploration. Checks that the controllers produce every run in it.
 fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
     let mut found = Found {
         completes: true,
@@ -64,7 +63,7 @@ fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
     found
 }
 
-/// Both answers about a machine with these tables.
+/// Both answers for a machine with these tables.
 #[track_caller]
 fn compared(machine: &Machine, controllers: &[mealy::Controller], what: &str) -> Found {
     let controllers: Vec<&mealy::Controller> = controllers.iter().collect();
@@ -250,9 +249,9 @@ fn random_machines_are_decided_as_by_hand() {
     assert!(seen.iter().all(|n| *n > 20 && *n < rounds - 20), "{seen:?}");
 }
 
-/// Justice that nobody meets, by component: on the run on which nothing ever happens (`c = 0`,
-/// nothing is done, the call stays what it is) each of these stays false. Some are about what comes
-/// from outside, alone or beside what others set.
+/// Justice that nothing meets, by component: on the run on which nothing ever happens (`c = 0`,
+/// nothing is done, the call stays the same) each of these stays false. Some are about outside
+/// values, alone or combined with others.
 const UNMET: [&[&str]; 3] = [
     &[
         "job = none",
@@ -270,8 +269,8 @@ const UNMET: [&[&str]; 3] = [
     &["a", "a and s", "c = 2", "s and (a or c = 1)"],
 ];
 
-/// A machine in which the assumption `unmet` of a component is never met. What else is assumed
-/// leaves that run there is.
+/// A machine in which the assumption `unmet` of a component is never met. The other assumptions
+/// allow that run.
 fn unmet(random: &mut Random, component: usize, formula: &str) -> String {
     let mut own = [
         some(random, &LEAD[1..]),
@@ -303,9 +302,9 @@ machine M {{
     )
 }
 
-/// What a component waits for and nobody brings is open: no proof meets it, and none hands it on to
-/// whoever calls the machine, be it a plant or a line. The same of controllers: those that do
-/// nothing at all leave it unmet.
+/// What a component waits for and nothing brings about is open: no proof meets it, and none passes
+/// it on to the machine's caller, be it a plant or a line. The same for controllers: those that do
+/// nothing leave it unmet.
 #[test]
 fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
     let mut random = Random::new(24);
@@ -321,7 +320,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         let index = assumed.position(|f| f.name == "unmet");
         let unmet = FormulaRef {
             part: Some(component),
-            half: Half::Assumptions,
+            half: ContractSide::Assumptions,
             kind: RuleKind::Justice,
             index: index.expect("it is assumed"),
         };
@@ -339,7 +338,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
             let handed_on = proof
                 .discharges
                 .iter()
-                .filter(|d| d.rule == Discharged::Exported && d.what.kind == RuleKind::Justice);
+                .filter(|d| d.rule == DischargeRule::Exported && d.what.kind == RuleKind::Justice);
             assert_eq!(handed_on.count(), 0, "{text}");
         }
         let idle: Vec<mealy::Controller> = (0..machine.components.len())
@@ -357,7 +356,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
     );
 }
 
-/// A controller that says 0 whatever comes.
+/// A controller that always answers 0.
 fn idle(random: &mut Random, machine: &Machine, component: usize) -> mealy::Controller {
     let table = table(random, machine, component, 0);
     let mut table = table.machine().expect("a table").clone();
@@ -380,7 +379,7 @@ fn machine(file: &str) -> Machine {
     loaded.library.machines[0].clone()
 }
 
-/// The controllers, where all contracts are realizable.
+/// The controllers, if all contracts are realizable.
 fn synthesized_as_far_as_can_be(machine: &Machine) -> Option<Vec<mealy::Controller>> {
     let limits = Limits::default();
     let components = machine.components.iter();
@@ -436,7 +435,7 @@ fn the_assembly_cell_holds() {
     assert!(verdict.states > 1_000.0);
 }
 
-/// A table with one row left out, or with another output or another next state in one place.
+/// A table with one row left out, or with another output or next state in one place.
 fn mutant(random: &mut Random, table: &mealy::Machine) -> mealy::Machine {
     let mut changed = table.clone();
     let states = table.states.len();
@@ -459,7 +458,7 @@ fn mutant(random: &mut Random, table: &mealy::Machine) -> mealy::Machine {
             let output = pick(random, table.outputs.len());
             let domain = &table.outputs[output].domain;
             let value = domain.low() + random.below(domain.size()) as i64;
-            // A table that answers first says the same on all rows of a state.
+            // A table that answers first gives the same in all rows of a state.
             let places = if moore {
                 0..rows.len()
             } else {
@@ -510,12 +509,12 @@ fn controllers_that_were_changed_are_refuted_or_harmless() {
     assert!(refuted > 60 && harmless > 5, "{refuted}, {harmless}");
 }
 
-/// Of the assembly cell too: what is refuted comes with a run that the changed controllers make.
+/// For the assembly cell too, a refutation comes with a run that the modified controllers produce.
 #[test]
 fn a_changed_controller_of_the_assembly_cell_is_refuted() {
     let machine = machine("ice-lab/cell");
     let mut controllers = synthesized(&machine);
-    // The left arm's gripper never says that it holds something.
+    // The left arm's gripper never reports that it holds something.
     let mut table = controllers[1].machine().expect("a table").clone();
     let said = table.outputs.iter().position(|p| p.name == "pick_executed");
     let said = said.expect("an output");

@@ -1,5 +1,5 @@
-//! The composition of a coordinator and its actions: what fits is discharged, and each way of not
-//! fitting is found.
+//! The composition of a coordinator and its actions: what fits is discharged, and each kind of
+//! mismatch is found.
 //!
 //! The machine below is sound. Each test changes one thing in its text and names the finding that
 //! must appear; that the unchanged text has none shows that the finding comes from the change.
@@ -7,7 +7,7 @@
 use linewright::contract;
 use linewright::game::{self, Limits, Outcome};
 use linewright::mealy::{self, extract::extract, verify::verify};
-use linewright::station::composition::{self, By, Composition};
+use linewright::station::composition::{self, Composition, Discharger};
 
 const CELL: &str = r"
 type Command = {none, grab, drop}
@@ -95,7 +95,7 @@ fn compose(text: &str) -> Composition {
     composition::check(machine, &controllers.iter().collect::<Vec<_>>())
 }
 
-/// The ids and messages of what is found when `from` is replaced by `to`.
+/// The ids and messages of the findings when `from` is replaced by `to`.
 #[track_caller]
 fn changed(from: &str, to: &str) -> Vec<String> {
     assert!(CELL.contains(from), "the text has no {from}");
@@ -126,20 +126,22 @@ fn what_fits_is_discharged_by_name() {
         let found = found.find(|d| d.component == component && d.assumption == assumption);
         found.map(|d| d.by.clone())
     };
-    assert_eq!(by("lead", "first"), Some(By::Plant));
-    assert_eq!(by("lead", "empty"), Some(By::Line));
-    assert_eq!(by("grab", "comes"), Some(By::Plant));
-    assert_eq!(by("grab", "open"), Some(By::Coordinator));
+    assert_eq!(by("lead", "first"), Some(Discharger::Plant));
+    assert_eq!(by("lead", "empty"), Some(Discharger::Line));
+    assert_eq!(by("grab", "comes"), Some(Discharger::Plant));
+    assert_eq!(by("grab", "open"), Some(Discharger::Coordinator));
     assert_eq!(
         by("lead", "served"),
-        Some(By::Guarantee("grab: completes, put: completes".to_owned()))
+        Some(Discharger::Guarantee(
+            "grab: completes, put: completes".to_owned()
+        ))
     );
     assert_eq!(composition.discharges.len(), 7);
 }
 
 #[test]
 fn a_request_that_is_dropped_is_found() {
-    // The coordinator takes the request back whenever it likes to.
+    // The coordinator may withdraw the request at any time.
     finds(
         "(if command != none then (if executed then none else command)",
         "(if command != none then none",
@@ -231,7 +233,7 @@ fn an_operation_that_never_ends_is_found() {
         "LW304",
         "`carry`",
     );
-    // It drops and grabs again without ever saying that it is done.
+    // It drops and grabs again without ever reporting that it is done.
     finds("done lead.done", "done lead.last", "LW306", "`carry`");
 }
 
@@ -245,8 +247,7 @@ fn an_operation_that_cannot_begin_is_found() {
     );
 }
 
-/// Two coordinators, each with a job of its own kind; what an action is asked for is set by the
-/// job.
+/// Two coordinators, each with its own kind of job; the job determines the request of an action.
 const TWO: &str = "
 moore contract Lead {
     input job: {none, near, far}
@@ -318,25 +319,25 @@ fn several_coordinators_fit_together() {
             .by
             .clone()
     };
-    assert!(matches!(of("arm", "served"), By::Guarantee(_)));
-    assert!(matches!(of("table", "served"), By::Guarantee(_)));
+    assert!(matches!(of("arm", "served"), Discharger::Guarantee(_)));
+    assert!(matches!(of("table", "served"), Discharger::Guarantee(_)));
     // While the table turns, its operation goes on: `near` cannot be asked for.
-    assert_ne!(of("table", "apart"), By::Line);
-    assert_eq!(of("drive", "held"), By::Coordinator);
+    assert_ne!(of("table", "apart"), Discharger::Line);
+    assert_eq!(of("drive", "held"), Discharger::Coordinator);
 }
 
 #[test]
 fn several_coordinators_that_do_not_fit_are_found() {
     let changes = [
-        // The table's job is said to be the arm's.
+        // The table's job is attributed to the arm.
         (
             "operation face: turn",
             "operation face: drive(to = 0)",
             "LW306",
         ),
-        // The arm never says that it is done, and the table is not asked.
+        // The arm never reports that it is done, and the table is not asked.
         ("done arm.done or table.done", "done table.done", "LW3"),
-        // Nothing holds what the arm is asked for.
+        // Nothing holds the request of the arm.
         ("to = 2", "to = if arm.command then 1 else 2", ""),
         (
             "(not command or executed)\n    assume apart",

@@ -1,6 +1,5 @@
-//! The algebra of contracts on the contracts and machines that ship: discharge tables, what happens
-//! when a guarantee that one of them names is taken away, the paper's own pair, and circles that
-//! are sound or not.
+//! The algebra of contracts on the shipped contracts and machines: discharge tables, the effect of
+//! removing a guarantee named in one, the paper's own pair, and sound and unsound circles.
 
 mod machines;
 mod mutants;

@@ -1,13 +1,13 @@
-//! Machines within machines: the flat machine against its parts, proofs by promises against proofs
-//! of everything, and what is wrong in a machine of machines. That their libraries do the same as
-//! the interpreter is tested in `station/layers.rs`.
+//! Machines within machines: the flat machine compared with its parts, proofs by promises with
+//! proofs of everything, and errors in a machine of machines. `station/layers.rs` tests that their
+//! libraries agree with the interpreter.
 
 use crate::support;
 use crate::support::root;
 use linewright::algebra::machine::{of_machine, of_promise};
 use linewright::algebra::proof::{Claim, Proof, prove, prove_stepwise};
 use linewright::algebra::replay;
-use linewright::algebra::system::{Half, System, list};
+use linewright::algebra::system::{ContractSide, System, list};
 use linewright::contract;
 use linewright::contract::machine::{Machine, Role};
 use linewright::engine::files::{self, StandardLibrary};
@@ -82,7 +82,7 @@ fn what_runs_is_flat_and_what_is_proved_is_not() {
     // Coordinators of all layers come first.
     let roles: Vec<Role> = hall.components.iter().map(|c| c.role).collect();
     assert!(roles.is_sorted_by_key(|r| *r == Role::Action));
-    // What an operation runs, by the actions' own names.
+    // The sequence of an operation, by the actions' own names.
     let runs = |m: &Machine| -> Vec<String> {
         let sequence = m.operations[0].sequence.iter();
         sequence.map(|i| m.components[*i].name.clone()).collect()
@@ -97,13 +97,13 @@ fn what_runs_is_flat_and_what_is_proved_is_not() {
             "cell.pick.place"
         ]
     );
-    // Everything that the units draw beside their actions is drawn in the cell.
+    // Everything that the units draw beside their actions is drawn by the cell.
     assert!((cell.base_watts - (20.0 + 40.0 + 30.0)).abs() < 1e-9);
     assert!((hall.base_watts - cell.base_watts).abs() < 1e-9);
     assert!((cell.idle_watts - 15.0).abs() < 1e-9);
 }
 
-/// All that is to be proved of a machine, with inner machines as their promises, and with all their
+/// Everything to be proved of a machine, with inner machines as their promises, and with all their
 /// components.
 fn both_ways(machine: &Machine) -> Vec<[(System, Claim); 2]> {
     let short = machine.abstracted();
@@ -167,7 +167,7 @@ fn of_a_damaged_coordinator_promises_never_show_more() {
     assert!(lost >= 5, "{kept} {lost} {only_flat}");
 }
 
-/// Takes the guarantee of this number away from a component.
+/// Removes the guarantee with this index from a component.
 fn without(machine: &mut Machine, component: usize, index: usize) {
     let component = &mut machine.components[component];
     let specification = Arc::make_mut(&mut component.specification);
@@ -209,7 +209,7 @@ fn without_a_promise_that_a_table_names_the_proof_fails() {
             .discharges
             .iter()
             .flat_map(|d| d.by.iter().copied())
-            .filter(|at| at.half == Half::Guarantees && at.part.is_some_and(inner))
+            .filter(|at| at.half == ContractSide::Guarantees && at.part.is_some_and(inner))
             .collect();
         named.sort_unstable();
         named.dedup();
@@ -253,7 +253,7 @@ fn promises_are_kept_step_by_step() {
     }
 }
 
-/// A copy of the example with something in it replaced.
+/// A copy of the example with a replacement.
 fn changed(file: &str, from: &str, to: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["units.lw", "cell.lw"] {
@@ -295,7 +295,7 @@ fn a_unit_that_keeps_its_contract_no_more_is_found_at_the_unit_and_at_the_cell()
     assert!(text.contains(words), "{text}");
 }
 
-/// With the arguments that it has in the cell, and not with those of its own file.
+/// With its arguments in the cell, not those of its own file.
 #[test]
 fn a_unit_is_proved_in_the_size_that_it_has() {
     let folder = changed(
@@ -324,7 +324,7 @@ fn a_unit_is_proved_in_the_size_that_it_has() {
     );
 }
 
-/// What the contract does not speak of is anything in the proof, and the finding says the way out.
+/// Whatever the contract does not mention is free in the proof, and the finding names the remedy.
 #[test]
 fn what_no_contract_speaks_of_is_free() {
     let from = "picked = pick.done";
@@ -338,16 +338,16 @@ fn what_no_contract_speaks_of_is_free() {
         text.contains("`pick.control.command`, of which `PickAndPlace` says nothing"),
         "{text}"
     );
-    // And of the components it can be shown.
+    // And it can be shown from the components.
     let machines = load(&folder.path().join("cell.lw"));
     let cell = machines.iter().find(|m| m.name == "TransferCell");
     let [short, long] = &both_ways(cell.expect("the cell"))[0];
     assert!(!proved(&short.0, &short.1).holds());
     assert!(proved(&long.0, &long.1).holds());
-    // The same wire by another name is the contract's own.
+    // The same wire under another name is the contract's own.
     let folder = changed("cell.lw", from, "picked = pick.control.done");
     assert_eq!(checked(folder.path(), "cell.lw").0, Some(0));
-    // Where the unit refines nothing, its components say it all.
+    // If the unit refines nothing, its components are used.
     let text = std::fs::read_to_string(folder.path().join("units.lw")).expect("a copy");
     let start = text.find("\n    refines PickAndPlace").expect("a promise");
     let end = start + text[start..].find("    }\n").expect("its end") + 6;
@@ -388,7 +388,7 @@ machine Outer {
 }
 ";
 
-/// The ids and messages of what is found when `from` is replaced by `to`.
+/// The ids and messages of the findings when `from` is replaced by `to`.
 fn found(from: &str, to: &str) -> Vec<String> {
     assert!(SMALL.contains(from), "the text has no {from}");
     let files = [("small.lw".to_owned(), SMALL.replace(from, to))];
@@ -473,7 +473,7 @@ fn mistakes_in_machines_of_machines_are_found() {
     }
 }
 
-/// An input that only Moore components read may come from what answers later.
+/// An input read only by Moore components may come from a component that answers later.
 #[test]
 fn a_coordinator_within_may_be_led_by_what_answers_later() {
     let text = "

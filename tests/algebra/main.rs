@@ -1,4 +1,4 @@
-//! Composition, refinement and the other operations on contracts, against brute force.
+//! Composition, refinement and the other operations on contracts, compared with brute force.
 
 mod closed;
 mod composition;

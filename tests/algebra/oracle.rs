@@ -1,17 +1,17 @@
-//! The algebra of contracts against brute force.
+//! The algebra of contracts compared with brute force.
 //!
-//! Random small contracts; every set of runs counted through on all lassos up to a bound; every
-//! game and every composition on explicit states. What is compared shares no code with
-//! `crates/algebra/src` but the shape of its data and look-ups in it (who sets a variable, which
-//! formula is pointed at, which variables it says something of).
+//! Random small contracts; every set of runs is enumerated on all lassos up to a bound; every game
+//! and every composition on explicit states. What is compared shares no code with
+//! `crates/algebra/src` except its data types and look-ups in them (who sets a variable, which
+//! formula is referenced, which variables it restricts).
 //!
-//! | file | what it shows |
+//! | file | what it tests |
 //! |---|---|
-//! | `operations` | the five operations are the sets that their definitions say, and questions about them are decided right |
+//! | `operations` | the five operations equal the sets in their definitions, and questions about them are decided correctly |
 //! | `laws` | the laws of the algebra, exactly and on all lassos |
-//! | `refinement` | refinement with its reasons: the same verdict, reasons that are enough and none too many, real counterexamples |
+//! | `refinement` | refinement with its reasons: the same verdict, sufficient and minimal reasons, real counterexamples |
 //! | `compatibility` | environments exist where a naive solver of the swapped game finds one |
-//! | `circles` | what a proof of a composition promises holds of all machines that keep the parts' contracts |
+//! | `circles` | the claims of a proof of composition hold for all machines that keep the parts' contracts |
 
 mod circles;
 mod compatibility;

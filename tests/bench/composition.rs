@@ -1,9 +1,9 @@
 //! The assembly cell in one piece and in parts: the holistic contract solved as a game, against its
 //! parts solved one by one and the proof that together they refine it.
 //!
-//! Each row is `linewright check` as a user starts it, on copies with other default sizes: user and
-//! system time of the process, everything solved and proved anew. The paper's tool had not finished
-//! its own holistic contract of such a cell after six hours.
+//! Each row is `linewright check` as a user runs it, on copies with other default sizes: user and
+//! system time of the process, with everything solved and proved anew. The paper's tool had not
+//! finished its own holistic contract of such a cell after six hours.
 //!
 //!     cargo bench --bench composition
 
@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// Cells of the wrist's circle, and of the grid's side.
+/// Number of cells on the wrist's circle, and side length of the grid.
 const SIZES: [(u32, u32); 4] = [(8, 3), (12, 4), (24, 8), (48, 16)];
 
 fn copy(from: &Path, to: &Path) {
@@ -21,7 +21,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Puts other defaults into a file.
+/// Replaces defaults in a file.
 fn resize(path: &Path, defaults: &[(&str, u32)]) {
     let mut text = std::fs::read_to_string(path).expect("the file");
     for (parameter, size) in defaults {
@@ -88,7 +88,7 @@ fn row((cells, grid): (u32, u32)) {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    // `cargo test --benches` only asks whether it runs.
+    // `cargo test --benches` only checks that it runs.
     if arguments.iter().any(|a| a == "--test") {
         return;
     }

@@ -1,7 +1,7 @@
-//! The runner by itself: five stations with exponential services, buffers of three, blocking after
-//! service, no log. The same line on which other simulators were measured: `SimPy` makes some
-//! thirty thousand parts a second, and a bare heap in Rust that knows only this one line two and a
-//! half million.
+//! The runner alone: five stations with exponential services, buffers of three, blocking after
+//! service, no log. The same line was used to measure other simulators: `SimPy` makes some thirty
+//! thousand parts per second, and a bare heap in Rust written for only this line two and a half
+//! million.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 #[path = "../line/models.rs"]

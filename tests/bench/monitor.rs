@@ -1,12 +1,12 @@
-//! Monitors of skill orders: skills a second, of the pick-and-place unit with both rules, on one
-//! core.
+//! Monitors of skill orders: skills per second on one core, for the pick-and-place unit with both
+//! rules.
 //!
 //!     cargo bench --bench monitor
 //!
-//! A legal program of four million random skills is read in one run, and call by call; by our
-//! monitor, by the emitted C (compiled with `cc -O2`, loaded as a library), and by the compiled
-//! automaton of the regular expression for the same rules (regex-automata, minimised), which is
-//! asked after every skill whether it may go on, and as it searches by itself.
+//! A legal program of four million random skills is read in one run, and call by call: by
+//! Linewright's monitor, by the emitted C (compiled with `cc -O2`, loaded as a library), and by the
+//! compiled automaton of the regular expression for the same rules (regex-automata, minimized),
+//! queried after every skill whether it may go on, and with its own search.
 
 #[expect(dead_code, reason = "only its random numbers are needed")]
 #[path = "../solver/random.rs"]
@@ -36,7 +36,7 @@ type Run = unsafe extern "C" fn(*mut u32, *const u8, usize) -> usize;
 /// prefix-closed.
 const RULES: &str = r"(?s-u)(?:[\x00\x01\x02\x04]*\x03[\x03\x04\x05]*\x02)*[\x00\x01\x02\x04]*(?:\x03[\x03\x04\x05]*)?";
 
-/// Random skills that are all allowed.
+/// Random skills, all allowed.
 fn program(table: &Table) -> Vec<u8> {
     let mut random = Random::new(7);
     let mut monitor = Monitor::new(table);

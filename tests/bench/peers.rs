@@ -1,10 +1,10 @@
-//! Realizability beside other tools: `linewright check` and, where they are at hand, gr1c and
-//! slugs, on the same files.
+//! Realizability compared with other tools: `linewright check` and, if available, gr1c and slugs,
+//! on the same files.
 //!
-//! Every figure is of a whole process as a user starts it: user and system time, and peak resident
-//! memory. The tools take turns on each file, so that what else the machine does hits both. Where a
-//! file's format belongs to a tool that is not at hand, our own figures stand alone. See
-//! `README.md` beside this file for how to use it.
+//! Every figure is of a whole process as a user runs it: user and system time, and peak resident
+//! memory. The tools take turns on each file, so that other load affects both. If a format's tool
+//! is not available, only Linewright's figures are shown. The `README.md` in this folder explains
+//! the usage.
 
 #[cfg(unix)]
 #[path = "peers/compare.rs"]

@@ -1,18 +1,18 @@
-//! From contracts to loaded libraries, for the laboratory's whole line: what a first run costs and
-//! what a second, and where the time goes.
+//! From contracts to loaded libraries, for the laboratory's whole line: cost of a first and a
+//! second run, and where the time goes.
 //!
-//! The first table is of the program as a user starts it,
-//! `run examples/ice-lab/line.lw --parts 50`, with user and system time of the process and of all
-//! that it starts (the C compiler above all). It holds the 50 products too, so that it is an upper
-//! bound for the way from contracts to loaded libraries. The times come from the shell's `times`:
-//! children that were waited for, on every Unix, and no unsafe call of `getrusage`. The rest
-//! measures each stage inside this process, one after the other on one core.
+//! The first table is of the program as a user runs it, `run examples/ice-lab/line.lw --parts 50`,
+//! with user and system time of the process and everything it starts (above all the C compiler). It
+//! includes the 50 products, so it is an upper bound for getting from contracts to loaded
+//! libraries. The times come from the shell's `times`: finished children, on every Unix, without an
+//! unsafe call of `getrusage`. The other tables measure each stage inside this process, one after
+//! the other on one core.
 
 use criterion::{Criterion, criterion_group};
 use linewright::contract::machine::Machine;
-use linewright::engine::files::{self, Loaded, StandardLibrary};
+use linewright::engine::files::{self, LoadedFiles, StandardLibrary};
 use linewright::engine::machines::of_line;
-use linewright::game::{Limits, Outcome, Won, solve};
+use linewright::game::{Limits, Outcome, WonGame, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::{self, extract::extract, verify::verify};
 use linewright::station::Package;
@@ -23,10 +23,10 @@ use std::time::Instant;
 
 const LINE: &str = "examples/ice-lab/line.lw";
 
-/// What the paper's tool needed for its library of actions: the sum of its table's rows.
+/// Time of the paper's tool for its library of actions: the sum of its table's rows.
 const PAPER_SECONDS: f64 = 7.1;
 
-/// Runs whose median is shown.
+/// Number of runs whose median is shown.
 const RUNS: usize = 5;
 
 /// Seconds of one run.
@@ -53,7 +53,7 @@ fn run(folder: &Path) -> Cost {
     let text = String::from_utf8_lossy(&output.stdout);
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "the line runs: {words}");
-    // The shell's own times, then those of what it waited for.
+    // The shell's own times, then those of its children.
     let children = text.lines().nth(1).expect("two lines");
     let mut seconds = children.split_whitespace().map(seconds);
     let mut next = || seconds.next().expect("user and system");
@@ -115,22 +115,22 @@ fn whole_runs() {
     println!("the paper's tool (contracts only)                          {PAPER_SECONDS:.1}\n");
 }
 
-/// What the stages hand on for the whole line.
+/// Results of the stages for the whole line.
 struct Stages {
-    loaded: Loaded,
+    loaded: LoadedFiles,
     machines: Vec<Arc<Machine>>,
     /// Every contract with its arguments, once.
     specifications: Vec<Arc<Specification>>,
-    won: Vec<Won>,
+    won: Vec<WonGame>,
     controllers: Vec<mealy::Machine>,
 }
 
-fn load() -> Loaded {
+fn load() -> LoadedFiles {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(LINE);
     files::load(&[file.display().to_string()], &StandardLibrary::default())
 }
 
-fn win(specification: &Specification) -> Won {
+fn win(specification: &Specification) -> WonGame {
     match solve(specification, &Limits::default()) {
         Outcome::Realizable(won) => won,
         _ => panic!("{} is realizable", specification.name),
@@ -150,7 +150,7 @@ impl Stages {
                 specifications.push(Arc::clone(&component.specification));
             }
         }
-        let won: Vec<Won> = specifications.iter().map(|s| win(s)).collect();
+        let won: Vec<WonGame> = specifications.iter().map(|s| win(s)).collect();
         let controllers = specifications.iter().zip(&won);
         let controllers = controllers
             .map(|(s, w)| extract(s, w, &Limits::default()).expect("no limit"))
@@ -232,7 +232,7 @@ criterion_group! {
 }
 
 fn main() {
-    // `cargo test --benches` only asks whether it runs.
+    // `cargo test --benches` only checks that it runs.
     if !std::env::args().any(|a| a == "--test" || a == "--list") {
         whole_runs();
     }

@@ -1,10 +1,11 @@
-//! How the cost of a controller grows with each size of the laboratory's contracts, one parameter
-//! at a time, and what the line at real size costs as a whole.
+//! Cost of a controller as a function of each size of the laboratory's contracts, one parameter at
+//! a time, and the total cost of the line at real size.
 //!
-//! Each row is one `linewright synth` as a user starts it, on a copy of the contract with another
-//! default for the parameter: user and system time of the process, the largest number of BDD nodes,
-//! the controller's states or decisions, and the bytes of its C compiled as the station libraries
-//! are. Nothing is remembered between rows. Times come from the shell's `times`, as in `pipeline`.
+//! Each row is one `linewright synth` as a user runs it, on a copy of the contract with another
+//! default for the parameter: user and system time of the process, the peak number of BDD nodes,
+//! the controller's states or decisions, and the bytes of its C compiled like the station
+//! libraries. Nothing is cached between rows. Times come from the shell's `times`, as in
+//! `pipeline`.
 //!
 //!     cargo bench --bench sizes            all rows, then the line
 //!     cargo bench --bench sizes -- Turn    the rows of one contract
@@ -13,11 +14,11 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// A contract, its file, and what its parameters are replaced by, row by row.
+/// A contract, its file, and the replacements of its parameters, row by row.
 struct Series {
     contract: &'static str,
     file: &'static str,
-    /// The parameters as the file has them.
+    /// The parameters as in the file.
     defaults: &'static [&'static str],
     rows: &'static [&'static [u32]],
 }
@@ -76,8 +77,8 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Runs a program, and gives what it printed and its processor time with that of all it started, in
-/// seconds.
+/// Runs a program; returns its output and the processor time in seconds, including everything it
+/// started.
 fn timed(arguments: &[&str], folder: &Path) -> (String, f64) {
     let output = Command::new("sh")
         .args(["-c", r#""$@" 2>&1; times"#, "sh"])
@@ -139,7 +140,7 @@ fn row(series: &Series, sizes: &[u32]) {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    // `cargo test --benches` only asks whether it runs.
+    // `cargo test --benches` only checks that it runs.
     if arguments.iter().any(|a| a == "--test" || a == "--list") {
         return;
     }

@@ -4,13 +4,13 @@
 mod fixtures;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use linewright::game::{Limits, Outcome, Won, solve};
+use linewright::game::{Limits, Outcome, WonGame, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::{extract::extract, verify::verify};
 use std::hint::black_box;
 use std::time::Duration;
 
-fn won(specification: &Specification) -> Won {
+fn won(specification: &Specification) -> WonGame {
     match solve(specification, &Limits::default()) {
         Outcome::Realizable(won) => won,
         other => panic!("{}: {other:?}", specification.name),

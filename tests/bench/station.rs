@@ -1,15 +1,15 @@
-//! Station libraries: what a step and an operation cost, and what each form of a controller and
-//! each level of optimisation is worth. These are the figures behind
+//! Station libraries: cost of a step and of an operation, and the effect of each form of a
+//! controller and each optimization level. These are the figures behind
 //! `crates/station/src/toolchain/mod.rs` and `src/cli/controller.rs`.
 //!
 //!     cargo bench --bench station                 all three tables
 //!     cargo bench --bench station -- shipped      every machine of the laboratory, and at real size: steps, operations, what surrounds them
-//!     cargo bench --bench station -- forms        tables beside functions on growing machines
-//!     cargo bench --bench station -- levels       levels of optimisation
+//!     cargo bench --bench station -- forms        tables and functions for growing machines
+//!     cargo bench --bench station -- levels       optimization levels
 //!
 //! Steps are those of random walks that keep the assumptions, replayed through `lw_step`;
-//! operations go through `simulate`, as Plant Simulation calls it. Every time is the best of nine,
-//! since the machine has other work to do.
+//! operations go through `simulate`, as in Plant Simulation. Every time is the best of nine, since
+//! the computer has other load.
 
 #[expect(dead_code, reason = "a walk needs its random numbers only")]
 #[path = "../station/differential.rs"]
@@ -31,7 +31,7 @@ use laboratory::Controlled;
 use linewright::contract::machine::Machine;
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::machines::{MachinePlan, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits, Outcome, solve};
 use linewright::mealy::{self, extract::extract, functions::Functions};
@@ -60,7 +60,7 @@ fn main() {
     }
 }
 
-/// Nanoseconds of one of `count` things that `work` does.
+/// Nanoseconds per item, for `count` items handled by `work`.
 fn best(count: usize, mut work: impl FnMut()) -> f64 {
     let times = (0..9).map(|_| {
         let begin = Instant::now();
@@ -71,7 +71,7 @@ fn best(count: usize, mut work: impl FnMut()) -> f64 {
     least.as_nanos() as f64 / count.max(1) as f64
 }
 
-/// A library, its size in bytes, and how long it took to build.
+/// A library, its size in bytes, and its build time.
 struct Built {
     instance: Instance,
     bytes: u64,
@@ -95,8 +95,7 @@ fn build(machine: &Machine, controllers: &[mealy::Controller], toolchain: &Toolc
     }
 }
 
-/// Plant wires of steps that keep all assumptions, one step after the other; an empty entry is a
-/// reset.
+/// Plant wires of successive steps that keep all assumptions; an empty entry is a reset.
 fn walk(controlled: &Controlled) -> Vec<Vec<i64>> {
     let machine = &controlled.machine;
     let mut interpreter =
@@ -107,7 +106,7 @@ fn walk(controlled: &Controlled) -> Vec<Vec<i64>> {
     let mut plant: Vec<i64> = machine.plant.iter().map(|p| p.domain.low()).collect();
     let mut refused = 0;
     while steps.len() < WALK {
-        // Mostly a wire or two change: what an operation needs tends to stay.
+        // Usually only a wire or two change: what an operation needs tends to stay.
         let before = plant.clone();
         for (value, input) in plant.iter_mut().zip(&machine.plant) {
             if random.below(4) == 0 {
@@ -130,7 +129,7 @@ fn walk(controlled: &Controlled) -> Vec<Vec<i64>> {
     steps
 }
 
-/// Nanoseconds a step of a walk.
+/// Nanoseconds per step of a walk.
 fn step_time(instance: &mut Instance, machine: &Machine, steps: &[Vec<i64>]) -> f64 {
     let mut outputs = vec![0; machine.wire_count() - machine.plant.len()];
     best(steps.len(), || {
@@ -147,7 +146,7 @@ fn step_time(instance: &mut Instance, machine: &Machine, steps: &[Vec<i64>]) -> 
     })
 }
 
-/// The machines of the line at real size, with the controllers that `build` takes.
+/// The machines of the line at real size, with the controllers that `build` chooses.
 fn at_real_size() -> Vec<Controlled> {
     let file = support::root().join("examples/ice-lab/real.lw");
     let file = file.display().to_string();
@@ -160,9 +159,9 @@ fn at_real_size() -> Vec<Controlled> {
         ..ExtractionOptions::default()
     });
     let machines = of_line(line);
-    let planned: Vec<Planned<'_>> = machines
+    let planned: Vec<MachinePlan<'_>> = machines
         .iter()
-        .map(|m| Planned::new(m, &mut jobs))
+        .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
     let settings = Settings {
         limits: Limits::default(),
@@ -181,7 +180,7 @@ fn at_real_size() -> Vec<Controlled> {
     controlled.collect()
 }
 
-/// Every machine of the laboratory as it ships, and those of its line at real size.
+/// All shipped machines of the laboratory, and those of its line at real size.
 fn shipped() {
     println!(
         "| machine | controllers | library | a step | a controller's share | an operation | its steps | `simulate` | `reset` |"
@@ -209,7 +208,7 @@ fn shipped() {
             built.bytes >> 10,
             step / components as f64
         );
-        // The operation that is nearest to ten steps.
+        // The operation closest to ten steps.
         let values: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
         let mut found: Option<(usize, u64)> = None;
         for operation in 0..machine.operations.len() {
@@ -241,8 +240,8 @@ fn shipped() {
     }
 }
 
-/// A file of the laboratory with a machine whose size is a parameter: its default, and what it is
-/// replaced by.
+/// A file of the laboratory with a machine whose size is a parameter: its default, and its
+/// replacements.
 struct Series {
     machine: &'static str,
     file: &'static str,
@@ -294,7 +293,7 @@ const SERIES: [Series; 4] = [
     },
 ];
 
-/// Tables beside functions.
+/// Compares tables and functions.
 fn forms() {
     println!(
         "| machine | tables | library | built in | a step | functions | library | built in | a step |"
@@ -347,7 +346,7 @@ fn sized(series: &Series, size: &str) -> Arc<Machine> {
     Arc::new(machine.unwrap_or_else(|| panic!("{:?}", loaded.findings)))
 }
 
-/// Explicit machines, and how many splits and leaves they take in bytes; `None` when they grow too
+/// Explicit machines, and the number of bytes of their splits and leaves; `None` if they grow too
 /// large.
 fn tables(machine: &Machine) -> Option<(Vec<mealy::Controller>, String)> {
     let limits = Limits {
@@ -367,7 +366,7 @@ fn tables(machine: &Machine) -> Option<(Vec<mealy::Controller>, String)> {
     Some((controllers, format!("{} KiB", bytes.div_ceil(1024))))
 }
 
-/// Functions, and how many decisions they have.
+/// Functions, and the number of their decisions.
 fn functions(machine: &Machine) -> Option<(Vec<mealy::Controller>, String)> {
     let limits = Limits::default();
     let mut decisions = 0;
@@ -383,7 +382,7 @@ fn functions(machine: &Machine) -> Option<(Vec<mealy::Controller>, String)> {
     Some((controllers, format!("{decisions} decisions")))
 }
 
-/// Levels of optimisation.
+/// Compares optimization levels.
 fn levels() {
     println!("| machine | level | built in | library | a step |");
     println!("|---|---|---:|---:|---:|");

@@ -1,5 +1,4 @@
-//! What holds for every text, whoever wrote it. The fuzz targets and the ordinary tests share this
-//! file.
+//! Properties that hold for every text. Shared by the fuzz targets and the ordinary tests.
 
 #[path = "solve.rs"]
 mod solve;
@@ -20,17 +19,17 @@ use linewright::order::{self, Skills};
 use linewright::source::FileId;
 use std::sync::Arc;
 
-/// Specifications of longer texts are not written: that may take as long as it likes, the reader
-/// may not.
+/// Maximum length of texts whose specifications are written: the writer may take arbitrarily long,
+/// the reader may not.
 const SHORT: usize = 400;
 
-/// Sets of skills are examined that are no larger than this.
+/// Maximum size of sets of skills that are examined.
 const MOST_SKILLS: usize = 6;
 const MOST_RULES: usize = 4;
 const MOST_STATES: usize = 30;
 
 /// Reads a text: every finding lies within it, there is a specification exactly if no finding is an
-/// error, and what is written from it can be read.
+/// error, and whatever is written from it can be read.
 pub fn reader(format: Format, text: &str) {
     let reading = read(format, "fuzz", FileId(0), text);
     assert_eq!(
@@ -57,7 +56,7 @@ pub fn reader(format: Format, text: &str) {
     assert_sound(&findings, &printed);
 }
 
-/// Parses and resolves a text of the language itself.
+/// Parses and resolves a text of Linewright's language.
 pub fn language(text: &str) {
     let (library, findings) = alone(text);
     within(&findings, text);
@@ -66,7 +65,8 @@ pub fn language(text: &str) {
     };
     for skills in library.skills.iter().filter(small) {
         within(&order::findings::examine(skills, Deadline::NONE), text);
-        // That the expression has the words of the automaton is asserted where it is made.
+        // An assertion in the code that makes the expression checks that it has the words of the
+        // automaton.
         if let Ok(fsm) = Fsm::of_words(skills, Options::default(), 1)
             && fsm.states.len() <= MOST_STATES
         {
@@ -75,8 +75,8 @@ pub fn language(text: &str) {
     }
 }
 
-/// Loads, checks and synthesizes small contracts: those of the text that the bytes are, or else one
-/// made from them. Gives what became of each.
+/// Loads, checks and synthesizes small contracts: those in the text that the bytes are, or else one
+/// generated from them. Returns the outcome of each.
 pub fn contract_of(bytes: &[u8]) -> Vec<Solved> {
     let own = std::str::from_utf8(bytes).ok();
     if let Some(text) = own.filter(|text| text.contains("contract")) {
@@ -106,7 +106,7 @@ fn solved(library: &Library, text: &str) -> Option<Vec<Solved>> {
     Some(specifications.map(|s| solve::solve(s)).collect())
 }
 
-/// A text that is printed if the test fails while it is being looked at.
+/// A text that is printed if the test fails while examining it.
 struct Shown<'t>(&'t str);
 
 impl Drop for Shown<'_> {
@@ -138,7 +138,7 @@ fn within(findings: &[Diagnostic], text: &str) {
     }
 }
 
-/// Only that something became too large is an excuse.
+/// Only a size limit is an excuse.
 fn assert_sound(findings: &[Diagnostic], text: &str) {
     let excuses = [codes::TOO_LARGE, codes::NUMBER_RANGE];
     let mut errors = findings

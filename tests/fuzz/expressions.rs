@@ -1,5 +1,4 @@
-//! Conditions and numbers of a generated contract. What stands within another expression is an atom
-//! or has parentheses.
+//! Conditions and numbers of a generated contract. Nested expressions are atoms or parenthesized.
 
 use super::{Array, Generator, Kind, Leaf, Place};
 
@@ -58,7 +57,7 @@ impl Generator<'_> {
             return self.atom(place);
         }
         let state = place.without_next();
-        // What was before may be spoken of by the plant, even if the machine chose it.
+        // The plant may mention previous values, even if the machine chose them.
         let before = if choice == 0 {
             Place {
                 outputs: true,
@@ -94,7 +93,7 @@ impl Generator<'_> {
         }
     }
 
-    /// A name for the index of an array, and what is made where its element is in sight.
+    /// A name for the index of an array, and what is generated with its element in scope.
     pub fn with_element(
         &mut self,
         array: &Array,
@@ -135,7 +134,7 @@ impl Generator<'_> {
             .collect()
     }
 
-    /// A question about one variable.
+    /// An atomic condition on one variable.
     fn atom(&mut self, place: Place) -> String {
         let leaves = self.visible(place, |_| true);
         if leaves.is_empty() {
@@ -175,7 +174,7 @@ impl Generator<'_> {
         }
     }
 
-    /// A number in a unit, or a bare one.
+    /// A number with or without a unit.
     fn number(&mut self, place: Place, unit: &'static str, depth: usize) -> String {
         match self.bytes.below(if depth == 0 { 6 } else { 12 }) {
             0..5 => {

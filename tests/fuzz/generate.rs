@@ -1,34 +1,34 @@
-//! Small contracts out of any bytes. Each byte decides one thing, and where there are none left the
-//! simplest is taken, so that a change of a byte is a change of a contract, and every text ends.
+//! Generates small contracts from arbitrary bytes. Each byte is one choice; when none are left the
+//! simplest option is taken, so that changing a byte changes the contract, and every text ends.
 //!
-//! What is written follows the grammar always, and the rules behind it mostly: types fit, only
-//! inputs are assumed to begin somehow, and so on. What is left over for the resolver to refuse are
-//! the finer points of these.
+//! The text always follows the grammar, and mostly the semantic rules: types fit, initial
+//! assumptions are only about inputs, and so on. Only finer points are left for the resolver to
+//! reject.
 
 #[path = "expressions.rs"]
 mod expressions;
 
 use std::fmt::Write as _;
 
-/// Bits of the declared variables, and of what has to be remembered, that a contract may have.
+/// Maximum number of bits of a contract's variables and memory.
 const VARIABLE_BITS: usize = 6;
 const MEMORY_BITS: usize = 4;
 
-/// Nesting of operators.
+/// Maximum nesting of operators.
 const DEPTH: usize = 3;
 
-/// Bytes as choices.
+/// Bytes used as choices.
 struct Bytes<'b> {
     data: std::slice::Iter<'b, u8>,
 }
 
 impl Bytes<'_> {
-    /// A number below `n`, which is at most 256; 0 when there is nothing left.
+    /// A number below `n`, which is at most 256; 0 when no bytes are left.
     fn below(&mut self, n: usize) -> usize {
         self.data.next().map_or(0, |b| usize::from(*b) % n)
     }
 
-    /// Whether one of `n` cases has come about; no when there is nothing left.
+    /// True with probability 1/`n`; false when no bytes are left.
     fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == n - 1
     }
@@ -41,7 +41,7 @@ impl Bytes<'_> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Bool,
-    /// From 0 to this number, in a unit or as a bare number.
+    /// From 0 to this number, with a unit or as a bare number.
     Range(usize, &'static str),
     /// `Mode`, which has three labels.
     Mode,
@@ -73,14 +73,14 @@ impl Kind {
 struct Leaf {
     text: String,
     kind: Kind,
-    /// Whether the machine chooses it, if only in part.
+    /// Whether the machine chooses it, at least in part.
     output: bool,
-    /// Whether it is a variable, which can be asked for its next value.
+    /// Whether it is a variable, which has a next value.
     variable: bool,
 }
 
 impl Leaf {
-    /// Whether its next value can be asked for there.
+    /// Whether its next value may be mentioned there.
     fn has_next(&self, place: Place) -> bool {
         let allowed = if self.output {
             place.next_outputs
@@ -105,7 +105,7 @@ struct Array {
 struct Place {
     /// Outputs.
     outputs: bool,
-    /// Next values: of inputs, or of anything.
+    /// Next values: of inputs, or of everything.
     next_inputs: bool,
     next_outputs: bool,
     /// Operators over the past.
@@ -150,11 +150,11 @@ struct Generator<'b> {
     /// Defines with parameters, by name and the parameters' kinds.
     predicates: Vec<(&'static str, Vec<Kind>)>,
     memory: usize,
-    /// How many names of bound variables are in use.
+    /// Number of bound variables' names in use.
     bound: usize,
 }
 
-/// A contract.
+/// Generates a contract.
 pub fn contract(bytes: &[u8]) -> String {
     let mut g = Generator {
         bytes: Bytes { data: bytes.iter() },
@@ -263,7 +263,7 @@ impl Generator<'_> {
             } else {
                 (Kind::Bool, "q")
             };
-            // Only the parameters are in sight, so that the arguments say what it mentions.
+            // Only the parameters are in scope, so that the arguments determine what it mentions.
             let outside = std::mem::take(&mut self.leaves);
             let arrays = std::mem::take(&mut self.arrays);
             for (name, kind) in [("p", Kind::Bool), (&typed[..1], kind)] {
@@ -298,7 +298,7 @@ impl Generator<'_> {
         self.parameter(name.to_owned(), Kind::Range(3, ""), false);
     }
 
-    /// Something that has a name and no next value.
+    /// A name without a next value.
     fn parameter(&mut self, text: String, kind: Kind, output: bool) {
         self.leaves.push(Leaf {
             text,
@@ -308,7 +308,7 @@ impl Generator<'_> {
         });
     }
 
-    /// Whether that many more bits may be remembered.
+    /// Whether this many more bits may be remembered.
     fn remember(&mut self, bits: usize) -> bool {
         let enough = self.memory >= bits;
         if enough {
@@ -317,7 +317,7 @@ impl Generator<'_> {
         enough
     }
 
-    /// A formula of one side. Conjunctions and quantifiers of formulas stand outside only.
+    /// A formula of one side. Conjunctions and quantifiers of formulas occur only at the top level.
     fn formula(&mut self, assumed: bool, outside: bool) -> String {
         let state = if assumed { INPUTS } else { STATE };
         let choice = self.bytes.below(if outside { 12 } else { 8 });

@@ -1,5 +1,5 @@
-//! What holds for every text that is read as a program of calls. The fuzz target and the ordinary
-//! tests share this file.
+//! Properties that hold for every text read as a program of calls. Shared by the fuzz target and
+//! the ordinary tests.
 
 use linewright::cli::order::program::{Program, read};
 use linewright::contract::load;
@@ -34,8 +34,7 @@ fn of(name: &str, text: &str) -> Program {
 }
 
 /// Reads a text as a program and as a table: every finding and every call lies within it, and calls
-/// that were read are read again from either form. Gives how many calls there are; none of what has
-/// a finding.
+/// that were read can be read again from either form. Returns the number of calls without findings.
 pub fn program(text: &str) -> usize {
     let mut calls = 0;
     for name in ["fuzz.txt", "fuzz.csv"] {

@@ -1,14 +1,14 @@
-//! One small specification through everything that `check` and `synth` do with it: both kernels,
-//! and the naive solver where it is small enough for that, have to agree, and what is made of the
-//! verdict has to be right.
+//! Runs one small specification through everything that `check` and `synth` do with it: both
+//! kernels, and the naive solver if it is small enough, must agree, and everything made from the
+//! verdict must be correct.
 
 #[path = "../solver/game.rs"]
 mod game;
 
 use game::{Board, Subset};
 use linewright::game::{
-    EnvironmentFindings, GuaranteeKind, GuaranteeRef, KernelChoice, Limit, Limits, Lost, Options,
-    Outcome, Won, examine_environment, solve_with,
+    EnvironmentFindings, GuaranteeKind, GuaranteeRef, KernelChoice, Limit, Limits, LostGame,
+    Options, Outcome, WonGame, examine_environment, solve_with,
 };
 use linewright::gr1::{Formula, Specification};
 use linewright::mealy::certify::certify;
@@ -16,32 +16,32 @@ use linewright::mealy::extract::extract;
 use linewright::mealy::functions::Functions;
 use linewright::mealy::verify::verify;
 
-/// What became of a specification.
+/// Outcome for a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solved {
     Realizable,
     Unrealizable,
-    /// Some limit was reached.
+    /// A limit was reached.
     GaveUp,
 }
 
-/// Specifications of more bits are left alone.
+/// Maximum number of bits.
 const MOST_BITS: u32 = 10;
 
-/// Valuations that the naive solver is asked about: it looks at every pair of them for every
+/// Maximum number of valuations for the naive solver, which examines every pair of them for every
 /// formula.
 const MOST_VALUATIONS: u64 = 64;
 
 const KERNELS: [KernelChoice; 2] = [KernelChoice::Biodivine, KernelChoice::OxiDd];
 
-/// Whether it is quickly solved.
+/// Whether it is solved quickly.
 pub fn is_small(specification: &Specification) -> bool {
     let variables = specification.variables.iter();
     let bits = variables.map(|v| 64 - (v.domain.size() - 1).leading_zeros());
     bits.sum::<u32>() <= MOST_BITS
 }
 
-/// A measure of work, no clock: the same bytes always end the same way.
+/// Measured as work, not time: the same bytes always give the same result.
 fn limits() -> Limits {
     Limits {
         most_nodes: Some(1 << 16),
@@ -100,8 +100,8 @@ pub fn solve(specification: &Specification) -> Solved {
     verdicts[0]
 }
 
-/// A machine and functions, each judged by what knows nothing of how they were made.
-fn controllers(specification: &Specification, won: &Won) -> Result<(), Limit> {
+/// A machine and functions, each judged independently of how they were made.
+fn controllers(specification: &Specification, won: &WonGame) -> Result<(), Limit> {
     let limits = limits();
     let machine = extract(specification, won, &limits)?;
     assert_eq!(
@@ -118,10 +118,10 @@ fn controllers(specification: &Specification, won: &Won) -> Result<(), Limit> {
     Ok(())
 }
 
-/// The core is unrealizable, and the naive solver finds that nothing can be left out of it.
+/// The core is unrealizable, and by the naive solver nothing can be omitted from it.
 fn core(
     specification: &Specification,
-    lost: &Lost,
+    lost: &LostGame,
     kernel: KernelChoice,
     board: Option<&Board<'_>>,
 ) {
@@ -144,7 +144,7 @@ fn core(
     }
 }
 
-/// The specification with these guarantees alone.
+/// The specification with only these guarantees.
 fn only(specification: &Specification, core: &[GuaranteeRef]) -> Specification {
     let mut only = specification.clone();
     let keep = |kind: GuaranteeKind, formulas: &mut Vec<Formula>| {
@@ -163,13 +163,18 @@ fn only(specification: &Specification, core: &[GuaranteeRef]) -> Specification {
     only
 }
 
-/// What is found about the assumptions is what the naive solver finds.
+/// The findings about the assumptions equal those of the naive solver.
 fn environment(board: &Board<'_>, found: &EnvironmentFindings) {
     let expected = board.environment();
     assert_eq!(found.cannot_start, expected.cannot_start);
-    assert_eq!(found.dead_end.is_some(), expected.dead_end);
-    assert_eq!(found.stuck_at_start.is_some(), expected.stuck_at_start);
-    assert_eq!(found.forced.is_some(), expected.forced);
+    for (situation, set) in [
+        (&found.stuck_at_start, expected.stuck_at_start),
+        (&found.dead_end, expected.dead_end),
+        (&found.forced, expected.forced),
+        (&found.forced_recklessly, expected.forced_recklessly),
+    ] {
+        assert!(board.is_prime_implicant(situation.as_ref(), set));
+    }
     assert_eq!(found.unsatisfiable, expected.unsatisfiable);
     let counted = |[from, all]: [f64; 2]| [from as u32, all as u32];
     assert_eq!(counted(found.forced_states), expected.forced_states);

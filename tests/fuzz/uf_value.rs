@@ -1,12 +1,12 @@
-//! What holds for every text as a profile of `UF_Value`, or as the dump of a probe. The fuzz
-//! targets and the ordinary tests share this file.
+//! Properties that hold for every text as a profile of `UF_Value`, or as the dump of a probe.
+//! Shared by the fuzz targets and the ordinary tests.
 
 use linewright::diagnostics::{Diagnostic, has_errors};
 use linewright::source::FileId;
 use linewright::station::probe::{dump as dumps, infer};
 use linewright::station::profile::{Profile, read};
 
-/// Every finding lies within the text and says what to do.
+/// Every finding lies within the text and has a help text.
 fn sound(findings: &[Diagnostic], text: &str) {
     for finding in findings {
         assert!(finding.help.is_some(), "{finding:?}");
@@ -17,7 +17,7 @@ fn sound(findings: &[Diagnostic], text: &str) {
     }
 }
 
-/// What is printed of a profile is read as that profile, and its header is C of some kind.
+/// A printed profile is read as that profile, and its header looks like C.
 fn readable(profile: &Profile) {
     let again = read::parse(FileId(0), &profile.to_toml());
     assert_eq!(again.as_ref(), Ok(profile), "{}", profile.to_toml());
@@ -39,7 +39,7 @@ pub fn profile(text: &str) -> bool {
     }
 }
 
-/// What becomes of a dump: whether a layout was found, and whether it was confirmed.
+/// Outcome for a dump: whether a layout was found, and whether it was confirmed.
 pub fn dump(text: &str) -> (bool, bool) {
     let sound = |findings: &[Diagnostic]| sound(findings, text);
     let (dump, findings) = dumps::parse(FileId(0), text);

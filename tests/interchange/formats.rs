@@ -1,5 +1,5 @@
-//! Other tools' specifications: what the readers take and refuse, and the verdicts on what they
-//! take. What is written and read again is proved in `round_trips.rs`.
+//! Other tools' specifications: what the readers accept and reject, and the verdicts.
+//! `round_trips.rs` proves that what is written is read again.
 
 mod meaning;
 
@@ -18,7 +18,7 @@ fn read_text(format: Format, text: &str) -> Reading {
     read(format, "test", FileId(0), text)
 }
 
-/// The findings as a person reads them.
+/// The findings as text.
 fn shown(reading: &Reading, text: &str) -> String {
     let mut sources = SourceMap::new();
     sources.add(format!("test.{}", reading.format.ending()), text);
@@ -76,8 +76,8 @@ proptest! {
     }
 }
 
-/// The cases of `tests/cases/interchange`: what is expected stands in the comment behind the line
-/// that causes it.
+/// The cases of `tests/cases/interchange`: expectations are in the comment at the end of the line
+/// that causes them.
 fn cases() -> Vec<(Format, PathBuf, String)> {
     specifications(&support::root().join("tests/cases/interchange"))
         .into_iter()
@@ -152,8 +152,8 @@ fn messages_as_a_person_reads_them() {
     });
 }
 
-/// Files that take more than two seconds in a release build: only the tests that are left out by
-/// default decide them.
+/// Files that take more than two seconds in a release build: only tests ignored by default decide
+/// them.
 fn is_large(path: &Path) -> bool {
     let name = path.to_string_lossy();
     let large = [
@@ -168,8 +168,8 @@ fn is_large(path: &Path) -> bool {
     large.iter().any(|word| name.contains(word))
 }
 
-/// The verdict on a benchmark, as several tools have given it: by folder, or for the mixed folders
-/// as the files say of themselves.
+/// The verdict on a benchmark given by several tools: by folder, or for mixed folders as stated in
+/// the files.
 fn known_verdict(path: &Path) -> bool {
     let folder = path.parent().and_then(Path::file_name).expect("a folder");
     match folder.to_string_lossy().as_ref() {
@@ -181,7 +181,7 @@ fn known_verdict(path: &Path) -> bool {
             "errorneous",
             "case_study_unreal",
             "baby_network",
-            // Of Spectra's: `tests/interchange/spectra/bench.rs` says why.
+            // Of Spectra's: `tests/interchange/spectra/bench.rs` has the reason.
             "AirportShuttle_208",
             "VehicleSpec_133",
             "ConvoyCarSpec_297",
@@ -191,8 +191,8 @@ fn known_verdict(path: &Path) -> bool {
     }
 }
 
-/// Decides the benchmarks for which `wanted` holds. `None` without
-/// benchmarks; otherwise how many of both verdicts there were, and how many files are not read.
+/// Decides the benchmarks for which `wanted` holds. `None` without benchmarks; otherwise the number
+/// of both verdicts, and the number of files that are not read.
 fn decide_benchmarks(wanted: impl Fn(&Path) -> bool + Sync) -> Option<[usize; 3]> {
     let files = specifications(&support::specs()?);
     let decided = files.par_iter().filter(|(_, path)| wanted(path));
@@ -220,7 +220,7 @@ fn verdicts_on_the_benchmarks() {
     assert_eq!(refused, 7);
 }
 
-/// The rest of them: minutes, even in a release build.
+/// The remaining ones: minutes, even in a release build.
 #[test]
 #[ignore = "takes minutes; see tests/README.md"]
 fn verdicts_on_large_benchmarks() {
@@ -232,7 +232,7 @@ fn verdicts_on_large_benchmarks() {
     assert_eq!(refused, 0);
 }
 
-/// The random specifications are worth their time: both verdicts are frequent, whatever the timing.
+/// The random specifications are useful: both verdicts are frequent, whatever the timing.
 #[test]
 fn random_specifications_have_both_verdicts() {
     let mut runner = proptest::test_runner::TestRunner::deterministic();

@@ -1,4 +1,4 @@
-//! Other tools' formats: read, written, and proved to mean the same.
+//! Other tools' formats: read, written, and proved equivalent.
 
 mod formats;
 mod random;

@@ -1,4 +1,4 @@
-//! Random specifications, small enough that the solver decides each in milliseconds.
+//! Random specifications small enough for the solver to decide each in milliseconds.
 
 use linewright::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
@@ -7,7 +7,7 @@ use linewright::gr1::{
 use linewright::source::Span;
 use proptest::prelude::*;
 
-/// What a random formula may speak of.
+/// Values that a random formula may mention.
 #[derive(Debug, Clone, Copy)]
 struct Scope {
     outputs: bool,

@@ -1,8 +1,9 @@
-//! What is written in another tool's format, or as a contract, is read again and proved to be the
-//! same game.
+//! Whatever is written in another tool's format, or as a contract, is read again and proved to be
+//! the same game.
 //!
-//! Where a format cannot say something, [`lower`] says it with helper variables first. The proof
-//! then is about what was lowered; that lowering keeps the verdict is a test of its own.
+//! If a format cannot express something, [`lower`] first expresses it with helper variables. The
+//! proof is then about the lowered specification; a separate test checks that lowering keeps the
+//! verdict.
 
 mod equivalence;
 mod words;
@@ -30,7 +31,7 @@ fn format(target: Target) -> Format {
     }
 }
 
-/// What a format is given to say, and how it says numbers.
+/// The specification passed to a format, and its representation of numbers.
 fn said(specification: &Specification, target: Target) -> (Specification, Layout) {
     let second = || lower::answering_second(&lower::without_invariants(specification));
     match target {
@@ -45,7 +46,7 @@ fn said(specification: &Specification, target: Target) -> (Specification, Layout
     }
 }
 
-/// Reads what was written; nothing may be wrong with it.
+/// Reads a written text, which must have no errors.
 fn reread(target: Target, text: &str) -> Specification {
     let reading = read(format(target), "test", FileId(0), text);
     assert!(
@@ -89,8 +90,8 @@ proptest! {
     }
 }
 
-/// The proof sees every formula that is missing or turned into its opposite, one that keeps bits
-/// within their domain included.
+/// The proof detects every formula that is missing or negated, including one that keeps bits within
+/// their domain.
 #[test]
 fn a_change_is_found() {
     let path = support::root().join("examples/other-tools/arbiter.structuredslugs");
@@ -144,7 +145,7 @@ fn benchmarks() -> Option<Vec<(PathBuf, Specification)>> {
     Some(found)
 }
 
-/// A contract printed from a public file is the same game: so it has the same verdict, and the same
+/// A contract printed from a public file is the same game: so it has the same verdict and the same
 /// strategies.
 #[test]
 fn public_files_are_the_same_as_contracts() {

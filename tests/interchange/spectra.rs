@@ -1,5 +1,5 @@
-//! Spectra's language: the benchmark files, each construct against a naive semantics, and bad
-//! files.
+//! Spectra's language: the benchmark files, each construct compared with a naive semantics, and
+//! invalid files.
 
 mod bad;
 mod bench;

@@ -1,4 +1,4 @@
-//! TLSF: what the reader takes and refuses, where it refuses it, and what the formulas become.
+//! TLSF: what the reader accepts and rejects, with places, and what the formulas become.
 
 mod explained;
 mod game;
@@ -14,7 +14,7 @@ use linewright::interchange::{Format, Reading, contract, read};
 use linewright::source::{FileId, SourceMap};
 use std::path::PathBuf;
 
-/// The public files, where they lie beside the repository.
+/// The public files, if they are in a folder beside the repository.
 fn bench() -> Option<PathBuf> {
     Some(support::specs()?.join("tlsf"))
 }
@@ -23,7 +23,7 @@ fn read_text(text: &str) -> Reading {
     read(Format::Tlsf, "test", FileId(0), text)
 }
 
-/// The findings as a person reads them.
+/// The findings as text.
 fn shown(reading: &Reading, text: &str) -> String {
     let mut sources = SourceMap::new();
     sources.add("test.tlsf", text);
@@ -45,11 +45,11 @@ fn file(semantics: &str, target: &str, main: &str) -> String {
     )
 }
 
-/// The public files and what is known of them, from the files themselves: the `STATUS` line at the
+/// The public files and their known verdicts, from the files themselves: the `STATUS` line at the
 /// end of the decomposed ones; title and comment of `amba_case_study_unreal`, from which "removing
 /// this assumption makes the specification unrealizable" is the only difference to
 /// `amba_case_study`; the notes in the lift, which is "also realisable" without its assumptions.
-/// `generalized_buffer` is a conjunction of Streett conditions, which GR(1) cannot say.
+/// `generalized_buffer` is a conjunction of Streett conditions, which GR(1) cannot express.
 const KNOWN: [(&str, Option<bool>); 6] = [
     ("amba_case_study", Some(true)),
     ("amba_case_study_unreal", Some(false)),
@@ -80,7 +80,7 @@ fn public_files_have_their_known_verdicts() {
         let read = start.elapsed();
         assert_eq!(verdict(&specification), realizable, "{name}");
         println!("{name}: read {read:?}, decided {:?}", start.elapsed());
-        // What `import` prints says the same.
+        // The output of `import` means the same.
         let printed = reload(&contract::write(&specification, name));
         assert_eq!(verdict(&printed), realizable, "{name}, imported");
     }

@@ -1,9 +1,9 @@
-//! Files with mistakes in them. What is expected stands beside the code that causes it: `//~ LW103`
-//! says that a finding with this code begins on this line (several codes for several findings,
-//! `//~^ LW103` for the line above). A test wants exactly these, and that every finding names a
-//! next step; a snapshot a file shows the messages as a person reads them.
+//! Files with errors. Expectations are beside the code that causes them: `//~ LW103` says that a
+//! finding with this code begins on this line (several codes for several findings, `//~^ LW103` for
+//! the line above). A test requires exactly these, and that every finding has a help text; one
+//! snapshot per file shows the messages as text.
 //!
-//! Folders named `shared` hold what the cases import.
+//! Folders named `shared` contain what the cases import.
 
 use linewright::contract::{Library, load};
 use linewright::diagnostics::{Diagnostic, codes, render};
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Codes that the parser and the resolver raise, each of which a case has to show.
+/// Codes raised by the parser and the resolver, each of which needs a case.
 const RAISED: &[&str] = &[
     "LW002", "LW003", "LW004", "LW101", "LW102", "LW103", "LW104", "LW105", "LW106", "LW107",
     "LW108", "LW109", "LW110", "LW111", "LW112", "LW113", "LW114", "LW115", "LW201", "LW202",
@@ -68,7 +68,7 @@ fn check(name: &str) -> (Library, Vec<Diagnostic>) {
     load(&[(name.to_owned(), text)], &read_import)
 }
 
-/// File, line and code of each finding that is expected, sorted.
+/// File, line and code of each expected finding, sorted.
 fn expected(library: &Library) -> Vec<(String, usize, String)> {
     let mut expected = Vec::new();
     for (_, file) in library.sources.files() {
@@ -121,7 +121,7 @@ fn findings_stand_where_they_are_expected() {
     assert!(report.is_empty(), "{report}");
 }
 
-/// What is in `a` and not, or less often, in `b`.
+/// What occurs in `a`, but not or less often in `b`.
 fn without<T: PartialEq + Clone>(a: &[T], b: &[T]) -> Vec<T> {
     let mut rest = b.to_vec();
     a.iter()

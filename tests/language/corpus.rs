@@ -1,5 +1,5 @@
-//! What the fuzzers have found worth keeping, replayed with what they want of any text; see
-//! tests/fuzz. Every case file and some random bytes come along.
+//! Inputs that the fuzzers have found worth keeping, replayed with their checks for any text; see
+//! tests/fuzz. Every case file and some random bytes are included.
 
 use crate::check::Solved;
 use crate::{check, program, support, uf_value};
@@ -22,7 +22,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// What a target begins with: its corpus, and the files of the repository.
+/// Initial inputs of a target: its corpus, and the files of the repository.
 fn inputs(target: &str) -> Vec<Vec<u8>> {
     let folders = [
         &format!("tests/fuzz/corpus/{target}"),
@@ -43,7 +43,7 @@ fn inputs(target: &str) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// The same, as far as it is text.
+/// The inputs that are text.
 fn texts(target: &str) -> Vec<String> {
     let inputs = inputs(target).into_iter();
     inputs
@@ -101,14 +101,14 @@ fn contracts() {
     assert!(solved.len() > 30);
 }
 
-/// The generator makes contracts that can be used, of both verdicts.
+/// The generator makes usable contracts of both verdicts.
 #[test]
 fn contracts_of_random_bytes() {
     const COUNT: u64 = 3_000;
     let solved: Vec<Solved> = (0..COUNT)
         .into_par_iter()
         .flat_map(|seed| {
-            // Xorshift, begun far from zero.
+            // Xorshift with a seed far from zero.
             let mut state = (seed + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
             let mut byte = || {
                 state ^= state << 13;

@@ -1,21 +1,21 @@
-//! The explanation pages: every code has one, with an example in which `check` finds that very code
-//! and nothing else, and says what to do next; with a section that says how to repair it; and in
-//! what is repaired, `check` finds nothing at all.
+//! The explanation pages: every code has one, with an example in which `check` finds exactly that
+//! code and gives a help text, and with a section on the repair; in the repaired example, `check`
+//! finds nothing.
 
 use crate::support;
 use linewright::diagnostics::{codes, explanations};
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// Codes that no contract shows: they need a plant that runs, a compiler, a damaged file, or a
-/// limit. Their pages show a console.
+/// Codes that no contract shows: they need a running plant, a compiler, a damaged file, or a limit.
+/// Their pages show a console.
 const NOT_IN_A_CONTRACT: &[&str] = &[
     "LW001", "LW007", "LW204", "LW311", "LW312", "LW317", "LW403", "LW404", "LW405", "LW406",
     "LW407", "LW409", "LW501", "LW502", "LW503", "LW504", "LW505", "LW506", "LW507", "LW530",
     "LW540", "LW541", "LW542", "LW543", "LW544", "LW545", "LW546", "LW547",
 ];
 
-/// A finding as a document of `check` shows it.
+/// A finding as in a document of `check`.
 #[derive(Debug)]
 struct Finding {
     code: String,
@@ -24,7 +24,7 @@ struct Finding {
     help: Option<String>,
 }
 
-/// The findings of a document, wherever they stand in it.
+/// The findings of a document, at any depth.
 fn findings(document: &Value, found: &mut Vec<Finding>) {
     match document {
         Value::Array(values) => values.iter().for_each(|v| findings(v, found)),
@@ -43,7 +43,7 @@ fn findings(document: &Value, found: &mut Vec<Finding>) {
     }
 }
 
-/// The findings in a file of this ending and text.
+/// The findings in a file with this extension and text.
 fn check(ending: &str, text: &str) -> Vec<Finding> {
     let folder = tempfile::tempdir().expect("a folder");
     let name = format!("example.{ending}");
@@ -56,7 +56,7 @@ fn check(ending: &str, text: &str) -> Vec<Finding> {
     found
 }
 
-/// The blocks of a page that are fenced with plain ```` ```lw ````: repaired contracts.
+/// The blocks of a page fenced with plain ```` ```lw ````: repaired contracts.
 fn repaired(page: &str) -> Vec<String> {
     let mut blocks = Vec::new();
     let mut lines = page.lines();
@@ -69,7 +69,7 @@ fn repaired(page: &str) -> Vec<String> {
     blocks
 }
 
-/// The page of a code, which has to be there.
+/// The page of a code, which must exist.
 fn page(code: codes::Code, report: &mut String) -> &'static str {
     explanations::page(code).unwrap_or_else(|| {
         let _ = writeln!(report, "{code} has no page");

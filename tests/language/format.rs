@@ -1,5 +1,5 @@
-//! The formatter: what it prints is read as the tree that it was given, every comment stays,
-//! formatting twice changes nothing, and every file of the repository is formatted.
+//! The formatter: its output parses to the given tree, every comment is kept, formatting twice
+//! changes nothing, and every file of the repository is formatted.
 
 mod repository;
 mod trees;
@@ -11,13 +11,14 @@ use linewright::syntax::{format, parse};
 use proptest::prelude::*;
 use trees::Choices;
 
-/// The tree of a text without places, and what was found.
+/// The tree of a text without places, and the findings.
 fn read(text: &str) -> (File, Vec<Diagnostic>) {
     let (tree, findings) = parse(FileId::default(), text);
     (tree.without_spans(), findings)
 }
 
-/// A text, formatted; wants it to pass all that the program looks at before it writes a file.
+/// A text, formatted; requires it to pass all checks that the program makes before it writes a
+/// file.
 fn formatted(text: &str) -> String {
     let (tree, findings) = parse(FileId::default(), text);
     assert!(findings.is_empty(), "{findings:?} in\n{text}");
@@ -30,7 +31,7 @@ fn formatted(text: &str) -> String {
     }
 }
 
-/// Things to put between two words; `N` is numbered.
+/// Things to insert between two words; `N` is numbered.
 const BETWEEN: &[&str] = &[
     " /* cN */ ",
     " // cN\n",
@@ -43,8 +44,7 @@ const BETWEEN: &[&str] = &[
     "\r\n// cN \r\n\r\n",
 ];
 
-/// The text with some of them put where they change nothing of what it says: one that does is left
-/// out.
+/// The text with some of them inserted where they do not change its meaning; others are omitted.
 fn with_comments(text: &str, places: &[(usize, usize)]) -> String {
     let (tree, _) = read(text);
     let mut text = text.to_owned();
@@ -79,13 +79,13 @@ proptest! {
         let (again, findings) = read(&text);
         prop_assert!(findings.is_empty(), "{:?} in\n{}", findings, text);
         prop_assert_eq!(&again, &tree, "{}", text);
-        // Its own text is formatted, too, but for what only a text can say.
+        // Its own text is also formatted, except for what only a text can express.
         let once = formatted(&text);
         prop_assert_eq!(&formatted(&once), &once);
     }
 }
 
-/// A limit below a source is the line's own when it says more than a number.
+/// A limit below a source is the line's own if it says more than a number.
 #[test]
 fn a_source_does_not_take_the_limit_of_its_line() {
     use linewright::syntax::ast::{Item, LineItem, Supply};
@@ -135,7 +135,7 @@ proptest! {
     }
 }
 
-/// A text and what it becomes.
+/// Checks the formatted form of a text.
 fn becomes(text: &str, wanted: &str) {
     assert_eq!(formatted(text), wanted);
 }

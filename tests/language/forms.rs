@@ -1,8 +1,7 @@
-//! What LW201 tells to write is accepted when it is put in place:
+//! The forms suggested by LW201 are accepted in its place:
 //! `tests/cases/resolve/outside_gr1_shapes.lw`, formula by formula.
 //!
-//! That the forms mean what they say is a test beside them,
-//! `crates/language/src/contract/formula/forms/tests.rs`.
+//! A test beside them checks their meaning, `crates/language/src/contract/formula/forms/tests.rs`.
 
 use linewright::contract::load;
 use linewright::diagnostics::{Diagnostic, codes};
@@ -16,7 +15,7 @@ fn findings(text: &str) -> Vec<Diagnostic> {
     load(&[("forms.lw".to_owned(), text.to_owned())], &none).1
 }
 
-/// What stands in backquotes, as far as it is an item of a contract.
+/// Texts in backquotes that are items of a contract.
 fn items(help: &str) -> Vec<String> {
     let quoted = help.split('`').skip(1).step_by(2);
     let item = |t: &&str| {
@@ -87,7 +86,7 @@ fn what_is_suggested_is_accepted() {
         }
     }
     assert!(with_form > 40, "{with_form}");
-    // Only what is there to show that some have none.
+    // Only cases that show that some have none.
     assert!(
         without.iter().all(|c| c == "Formless") && without.len() == 6,
         "{without:?}"

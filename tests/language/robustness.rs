@@ -1,6 +1,6 @@
-//! Whatever text comes in: the parser and the resolver end soon, without a panic, on the stack of
-//! an ordinary thread, and what they say can be shown. Every file of the repository is damaged in
-//! many ways; then come texts that are known to hurt parsers.
+//! For any text: the parser and the resolver end soon, without a panic, on the stack of an ordinary
+//! thread, and their findings can be shown. Every file of the repository is damaged in many ways;
+//! then come texts known to be hard for parsers.
 
 use linewright::contract::{Library, load};
 use linewright::diagnostics::{Diagnostic, has_errors, json, render, sarif};
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// A thread of the default size.
+/// Default stack size of a thread.
 const STACK: usize = 2 << 20;
 
 /// Every contract, machine and line of the repository.
@@ -41,7 +41,7 @@ fn read_import(wanted: &str, from: &str) -> Result<(String, String), String> {
         Some(inner) => root.join("contracts").join(inner.replace('.', "/") + ".lw"),
         None => Path::new(from).parent().unwrap_or(root).join(wanted),
     };
-    // One name for one file.
+    // One name per file.
     let path = path.canonicalize().map_err(|e| e.to_string())?;
     let text = std::fs::read_to_string(&path).map_err(|e| e.to_string())?;
     Ok((path.to_string_lossy().into_owned(), text))
@@ -102,7 +102,7 @@ fn survive(name: &Path, text: &str) -> (Library, Vec<Diagnostic>) {
     (library, findings)
 }
 
-/// The same in a thread with a small stack, and in so many seconds.
+/// The same in a thread with a small stack, within this many seconds.
 fn survive_within(text: String, seconds: u64) -> (Library, Vec<Diagnostic>) {
     let start = Instant::now();
     let thread = std::thread::Builder::new().stack_size(STACK);
@@ -128,17 +128,17 @@ fn whole_files_are_sound() {
 /// A change to a text.
 #[derive(Debug, Clone)]
 enum Damage {
-    /// Leaves so many characters out.
+    /// Deletes this many characters at a place.
     Delete(usize, usize),
-    /// Writes so many characters twice.
+    /// Duplicates this many characters at a place.
     Double(usize, usize),
     /// Moves a piece to another place.
     Move(usize, usize, usize),
     /// Ends the text here.
     End(usize),
-    /// Writes something into it.
+    /// Inserts a text.
     Insert(usize, String),
-    /// Leaves a word, number or sign out.
+    /// Deletes a word, number or sign.
     DeleteToken(usize),
     /// Exchanges two of them.
     SwapTokens(usize, usize),

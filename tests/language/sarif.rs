@@ -1,6 +1,6 @@
-//! SARIF documents against the schema of the standard (OASIS, 2.1.0), by a validator that is not
-//! ours: Python's `jsonschema` (`sarif`). `check` of every case file gives one, `check` of the
-//! library, and `explain`.
+//! SARIF documents checked against the schema of the standard (OASIS, 2.1.0), by an independent
+//! validator: Python's `jsonschema` (`sarif`). Documents come from `check` of every case file,
+//! `check` of the library, and `explain`.
 
 use crate::support;
 use serde_json::Value;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
-/// Prints every document that is not valid, and where; ends with 1 if there is one.
+/// Prints every invalid document with the place; exits with 1 if there is one.
 const VALIDATE: &str = "
 import json, sys
 from jsonschema import Draft7Validator, FormatChecker
@@ -35,7 +35,7 @@ fn validate(python: &Path, documents: &[PathBuf]) -> Output {
         .expect("Python starts")
 }
 
-/// The files below a folder with endings that `check` reads, snapshots left out.
+/// The files below a folder with extensions that `check` reads, without snapshots.
 fn cases(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -49,7 +49,7 @@ fn cases(folder: &Path, found: &mut Vec<PathBuf>) {
     found.sort();
 }
 
-/// What the program prints in SARIF, whatever its exit code is.
+/// The program's SARIF output, whatever its exit code.
 fn sarif(folder: &Path, arguments: &[&str]) -> String {
     let arguments = [arguments, &["--format", "sarif"]].concat();
     let output = support::linewright(folder, &arguments);
@@ -58,7 +58,7 @@ fn sarif(folder: &Path, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("a text")
 }
 
-/// Every document that is looked at, with a name.
+/// All documents under test, by name.
 static DOCUMENTS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
     let folder = support::root().join("tests/cases");
     let mut files = Vec::new();
@@ -72,8 +72,8 @@ static DOCUMENTS: LazyLock<Vec<(String, String)>> = LazyLock::new(|| {
         let text = sarif(&folder, &["check", name, "--timeout", "2"]);
         documents.push((name.replace('/', "__"), text));
     }
-    // A clean library; a file without a place for its finding, in a folder whose name is no URI as
-    // it stands.
+    // A clean library; a file without a place for its finding, in a folder whose name is not a
+    // valid URI.
     documents.push((
         "library".to_owned(),
         sarif(support::root(), &["check", "contracts"]),
@@ -111,7 +111,7 @@ fn documents_follow_the_schema() {
         String::from_utf8_lossy(&output.stderr)
     );
 
-    // The validator sees what is wrong.
+    // The validator detects errors.
     let right = std::fs::read_to_string(&paths[0]).expect("a document");
     for (from, to) in [
         ("\"version\": \"2.1.0\"", "\"version\": \"2.2\""),
@@ -126,7 +126,7 @@ fn documents_follow_the_schema() {
     }
 }
 
-/// What no schema says: results belong to rules, and places are relative or whole URIs.
+/// What no schema checks: results belong to rules, and places are relative or complete URIs.
 #[test]
 fn results_point_at_rules_with_help() {
     for (name, text) in DOCUMENTS.iter() {

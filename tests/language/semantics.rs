@@ -1,7 +1,7 @@
-//! What formulas mean. Random formulas are written out as text with as few brackets and in as many
-//! notations as the grammar allows; the parser has to find the tree they were written from, and
-//! what the resolver makes of them has to have, at every valuation, the value that a direct
-//! evaluation of the syntax tree gives. That evaluation knows nothing of the resolver.
+//! The meaning of formulas. Random formulas are written as text with as few brackets and in as many
+//! notations as the grammar allows; the parser must find the original tree, and the resolver's
+//! result must have, for every valuation, the value of a direct evaluation of the syntax tree. That
+//! evaluation is independent of the resolver.
 #![expect(
     clippy::match_same_arms,
     reason = "an arm is an option with its weight"
@@ -36,8 +36,7 @@ contract Test {
 
 // ---- trees, and their text ----------------------------------------------------------------------
 
-/// A formula as it is generated. Operators are named as in the canonical form that trees are
-/// compared in.
+/// A generated formula. Operators are named as in the canonical form in which trees are compared.
 #[derive(Debug, Clone)]
 enum Tree {
     /// A name or literal.
@@ -102,7 +101,7 @@ fn notations(op: &'static str) -> &'static [&'static str] {
     }
 }
 
-/// A source of choices that shrinks well: without any left, everything takes its first option.
+/// A source of choices that shrinks well: when none are left, everything takes its first option.
 struct Choices {
     bytes: Vec<u8>,
     at: usize,
@@ -128,8 +127,8 @@ fn leaf(text: impl Into<String>) -> Tree {
     Tree::Leaf(text.into())
 }
 
-/// A truth value. `next`: whether it may hold `next`; `bound`: whether the number `i` in 0..2 is in
-/// sight.
+/// A truth value. `next`: whether it may contain `next`; `bound`: whether the number `i` in 0..2 is
+/// in scope.
 fn condition(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
     if depth == 0 {
         return match c.pick(6) {
@@ -281,8 +280,8 @@ fn number(c: &mut Choices, depth: usize, next: bool, bound: bool) -> Tree {
     }
 }
 
-/// Writes a tree where the grammar wants something of at least `min`; `last`: whether nothing
-/// follows but a closing bracket or word.
+/// Writes a tree where the grammar expects a level of at least `min`; `last`: whether only a
+/// closing bracket or word follows.
 fn write_tree(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut String) {
     let own = match tree {
         Tree::Leaf(_) | Tree::Index(..) | Tree::Call(..) => ATOM,
@@ -391,8 +390,8 @@ fn write_tree(tree: &Tree, min: u8, last: bool, c: &mut Choices, out: &mut Strin
 
 // ---- one form for both kinds of trees -----------------------------------------------------------
 
-/// An operator and its operands. Where grouping does not matter, operands of the same operator are
-/// drawn in.
+/// An operator and its operands. If grouping does not matter, operands with the same operator are
+/// flattened.
 fn join(op: &str, operands: Vec<String>) -> String {
     let open = format!("({op} ");
     let free = ["and", "or", "xor", "<->", "+", "*"].contains(&op);
@@ -623,7 +622,7 @@ fn floored(a: i64, b: i64) -> i64 {
     (a as f64 / b as f64).floor() as i64
 }
 
-/// Values for all variables, as the program holds them and as the evaluation above does.
+/// Values for all variables, as stored in the program and in the evaluation above.
 fn valuation(contract: &Contract, c: &mut Choices) -> (Vec<i64>, Valuation) {
     let mut shown = Valuation::new();
     let mut raw = Vec::new();

@@ -1,11 +1,11 @@
-//! Records, arrays of whatever, units and definitions with parameters: a contract that uses them
-//! says the same as one that is written out by hand.
+//! Records, arrays of any type, units and definitions with parameters: a contract that uses them
+//! means the same as one written in full.
 
 use linewright::contract::load;
 use linewright::diagnostics::Severity;
 use linewright::gr1::{Formula, Side, Specification, eval};
 
-/// The specification of the only contract of a file. Its variables are compared by their places.
+/// The specification of the only contract of a file. Its variables are compared by index.
 fn read(text: &str) -> Specification {
     let files = [("test.lw".to_owned(), text.to_owned())];
     let (library, findings) = load(&files, &|_, _| Err("no imports".to_owned()));
@@ -14,7 +14,7 @@ fn read(text: &str) -> Specification {
     (*library.contracts[0].specification).clone()
 }
 
-/// A number that looks random, for the same seed always the same.
+/// A pseudorandom number, always the same for the same seed.
 fn scrambled(seed: u64) -> u64 {
     let mut x = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -33,8 +33,8 @@ fn valuation(specification: &Specification, seed: u64) -> Vec<i64> {
         .collect()
 }
 
-/// Both contracts hold in the same steps. `differ` counts how often each of the formulas is true
-/// and false, so that nothing is compared that is always true.
+/// Both contracts hold in the same steps. `differ` counts how often each formula is true and false,
+/// so that no comparison is about a constant.
 fn same(short: &str, long: &str) {
     let (a, b) = (read(short), read(long));
     let domains = |s: &Specification| -> Vec<(i64, i64)> {

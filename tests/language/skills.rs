@@ -1,5 +1,5 @@
-//! Skills and their orders, from text to what automata are made of. Mistakes are in `cases/`, the
-//! layout in `format/`.
+//! Skills and their orders, from text to the input of automata. Errors are in `cases/`, the layout
+//! in `format/`.
 
 use crate::support;
 use linewright::automata::regex::Regex;
@@ -48,7 +48,7 @@ fn sound(text: &str) -> Library {
     library
 }
 
-/// The set with this order in it.
+/// The set with this order added.
 #[track_caller]
 fn with(orders: &str) -> Arc<Skills> {
     let library = sound(&format!(
@@ -277,7 +277,7 @@ fn an_order_has_a_name_a_requirement_a_level_and_a_text() {
     assert_eq!(library.sources.text(rule.span), "order o: never Left");
 }
 
-/// The words of skills are no words of the language: what was called like one before still may be.
+/// The words of skills are no words of the language: they remain valid names elsewhere.
 #[test]
 fn words_of_skills_are_names_everywhere() {
     let words = [
@@ -399,11 +399,11 @@ fn inner_machines_keep_their_orders() {
     assert_eq!(heads(hall), wanted);
     let wanted = ["cell.left.other.move", "ready cell.left.other.move"];
     assert_eq!(shown(hall, 1), wanted);
-    // Nothing is abstracted where no inner machine refines a contract.
+    // Nothing is abstracted if no inner machine refines a contract.
     assert_eq!(heads(hall.abstracted()), heads(hall));
 }
 
-/// An inner machine that stands as a contract is proved by itself, its orders with it.
+/// An inner machine represented by a contract is proved by itself, with its orders.
 #[test]
 fn orders_of_a_promise_stay_with_the_machine_that_makes_it() {
     let text = MACHINES.replace(
@@ -452,7 +452,7 @@ fn a_set_that_cannot_be_used_is_told() {
     assert_eq!(library.skills[0].name, "D");
 }
 
-/// However many orders there are, none is within another.
+/// Even many orders are not nested.
 #[test]
 fn many_orders_are_not_deep() {
     let orders = "order: sequence (X Left)*\n order: never X\n order: at most 2 of G\n".repeat(200);
@@ -465,8 +465,7 @@ fn many_orders_are_not_deep() {
     assert_eq!(library.skills[0].rules.len(), 601);
 }
 
-/// What is wrong with a set is wrong with the machines that call its skills, and with nothing else
-/// of the file.
+/// An error in a set affects the machines that call its skills, and nothing else in the file.
 #[test]
 fn check_lists_a_set_and_blames_nobody_else() {
     let folder = tempfile::tempdir().expect("a folder");

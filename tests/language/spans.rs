@@ -1,4 +1,4 @@
-//! Every part of a formula stands where its span says.
+//! Every part of a formula is at the place of its span.
 
 use linewright::source::FileId;
 use linewright::syntax::ast::{ContractItem, Expr, File, Item};
@@ -21,8 +21,8 @@ fn formula(file: &mut File) -> &mut Expr {
     expr
 }
 
-/// Every part of a formula stands where its span says, with all its brackets: read alone, that text
-/// is the same part.
+/// Every part of a formula is at the place of its span, with all its brackets: parsed alone, that
+/// text is the same part.
 #[test]
 fn spans_hold_brackets_that_match() {
     for (written, whole) in [

@@ -1,11 +1,11 @@
 //! Table I of the paper, as printed and in each of its readings, and sketches of the authors'
 //! public demo: `tests/cases/table1`.
 //!
-//! The first line of a file says what it is an example of: `// expect: NAME VERDICT`, the verdict
-//! on its contract of that name, or `// expect: LWxxx`, the finding for which it is refused.
+//! The first line of a file states its expectation: `// expect: NAME VERDICT`, the verdict on its
+//! contract of that name, or `// expect: LWxxx`, the finding for which it is rejected.
 //! `// finds: LWxxx LWxxx` lists the codes of all findings, of any severity, in ascending order,
 //! and `// says: TEXT` is a note of one of them. The contract's controller is extracted and
-//! verified where there is one.
+//! verified if there is one.
 
 use crate::support;
 use linewright::game::{Limits, Outcome, solve};
@@ -13,7 +13,7 @@ use linewright::mealy::{extract::extract, verify::verify};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What a file says of itself.
+/// The expectation stated in a file.
 #[derive(Debug, PartialEq, Eq)]
 enum Expected {
     Verdict { name: String, verdict: String },
@@ -34,7 +34,7 @@ fn expected(text: &str) -> Option<Expected> {
     }
 }
 
-/// The codes that a file says are found in it, and nothing else.
+/// The codes of all findings that a file states.
 fn found(text: &str) -> Option<Vec<String>> {
     let codes = text.lines().find_map(|l| l.strip_prefix("// finds: "))?;
     Some(codes.split_whitespace().map(str::to_owned).collect())
@@ -107,7 +107,7 @@ fn every_reading_has_its_verdict() {
                 assert_eq!(code, 1, "{name}");
                 assert_eq!(findings.len(), 1, "{name}: {findings:?}");
                 assert_eq!(findings[0]["code"], wanted.as_str(), "{name}");
-                // It points at the name that nothing declares.
+                // It points at the undeclared name.
                 let line = findings[0]["span"]["line"].as_u64().expect("a line") as usize;
                 let pointed = text.lines().nth(line - 1).expect("a line");
                 assert!(pointed.contains("desired ∧"), "{name}: {pointed}");
@@ -116,8 +116,8 @@ fn every_reading_has_its_verdict() {
         }
         verdicts.push(format!("{name}: {expected:?}"));
     }
-    // None may get lost: each contract of the table, in the readings that can be told apart, and
-    // the sketches.
+    // None may get lost: each contract of the table, in its distinguishable readings, and the
+    // sketches.
     assert_eq!(verdicts.len(), 8, "{verdicts:#?}");
 }
 

@@ -1,4 +1,4 @@
-//! The table of reserved words beside the rules of the grammar.
+//! The table of reserved words compared with the rules of the grammar.
 
 use linewright::source::FileId;
 use linewright::syntax::{parse, reserved};

@@ -1,6 +1,6 @@
-//! Random machines and lines against what is proved of them: none that is proved has a run in which
-//! a part is refused, stuck, lost or missing, unless a premise of the proof names it; and enough of
-//! those that are not proved really fail. `tests/README.md` says how this is run for long.
+//! Random machines and lines compared with what is proved of them: none that is proved has a run in
+//! which a part is refused, stuck, lost or missing, unless a premise of the proof names it; and
+//! enough of those not proved really fail. `tests/README.md` explains how to run this for long.
 
 mod found;
 mod judge;
@@ -18,20 +18,20 @@ use std::path::{Path, PathBuf};
 use table::Table;
 use text::Chance;
 
-/// Machines and lines a machine of the gate.
+/// Machines, and lines per machine, in the gate.
 const GATE: (usize, usize) = (12, 13);
-/// So many machines are in one file.
+/// Number of machines per file.
 const MACHINES_A_BATCH: usize = 6;
 /// Seeds of the runs.
 const SEEDS: [u64; 3] = [1, 2, 3];
-/// One line in so many is also run with compiled libraries.
+/// One in this many lines is also run with compiled libraries.
 const SAMPLED: usize = 60;
-/// At least so many of a hundred lines that are not proved fail.
+/// Minimum percentage of unproved lines that must fail.
 const LEAST_FAILING: usize = 30;
-/// A file is made smaller with so many questions.
+/// Maximum number of attempts to reduce a file.
 const REDUCING: usize = 120;
 
-/// `LINEWRIGHT_ATTACK=500x40`: machines, and lines a machine.
+/// `LINEWRIGHT_ATTACK=500x40`: machines, and lines per machine.
 fn size() -> (usize, usize) {
     let Ok(text) = std::env::var("LINEWRIGHT_ATTACK") else {
         return GATE;
@@ -47,12 +47,12 @@ fn seed() -> u64 {
     given.map_or(1, |text| text.parse().expect("a number"))
 }
 
-/// Where the files are written; they stay there if `LINEWRIGHT_ATTACK_FILES` says where.
+/// Folder of the generated files; they are kept if `LINEWRIGHT_ATTACK_FILES` names it.
 fn files() -> Option<PathBuf> {
     std::env::var_os("LINEWRIGHT_ATTACK_FILES").map(PathBuf::from)
 }
 
-/// Where lines are kept that fail although they are proved.
+/// Folder for lines that fail although they are proved.
 fn kept() -> Option<PathBuf> {
     std::env::var_os("LINEWRIGHT_ATTACK_REPORT").map(PathBuf::from)
 }
@@ -86,7 +86,7 @@ fn what_is_proved_holds_in_runs() {
     );
 }
 
-/// Some machines, those of them that are sound, and lines over these.
+/// Generates machines, keeps the sound ones, and tests lines over these.
 fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
     let chance = &mut Chance::new(seed);
     let mut batch = machines::batch(chance, MACHINES_A_BATCH);
@@ -158,8 +158,8 @@ fn attack(seed: u64, lines_a_machine: usize, folder: &Path, table: &mut Table) {
     }
 }
 
-/// `run`, with compiled libraries, finds the errors that `check` finds, refuses nothing else, and
-/// comes to what the interpreter comes to.
+/// `run` with compiled libraries finds the errors that `check` finds, rejects nothing else, and has
+/// the same results as the interpreter.
 fn agrees(
     world: &World,
     name: &str,
@@ -167,7 +167,7 @@ fn agrees(
     text: &str,
     folder: &Path,
 ) -> Result<(), String> {
-    // Of a line with a shift the runs here last longer.
+    // With a shift, the runs here last longer.
     if world.line(name).is_some_and(|line| line.shift.is_some()) {
         return Ok(());
     }
@@ -220,7 +220,7 @@ fn has_word(text: &str, word: &str) -> bool {
     })
 }
 
-/// A text in pieces of one declaration.
+/// Splits a text into declarations.
 fn declarations(text: &str) -> Vec<String> {
     let mut pieces = vec![String::new()];
     for line in text.split_inclusive('\n') {
@@ -253,7 +253,7 @@ fn reduced(text: &str, failure: &Failure, folder: &Path) -> String {
     })
 }
 
-/// A small file about whose line `check` and `run` do not agree either.
+/// A small file on whose line `check` and `run` disagree in the same way.
 fn reduced_disagreement(text: &str, folder: &Path) -> String {
     smaller(text, folder, |report, text, file| {
         let Some((name, judged)) = report.lines.first_key_value() else {
@@ -264,8 +264,8 @@ fn reduced_disagreement(text: &str, folder: &Path) -> String {
     })
 }
 
-/// What is left of a file whose machines are all sound: first by declarations, then by lines, as
-/// long as `fails` says so.
+/// The reduced form of a file whose machines are all sound: first by declarations, then by lines,
+/// as long as `fails` holds.
 fn smaller(text: &str, folder: &Path, fails: impl Fn(&Report, &str, &Path) -> bool) -> String {
     let cache = folder.join("cache");
     let file = folder.join("reduced.lw");

@@ -1,5 +1,5 @@
 //! What the proof of a line says of its calls, clause by clause of the theorem in `docs/proof.md`:
-//! small lines, each with what has to be said of it.
+//! small lines with their expected findings.
 
 use crate::support::linewright;
 use linewright::contract::load;
@@ -59,7 +59,7 @@ machine Any(t: 0..9 = 1) {
 }
 ";
 
-/// The row of the line in what `check` says of it.
+/// The line's row in the output of `check`.
 fn checked(line: &str) -> Value {
     checked_with(MACHINES, line)
 }
@@ -105,7 +105,7 @@ fn open(line: &str, errors: &[&str], warnings: &[&str]) -> String {
     row.to_string()
 }
 
-/// So many adders in a row; each adds one, and takes no more than 3.
+/// A row of `count` adders; each adds one, and takes no more than 3.
 fn adders(count: usize, first: &str) -> String {
     let (mut stations, mut way) = (String::new(), String::new());
     for i in 0..count {
@@ -144,7 +144,7 @@ fn defects_count_where_they_can_happen() {
     proved(&adders(3, &defect("50", "max(it - 1, 0)")), &[]);
     open(&adders(1, &defect("1", "it + 90")), &["LW415"], &[]);
     open(&adders(1, &defect("100", "0 - 1")), &["LW415"], &[]);
-    // Four are reached by chance only.
+    // Four are reached only by chance.
     let said = open(&adders(4, &defect("5", "it + 1")), &["LW414"; 2], &[]);
     assert!(said.contains("a defect at m"), "{said}");
 }
@@ -171,12 +171,12 @@ fn chance_sees_to_a_branch_or_the_proof_says_that_it_rests_on_it() {
     let often = "defect on P probability 30 %: again becomes 1 - it";
     proved(&rework(often, 0), &[]);
     proved(&rework(often, 1), &[]);
-    // Nothing ever goes back, and what is left of the loop is a way.
+    // Nothing ever goes back, and the rest of the loop is a path.
     proved(&rework("", 0), &[]);
     let always = "defect on P probability 100 %: again becomes 1";
     open(&rework(always, 0), &[], &["LW409"]);
-    // Two types of one kind of branch: what one of them does is fixed by how it is made, and
-    // nothing says that both go on.
+    // Two types with the same kind of branch: how a part is made determines what it does, and
+    // nothing says that both continue.
     let fixed = "line L {
     part P { property x: 0..9 = 0 }
     source s: P every 10 s
@@ -266,7 +266,7 @@ fn time_has_to_pass_for_all_values() {
     };
     proved(&line(1, ""), &[]);
     open(&line(0, ""), &["LW416"], &[]);
-    // Of one part in two the work at `m` takes time, that at `n` never does.
+    // For one part in two the work at `m` takes time, that at `n` never does.
     open(
         &line(0, "defect on P probability 50 %: x becomes 1"),
         &[],
@@ -275,7 +275,7 @@ fn time_has_to_pass_for_all_values() {
     proved(&line(0, "").replace("on order", "every 1 s"), &[]);
 }
 
-/// What a station's file computes may be longer than a run can measure.
+/// A duration computed in a station's file may be longer than a run can measure.
 #[test]
 fn no_work_takes_longer_than_a_run_can_measure() {
     let machines = MACHINES.replace("(t + x) * 1 s", "(t + x) * 1e9 s");
@@ -298,7 +298,7 @@ fn no_work_takes_longer_than_a_run_can_measure() {
     assert_eq!(codes(&open, "error"), ["LW414"], "{open:#}");
 }
 
-/// A part that goes round by its values, or by chance, comes out of it in the end.
+/// A part that goes round by its values, or by chance, eventually leaves.
 #[test]
 fn a_circle_without_time_is_one_that_parts_do_not_leave() {
     let machines = format!(
@@ -364,7 +364,7 @@ fn a_circle_without_time_is_one_that_parts_do_not_leave() {
         said(&line("on order", "v < 3", "")),
         of("open", "LW416", "")
     );
-    // Chance sees to it that they leave, and values that they do not.
+    // Chance guarantees that they leave, and values that they do not.
     let defect = "defect on P probability 50 %: v becomes 0";
     assert_eq!(said(&line("every 5 s", "v = 1", "")), of("proved", "", ""));
     assert_eq!(
@@ -373,7 +373,7 @@ fn a_circle_without_time_is_one_that_parts_do_not_leave() {
     );
 }
 
-/// Stores give out what they took in, and sinks take what always comes.
+/// Stores give out what they took in, and sinks take whatever comes.
 #[test]
 fn time_has_to_pass_between_stores_too() {
     let line = |ways: &str| {
@@ -405,7 +405,7 @@ fn time_has_to_pass_between_stores_too() {
         &[],
     );
     proved(&line("    store b\n    route Q: q -> m -> b\n"), &[]);
-    // A store is never full, whatever leaves it; what it has at the start comes to an end.
+    // A store is never full, whatever leaves it; its initial stock is finite.
     let said = open(
         &line("    store a\n    route Q: q -> a -> m -> l\n"),
         &["LW416"],
@@ -500,7 +500,7 @@ machine Belt {
         )
     };
     proved(&with(|belt| belt, "m -> k"), &[]);
-    // What is on its last place is gone a step later, taken or not.
+    // The part on its last place is gone a step later, taken or not.
     let loses = |belt: String| belt.replace("(if moves then s[0] else s[1])", "s[0] and moves");
     let said = open(&with(loses, "m -> k"), &[], &["LW407"]);
     assert!(said.contains("stays on it"), "{said}");
@@ -574,7 +574,7 @@ line L {{
     assert_eq!(codes(&row, "error"), ["LW414"], "{row:#}");
     let row = check("rounds = rounds * 1.001 + 1 mm  write good = true", "");
     assert_eq!(row["proof"], "safe", "{row:#}");
-    // What is read is followed, by way of others as well.
+    // What is read is followed, even indirectly.
     let row = check(
         "rounds = rounds + 1 mm  write wear = rounds  write good = true",
         "and wear < 3 mm",
@@ -582,7 +582,7 @@ line L {{
     assert_eq!(row["proof"], "proved", "{row:#}");
 }
 
-/// Of a product that is never joined nothing is worked on, and that is no mistake of the proof's.
+/// Nothing works on a product that is never joined, and that is no error of the proof.
 #[test]
 fn a_task_for_which_nothing_comes_is_none() {
     let said = open(
@@ -693,8 +693,8 @@ fn a_store_that_is_always_empty_is_told() {
     assert_eq!(premises(&row), ["stock_of_R_at_b"], "{row:#}");
 }
 
-/// What could not all be looked at is not taken for all that there is: many defects of one part,
-/// and joins of many values.
+/// An incomplete exploration is not taken as complete: many defects of one part, and joins of many
+/// values.
 #[test]
 fn what_was_not_looked_at_is_not_taken_for_nothing() {
     let defects = "        defect on P probability 50 %: one of h becomes 3 - it\n".repeat(6);
@@ -750,8 +750,8 @@ fn what_was_not_looked_at_is_not_taken_for_nothing() {
     assert_ne!(row["proof"], "proved", "{row:#}");
 }
 
-/// A part that chance has brought into a loop without a way out stays there, though each new part
-/// had a chance to leave.
+/// A part that chance has brought into a loop without an exit stays there, though each new part had
+/// a chance to leave.
 #[test]
 fn a_loop_without_a_way_out_is_no_matter_of_chance() {
     let line = |defect: &str| {
@@ -778,7 +778,7 @@ fn a_loop_without_a_way_out_is_no_matter_of_chance() {
         &line("defect on P probability 10 %: x becomes 0"),
         &["m_sends_P_to_k"],
     );
-    // From 0 there is a chance to get out again.
+    // From 0 there is a chance to leave.
     proved(&line("defect on P probability 10 %: x becomes 1 - it"), &[]);
 }
 
@@ -843,8 +843,8 @@ fn a_line_divides_as_real_numbers_are_divided() {
     }
 }
 
-/// A machine that is wrong in itself is judged where it is used; a file that cannot be understood
-/// is not used at all.
+/// A machine with an error of its own is judged where it is used; a file that cannot be parsed is
+/// not used at all.
 #[test]
 fn what_stands_beside_a_line_has_to_be_understood() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -856,7 +856,7 @@ fn what_stands_beside_a_line_has_to_be_understood() {
     route P: s -> a -> k
 }
 ";
-    // Nobody gives `a` its order; and an operation that can never end.
+    // Nothing binds `a` to an order; and an operation that can never end.
     let unbound = "machine Beside {
     step 1 s
     coordinator c: Single { job = operation = go  executed = a.finished }
@@ -891,7 +891,7 @@ fn what_stands_beside_a_line_has_to_be_understood() {
     }
 }
 
-/// What `check`, `build` and `run` say of a line, with their exit codes.
+/// Output of `check`, `build` and `run` for a line, with their exit codes.
 fn judged(line: &str) -> [(i32, String); 3] {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("line.lw"), line).expect("a file");
@@ -911,8 +911,8 @@ fn judged(line: &str) -> [(i32, String); 3] {
     })
 }
 
-/// What is wrong with the calls of a line is an error of all commands, although libraries are built
-/// and parts are made.
+/// An error in the calls of a line is an error of all commands, although libraries are built and
+/// parts are made.
 #[test]
 fn all_commands_refuse_what_following_the_parts_shows() {
     for code in ["LW414", "LW415", "LW416"] {
@@ -968,8 +968,8 @@ line L {
 }
 ";
 
-/// A machine cannot begin alone, and can in the machine that it stands in, where its signal is
-/// another wire.
+/// A machine that cannot begin alone, but can in its outer machine, where its signal is another
+/// wire.
 const INNER: &str = "import std.coordination.single
 contract Act {
     input asked, ready: bool
@@ -1033,8 +1033,8 @@ fn all_commands_judge_skills_and_inner_machines_alike() {
     }
 }
 
-/// The resolver does not know the values of parts, so it doubts a last route with a condition.
-/// Where following the parts shows that it always holds, none of the commands says so.
+/// The resolver does not know the values of parts, so it doubts a last route with a condition. If
+/// following the parts shows that it always holds, no command reports it.
 #[test]
 fn all_commands_agree_on_routes_with_conditions() {
     let line = |condition: &str| {

@@ -1,4 +1,4 @@
-//! Lines built by hand, and controllers that answer what a test wants.
+//! Handmade lines, and controllers with the answers that a test needs.
 
 use linewright::contract::line::{
     Belt, Defect, InitialValue, Limit, Line, Node, NodeKind, PartProperty, PartType, Requirement,
@@ -16,7 +16,7 @@ use linewright::station::{CallError, Controller, ErrorCode, Service};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A line in the making, with its controllers.
+/// A line under construction, with its controllers.
 pub struct Builder {
     pub line: Line,
     pub controllers: BTreeMap<usize, Box<dyn Controller>>,
@@ -142,7 +142,7 @@ impl Builder {
         self
     }
 
-    /// An accumulating conveyor with a period of so many seconds a place.
+    /// An accumulating conveyor with a period in seconds per place.
     pub fn conveyor(&mut self, name: &str, places: u32, period: f64) -> &mut Self {
         self.add(
             name,
@@ -157,7 +157,7 @@ impl Builder {
         self
     }
 
-    /// A conveyor that a controller moves, with a period of one second.
+    /// A conveyor moved by a controller, with a period of one second.
     pub fn belt(
         &mut self,
         name: &str,
@@ -208,7 +208,7 @@ impl Builder {
         self
     }
 
-    /// A task of one operation, whose machine's properties are these of the part.
+    /// A task of one operation whose machine has these properties of the part.
     pub fn task(&self, part: &str, properties: &[Option<usize>]) -> Task {
         Task {
             part: self.part(part),
@@ -238,7 +238,7 @@ impl Builder {
         self
     }
 
-    /// Gives a station's machine properties of the part, read and written by every task one to one.
+    /// Gives a station's machine properties of the part, each read and written by every task.
     pub fn machine_properties(&mut self, name: &str, properties: &[&str]) -> &mut Self {
         let node = self.node(name);
         if let NodeKind::Station {
@@ -311,7 +311,7 @@ impl Builder {
         .unwrap_or_else(|findings| panic!("{findings:#?}"))
     }
 
-    /// Runs to so many products, with a log.
+    /// Runs until this many products are made, with a log.
     pub fn run(&mut self, parts: u64) -> Trace {
         self.plant(Options {
             parts: Some(parts),
@@ -321,7 +321,7 @@ impl Builder {
         .run()
     }
 
-    /// Runs for so many seconds, with a log.
+    /// Runs for this many seconds, with a log.
     pub fn run_until(&mut self, seconds: f64) -> Trace {
         self.plant(Options {
             until: Some(seconds),
@@ -453,12 +453,12 @@ pub fn took(seconds: f64) -> Result<Service, CallError> {
     })
 }
 
-/// Every service takes so long, at 10 W.
+/// Every service takes this many seconds, at 10 W.
 pub fn constant(seconds: f64) -> impl Controller {
     Work(move |_, _: &mut [f64]| took(seconds), 0)
 }
 
-/// Every service leaves the outcome of a function of the call's number in the first value.
+/// Every service sets the first value to a function of the call's number.
 pub fn verdict(seconds: f64, outcome: impl Fn(u64) -> f64) -> impl Controller {
     Work(
         move |call, values: &mut [f64]| {
@@ -469,7 +469,7 @@ pub fn verdict(seconds: f64, outcome: impl Fn(u64) -> f64) -> impl Controller {
     )
 }
 
-/// The calls for which `refused` holds break an assumption.
+/// The calls for which `refused` holds violate an assumption.
 pub fn refusing(seconds: f64, refused: impl Fn(u64) -> bool) -> impl Controller {
     Work(
         move |call, _: &mut [f64]| {
@@ -487,7 +487,7 @@ pub fn refusing(seconds: f64, refused: impl Fn(u64) -> bool) -> impl Controller 
     )
 }
 
-/// Exponential service times of mean 1, from a stream of their own; a reset does not rewind it.
+/// Exponential service times of mean 1, from their own stream; a reset does not rewind it.
 pub struct Exponential(pub Stream);
 
 impl Exponential {
@@ -508,10 +508,10 @@ impl Controller for Exponential {
     fn reset(&mut self) {}
 }
 
-/// A belt that keeps its contract: parts close up towards the end, none is lost.
+/// A belt that keeps its contract: parts close up toward the end, none is lost.
 pub struct Shift1 {
     places: Vec<bool>,
-    /// Forgets its last part in this step.
+    /// Loses its last part in this step.
     pub loses_at: Option<u64>,
     steps: u64,
 }

@@ -1,5 +1,5 @@
-//! The abstraction of lines, against an explorer that shares no code with it, an evaluator that
-//! only evaluates, and the runner.
+//! The abstraction of lines, compared with an independent explorer, a pure evaluator, and the
+//! runner.
 
 mod advice;
 mod examples;

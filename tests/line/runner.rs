@@ -1,4 +1,4 @@
-//! The runner, on lines built by hand and controllers that answer what the test wants: no solver,
+//! The runner, on handmade lines and controllers with the answers that the test needs: no solver,
 //! no C.
 #![expect(clippy::float_cmp, reason = "the times of these lines are exact")]
 

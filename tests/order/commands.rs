@@ -1,4 +1,4 @@
-//! Skill orders on the command line: documents, exit codes, the forms of programs, what is emitted.
+//! Skill orders on the command line: documents, exit codes, the formats of programs, emitted files.
 //! The READMEs show the rest.
 
 use crate::support;
@@ -55,8 +55,7 @@ fn a_violation_has_its_step_its_rule_and_the_way_out() {
     assert_eq!(program["findings"][0]["span"]["line"], 5);
 }
 
-/// Whatever a command finds, its document says first what it is, of which skills, and at which
-/// level.
+/// Whatever a command finds, its document first states its kind, the skills, and the level.
 #[test]
 fn documents_begin_alike() {
     let program = "examples/pick-and-place/intended.txt";
@@ -73,7 +72,7 @@ fn documents_begin_alike() {
             "{{\n  \"schema\": \"linewright/order-{command}/1\",\n  \"skills\": \"PickAndPlace\",\n  \"level\": \"valid\",\n"
         );
         assert!(text(&output).starts_with(&start), "{}", text(&output));
-        // A program's faults are findings; what the other commands find out is not.
+        // A program's errors are findings; results of the other commands are not.
         let output = at_root(&[&["order", command, "--format", "sarif"], &rest[..]].concat());
         if command == "check" {
             assert_eq!(document(&output)["version"], "2.1.0");
@@ -84,7 +83,7 @@ fn documents_begin_alike() {
     }
 }
 
-/// Each command that fails at the file of rules says so as itself.
+/// Each command that fails at the file of rules reports so in its own name.
 #[test]
 fn mistakes_in_a_file_are_told_by_the_command() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -145,7 +144,7 @@ fn a_program_is_text_or_a_table() {
     }
 }
 
-/// What is told of a program that cannot be read.
+/// The findings for a program that cannot be read.
 fn invalid(name: &str, program: &str) -> String {
     let (document, output) = checked(name, program, &[]);
     assert_eq!(output.status.code(), Some(2), "{document}");
@@ -162,23 +161,23 @@ fn invalid(name: &str, program: &str) -> String {
     told.collect::<Vec<_>>().join("\n")
 }
 
-/// Rows of one call stand together, and are in the order in which they are called.
+/// Rows of one call are consecutive and in call order.
 #[test]
 fn steps_that_come_again_or_go_back_are_told() {
     let programs = [
-        // Again, and again.
+        // Repeated steps.
         "step,skill\n1,Right\n1,Grip\n2,Down\n1,Up\n1,Release\n2,Up\n",
-        // Back, and a name that is none.
+        // Going back, and an unknown name.
         "step;skill\n10;Right\n 9;Down\n11;Dwon\n",
-        // Names of steps have no order, but do not come again either.
+        // Names of steps have no order, but do not occur again either.
         "step;skill\nb;Right\na;Down\nb;Up\n",
         // The same number, and the same skill twice.
         "step;skill\n1;Right\n01;Grip\n1;Right\n",
-        // Not which step.
+        // Without a step.
         "step;skill\n1;Right\n;Grip\n2;Down\n",
-        // What stands before the dot counts.
+        // The part before the dot counts.
         "step;skill\n1.9;Right\n1.10;Down\n2.1;Grip\n1.11;Up\n",
-        // What is wrong in a step is no matter of the one before.
+        // An error in a step does not affect the previous one.
         "step;skill\n1;Right\n2;Rihgt\n2;Right\n",
     ];
     let told = programs.map(|p| format!("{p}{}\n", invalid("p.csv", p)));
@@ -214,7 +213,7 @@ fn all_that_cannot_be_read_is_told_at_once() {
     assert_eq!(document["programs"][0]["findings"][0]["span"]["line"], 2);
 }
 
-/// A program that is not there is told before rules are looked for beside it.
+/// A missing program is reported before rules are searched beside it.
 #[test]
 fn a_program_that_is_not_there_is_told_first() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -232,7 +231,7 @@ fn a_program_that_is_not_there_is_told_first() {
     assert_eq!(found["schema"], "linewright/order-check/1");
     assert_eq!(found["findings"][0]["code"], "LW001");
 
-    // The rules beside another one are taken, and where there are none, both are told.
+    // The rules beside another one are used; if there are none, both findings are reported.
     fs::write(folder.path().join("p.txt"), "Right\n").expect("a program");
     let said = error(&check(&["nosuch.txt", "p.txt"]));
     let (program, rules) = (said.find("nosuch.txt cannot"), said.find("--rules FILE"));
@@ -246,7 +245,7 @@ fn a_program_that_is_not_there_is_told_first() {
     );
 }
 
-/// A set of skills `Small` with these orders, in a file of its own: what a command says of it.
+/// A set of skills `Small` with these orders, in a separate file: the output of a command for it.
 fn small(orders: &str, command: &[&str]) -> Output {
     let folder = tempfile::tempdir().expect("a folder");
     let set = format!(
@@ -289,7 +288,7 @@ fn what_is_advised_where_it_is_too_large_is_there() {
     }
 }
 
-/// What is printed goes into a file again, or it is said that it does not.
+/// The printed expression can be pasted into a file, or the output says that it cannot.
 #[test]
 fn an_expression_goes_back_into_a_file() {
     for (orders, why) in [
@@ -318,7 +317,7 @@ fn an_expression_goes_back_into_a_file() {
     }
 }
 
-/// A sequence that cannot be ended because of the other rules.
+/// A sequence that cannot be completed because of the other rules.
 #[test]
 fn an_expression_for_no_program_is_said_to_be_that() {
     let orders = "order begin: sequence (Left Grip)\n    order end: never Grip";
@@ -338,7 +337,7 @@ fn an_expression_for_no_program_is_said_to_be_that() {
     assert_eq!(text(&small(orders, &["regex"])), "Left?\n");
 }
 
-/// What is missing is shown with skills that there are.
+/// The help for a missing name uses existing skills.
 #[test]
 fn help_names_skills_that_there_are() {
     let said = |component: &str| {
@@ -439,7 +438,7 @@ fn an_automaton_is_written_in_every_form() {
     }
 }
 
-/// What the program answers line by line to this input, by the rules of the unit.
+/// The program's line-by-line answers to this input, by the rules of the unit.
 fn monitored(input: impl AsRef<[u8]>, more: &[&str]) -> Output {
     watched(&support::root().join(UNIT), input, more)
 }
@@ -499,7 +498,7 @@ fn a_monitor_goes_on_behind_what_it_cannot_read() {
     let found = documents(b"Down\n\nL\xffft\nLfet\nUp\n", &[]);
     let wanted = serde_json::json!([
         { "line": 1, "allowed": true },
-        { "line": 3, "allowed": false, "why": "this is no text in UTF-8: send the names of skills in UTF-8" },
+        { "line": 3, "allowed": false, "why": "this is not UTF-8 text: send the names of skills in UTF-8" },
         { "line": 4, "allowed": false, "why": "there is no skill `Lfet`: did you mean `Left`?" },
         { "line": 5, "allowed": true },
     ]);
@@ -511,7 +510,7 @@ fn a_monitor_goes_on_behind_what_it_cannot_read() {
     assert!(text(&output).len() < 1 << 13, "{}", text(&output).len());
 }
 
-/// Whoever sends a call and waits gets the answer, although more is to come.
+/// A sender that waits after a call gets the answer, although more is to come.
 #[test]
 fn an_answer_does_not_wait_for_the_next_call() {
     use std::io::{BufRead as _, BufReader};
@@ -572,7 +571,7 @@ fn the_strongest_level_still_takes_the_intended_program() {
         .map(|c| format!("    {}\n", c["text"].as_str().expect("a text")))
         .collect();
     assert!(kept.len() > 6, "{kept:?}");
-    // The rules go into the file as they are printed.
+    // The printed rules can be pasted into the file.
     let folder = tempfile::tempdir().expect("a folder");
     let unit = fs::read_to_string(support::root().join(UNIT)).expect("the unit");
     let at = unit.find("    /// Do not hit").expect("the rules");
@@ -595,8 +594,8 @@ fn the_strongest_level_still_takes_the_intended_program() {
     }
 }
 
-/// The rules hold at the level that they were found for: with them in the file, nothing more can be
-/// left out there, and the level is the same.
+/// The rules hold at the level for which they were found: with them in the file, nothing more can
+/// be omitted there, and the level is the same.
 #[test]
 fn a_strongest_level_is_its_own_strongest_level() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -652,7 +651,8 @@ fn a_strongest_level_is_its_own_strongest_level() {
     }
 }
 
-/// A set of so many components with two skills each, `A0` and `B0` and so on, in a file of its own.
+/// A set with this many components with two skills each, `A0` and `B0` and so on, in a separate
+/// file.
 fn many(components: usize, orders: &[String]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let component = |i| {
@@ -670,7 +670,7 @@ fn many(components: usize, orders: &[String]) -> tempfile::TempDir {
     folder
 }
 
-/// Nothing of a table is left out in silence.
+/// No part of a table is ignored silently.
 #[test]
 fn cells_that_do_not_fit_are_told() {
     for (table, said) in [
@@ -757,7 +757,7 @@ fn what_is_asked_for_in_vain_is_told() {
     );
 }
 
-/// What no rule speaks of does not count.
+/// Skills that no rule mentions do not count.
 #[test]
 fn a_rule_about_three_of_64_skills_is_a_small_one() {
     let folder = many(32, &["after A0 until B0: never A1".to_owned()]);
@@ -779,7 +779,7 @@ fn a_rule_about_three_of_64_skills_is_a_small_one() {
     assert_eq!(c.status.code(), Some(0), "{}", error(&c));
 }
 
-/// The rules answer themselves where there is no table of them.
+/// The rules are evaluated directly if they have no table.
 #[test]
 fn rules_without_a_table_are_watched_all_the_same() {
     let orders: Vec<String> = (0..31)
@@ -791,7 +791,7 @@ fn rules_without_a_table_are_watched_all_the_same() {
         &["order", "monitor", "many.lw", "--emit", "c"],
     );
     assert_eq!(emitted.status.code(), Some(3), "{}", error(&emitted));
-    // All components stand at `a`: what the rules forbid is allowed once the one before has been
+    // All components are at `a`: what the rules forbid is allowed once the previous one has been
     // called to `b`.
     let watched = watched(
         &folder.path().join("many.lw"),
@@ -840,7 +840,7 @@ fn a_time_limit_ends_every_search() {
     }
 }
 
-/// Where the ways on are too many to be looked at, nothing is said of them.
+/// If there are too many ways to continue, nothing is reported about them.
 #[test]
 fn a_way_that_was_not_found_is_no_way_that_is_not_there() {
     let count = |i: usize| {

@@ -1,4 +1,4 @@
-//! Orders of skills, against brute force and on the command line.
+//! Orders of skills, compared with brute force and on the command line.
 
 mod commands;
 #[expect(

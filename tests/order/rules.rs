@@ -1,18 +1,18 @@
-//! Skill orders against brute force.
+//! Skill orders compared with brute force.
 //!
-//! What rules mean is written down a second time, by quantifiers over the positions of a word and
-//! without automata (`naive`, `expression`); it shares no code with `crates/language/src/order` but
-//! the shape of its data. Everything that the automata say is compared with that.
+//! The meaning of rules is implemented a second time, by quantifiers over the positions of a word
+//! and without automata (`naive`, `expression`); it shares only data types with
+//! `crates/language/src/order`. All results of the automata are compared with it.
 //!
-//! | file | what it shows |
+//! | file | what it tests |
 //! |---|---|
 //! | `singles` | automaton, regular expression and meaning agree on all words up to eight skills out of six |
-//! | `pairs` | all sequences of calls of one or two skills, up to eight skills in all: allowed when every order is, or when some order is |
-//! | `at_once` | events of several skills in every place of a rule, what stands at the start, deleted transitions, calls of three skills |
+//! | `pairs` | all sequences of calls of one or two skills, up to eight skills in total: allowed if every order is, or if some order is |
+//! | `at_once` | events of several skills in every place of a rule, the initial situation, deleted transitions, calls of three skills |
 //! | `equivalence` | random rules: words, their regular expression, smaller automata |
-//! | `programs` | random programs: the first violation, the shortest way on, the shortest difference |
-//! | `findings` | what is said to be wrong with random rules is, and what no rule excludes no other does either |
-//! | `orders` | up to six skills at once against all orders; the order that a refusal names |
+//! | `programs` | random programs: the first violation, the shortest continuation, the shortest difference |
+//! | `findings` | findings about random rules are correct, and no finding is missing |
+//! | `orders` | up to six skills at once compared with all orders; the order named in a refusal |
 
 mod at_once;
 mod equivalence;

@@ -1,5 +1,5 @@
 //! The algebra on the command line: operands, ports, verdicts and exit codes, the documents, one
-//! controller of all, two states of a library.
+//! controller for all parts, two states of a library.
 
 use crate::support;
 use crate::support::linewright;
@@ -90,7 +90,7 @@ fn what_fits_is_synthesized_as_one() {
     assert_eq!(machine["schema"], "linewright/machine/1");
     assert_eq!(machine["verified"], true);
     assert_eq!(machine["inputs"], serde_json::json!([]));
-    // What does not fit is not.
+    // What does not fit is rejected.
     let file = "examples/fit-together/circle.lw";
     let (a, b) = (format!("{file}::Feeder"), format!("{file}::Gripper"));
     let output = at_root(&["compose", &a, &b, "--synth"]);
@@ -143,7 +143,7 @@ contract Gripper {{
                 "{assumption}: {told}"
             );
         }
-        // It sees the step before.
+        // It sees the previous step.
         for assumption in [
             "always (fed -> next seen)",
             "always (previous fed -> seen)",
@@ -207,16 +207,16 @@ fn a_contract_refines_itself_and_expressions_are_operands() {
         let output = at_root(&["refine", one, &both]);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
     }
-    // And not the other way round.
+    // But not vice versa.
     let output = at_root(&["refine", &both, SAFE[0], "--format", "json"]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(document["counterexample"]["kind"], "lasso");
 }
 
-/// Without an environment that keeps the old assumptions every contract refines the old one: that
-/// is said, not only that it does. For `check`, which asks for safety step by step, no machine
-/// keeps the old one.
+/// Without an environment that keeps the old assumptions every contract refines the old one: the
+/// output says so explicitly. For `check`, which compares safety step by step, no machine keeps the
+/// old one.
 #[test]
 fn that_nothing_was_promised_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -252,7 +252,7 @@ contract New {
     );
 }
 
-/// A guarantee that looks like the definition of a monitor is none: it has to be kept.
+/// A guarantee that looks like the definition of a monitor is an ordinary one: it must be kept.
 #[test]
 fn what_is_asked_of_the_past_is_compared() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -289,7 +289,7 @@ fn a_quotient_is_proved_by_composing_it_back() {
     assert_eq!(document(&output)["verdict"], "proved");
 }
 
-/// What `compat` says of a contract in a file of its own, in JSON.
+/// The output of `compat` for a contract in a separate file, in JSON.
 fn compat_of(contract: &str) -> Output {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("own.lw"), contract).expect("a file");
@@ -316,8 +316,8 @@ moore contract Robot {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
-/// The outside sees `y` before it answers, and copies it. That `x` is promised again and again
-/// binds no single step.
+/// The outside sees `y` before it answers, and copies it. A promise that `x` holds again and again
+/// restricts no single step.
 #[test]
 fn a_promise_about_inputs_does_not_blind_the_environment() {
     let output = compat_of(
@@ -333,7 +333,7 @@ moore contract Copied {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
-/// A copy of the library, in which a text of a file is replaced.
+/// A copy of the library with a replacement in one file.
 fn changed(folder: &Path, name: &str, file: &str, from: &str, to: &str) {
     let target = folder.join(name);
     copy(&support::root().join("contracts"), &target);
@@ -381,17 +381,17 @@ fn two_states_of_a_library_are_compared_contract_by_contract() {
             of["open"][0].clone(),
         )
     };
-    // More is assumed: whoever used the old one may break it.
+    // More is assumed: a user of the old one may violate it.
     let (code, verdict, open) = verdicts("more");
     assert_eq!((code, verdict), (Some(1), "broken".into()));
     assert_eq!(open["name"], "gripped");
     assert_eq!(open["counterexample"]["kind"], "trace");
-    // Less is assumed: nobody minds.
+    // Less is assumed: that is allowed.
     let (code, verdict, _) = verdicts("less");
     assert_eq!((code, verdict), (Some(0), "refined".into()));
     let (code, verdict, _) = verdicts("old");
     assert_eq!((code, verdict), (Some(0), "same".into()));
-    // A contract that is gone is missed.
+    // A removed contract is reported.
     fs::remove_file(at.join("less").join(turn)).expect("a file");
     let output = linewright(at, &["refine", "old", "less"]);
     assert_eq!(output.status.code(), Some(1));

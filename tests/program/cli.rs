@@ -1,8 +1,8 @@
-//! The built program, end to end: the exit code and the whole message of every bad input, and what
-//! is left on disk.
+//! The built program, end to end: the exit code and the complete message for every bad input, and
+//! the files left on disk.
 //!
-//! What is fed to it stands in `tests/cases/cli` and `tests/cases/line`; what it prints, in
-//! snapshots. Every message says what is wrong and what to do next.
+//! Inputs are in `tests/cases/cli` and `tests/cases/line`; outputs, in snapshots. Every message
+//! says what is wrong and what to do next.
 
 mod cache;
 mod disk;

@@ -1,6 +1,5 @@
-//! The program from outside, on damaged files: no panic, no hang, limits kept, an exit code that
-//! means something, and no file that is damaged further. `tests/README.md` says how it is run for
-//! long.
+//! The program from outside, on damaged files: no panic, no hang, limits kept, a meaningful exit
+//! code, and no further damage to a file. `tests/README.md` explains how to run it for long.
 
 mod attempt;
 mod corpus;
@@ -13,9 +12,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Runs of the gate.
+/// Number of runs in the gate.
 const RUNS: u64 = 120;
-/// A file is made smaller with so many further runs.
+/// Maximum number of further runs to reduce a file.
 const REDUCING: usize = 250;
 
 fn number(variable: &str, default: u64) -> u64 {
@@ -65,7 +64,7 @@ fn damaged_files_are_survived() {
         }
         std::fs::remove_file(&place.file).expect("the file was there");
         if run % 500 == 499 {
-            // What is built, and what is remembered, grows with each new file.
+            // Build results and caches grow with each new file.
             let _ = std::fs::remove_dir_all(&place.out);
             let _ = std::fs::remove_dir_all(&place.cache);
             if report.is_some() {
@@ -115,7 +114,7 @@ fn told(run: u64, attempt: &Attempt, fault: &Fault, path: &Path, small: &[u8]) -
     text
 }
 
-/// Adds a fault to a folder: what it is in `faults.txt`, and its file.
+/// Adds a fault to a folder: its description in `faults.txt`, and its file.
 fn keep(folder: &Path, text: &str, number: usize, ending: &std::ffi::OsStr, small: &[u8]) {
     use std::io::Write as _;
     std::fs::create_dir_all(folder).expect("a folder");

@@ -1,11 +1,11 @@
-//! What uses what, as ARCHITECTURE.md states it. Cargo keeps circles out; here stand the
-//! dependencies that each crate may have, and within a crate of several modules the order in which
-//! these may import each other. Sources are read as text; comments and strings do not count.
+//! Dependencies as stated in ARCHITECTURE.md. Cargo excludes cycles; this lists the dependencies
+//! that each crate may have, and within a crate of several modules the order in which these may
+//! import each other. Sources are read as text; comments and strings do not count.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The crates below the command line, each with those that it uses.
+/// The crates below the command line with the crates that each uses.
 const CRATES: [(&str, &[&str]); 11] = [
     ("core", &[]),
     ("automata", &["core"]),
@@ -66,16 +66,16 @@ const ORDER: [(&str, &[&str]); 4] = [
     ("solver", &["symbolic", "game", "mealy"]),
 ];
 
-/// Files below the first may not name the second, though its crate is there for others; the third
-/// are exceptions.
+/// Files below the first may not name the second, though its crate is available; the third are
+/// exceptions.
 const FORBIDDEN: [(&str, &str, &[&str]); 3] = [
-    // What prints our language has to know its words.
+    // Code that prints Linewright's language needs its words.
     (
         "crates/interchange/src",
         "linewright_syntax",
         &["crates/interchange/src/contract.rs"],
     ),
-    // A play knows formulas and controllers, whatever language they came from.
+    // A play uses formulas and controllers, whatever language they came from.
     ("crates/engine/src/play", "linewright_language", &[]),
     ("crates/solver/src/mealy", "biodivine_lib_bdd", &[]),
 ];
@@ -93,7 +93,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// What is wrong with the imports of one file, whose path is relative to the root.
+/// Violations in the imports of one file, whose path is relative to the root.
 fn violations(path: &Path, text: &str) -> Vec<String> {
     let mut found = Vec::new();
     let code = without_comments_and_strings(text);
@@ -131,7 +131,7 @@ fn module_of(path: &Path) -> String {
     first.strip_suffix(".rs").unwrap_or(&first).to_owned()
 }
 
-/// The first names behind `crate::`, and behind as many `super::` as lead to the root of the crate.
+/// The first names after `crate::`, and after as many `super::` as lead to the root of the crate.
 fn used_modules(path: &Path, code: &str) -> Vec<String> {
     let mut used = Vec::new();
     for (at, _) in code.match_indices("crate::") {
@@ -140,8 +140,8 @@ fn used_modules(path: &Path, code: &str) -> Vec<String> {
             used.extend(names(&code[at + "crate::".len()..]));
         }
     }
-    // `super` in an inner module counts from there; only what stands at the left margin is surely
-    // the file's own.
+    // `super` in an inner module counts from there; only unindented code certainly belongs to the
+    // file itself.
     let depth = path.iter().count() - usize::from(path.ends_with("mod.rs"));
     for line_start in std::iter::once(0).chain(code.match_indices('\n').map(|(i, _)| i + 1)) {
         let line = &code[line_start..];
@@ -191,7 +191,7 @@ fn names(rest: &str) -> Vec<String> {
     found
 }
 
-/// The text with comments and the inside of strings blanked; lines stay where they are.
+/// The text with comments and the content of strings blanked; lines keep their numbers.
 fn without_comments_and_strings(text: &str) -> String {
     let mut code = String::new();
     let mut rest = text;
@@ -233,7 +233,7 @@ fn raw_string(text: &str) -> Option<usize> {
     text[open..].find(&end).map(|at| open + at + end.len())
 }
 
-/// The files with one of these extensions in a folder and the folders in it, in order.
+/// The files with one of these extensions in a folder and its subfolders, in order.
 pub(super) fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let entries = std::fs::read_dir(folder).expect("the folder can be read");
@@ -250,7 +250,7 @@ pub(super) fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     files
 }
 
-/// The dependencies of a manifest, those of tests left out.
+/// The dependencies of a manifest, without those of tests.
 fn dependencies(manifest: &str) -> Vec<&str> {
     let section = manifest
         .split("\n[")
@@ -319,8 +319,8 @@ fn modules_use_only_those_before_them() {
     assert!(report.is_empty(), "{report}");
 }
 
-/// Files that may know of clocks, and why none of them decides what a verdict, a finding or a table
-/// says.
+/// Files that may use clocks, and the reason why none of them determines a verdict, a finding or a
+/// table.
 const CLOCKS: [(&str, &str); 13] = [
     ("crates/core/src/deadline.rs", "`--timeout`"),
     ("src/cli/options.rs", "when a command began"),
@@ -346,10 +346,10 @@ const CLOCKS: [(&str, &str); 13] = [
     ("src/cli/check/watch.rs", "when a file was changed"),
 ];
 
-/// What looks after files of its own accord.
+/// The code that watches files independently.
 const WATCHES: &str = "src/cli/check/watch/";
 
-/// Where threads work side by side, the first one to find something must not decide.
+/// Constructs with parallel threads in which the first result could determine the outcome.
 const RACES: [&str; 5] = [
     "find_any",
     "find_map_any",
@@ -363,8 +363,8 @@ fn identifiers(code: &str) -> impl Iterator<Item = &str> {
     code.split(|c: char| !c.is_alphanumeric() && c != '_')
 }
 
-/// Proofs count their work, so that a verdict does not depend on how busy the computer is. A clock
-/// is only read where it is about `--timeout`, about files or about what took how long.
+/// Proofs count their work, so that a verdict does not depend on the load of the computer. A clock
+/// is read only for `--timeout`, for files, or to report durations.
 #[test]
 fn no_clock_and_no_race_decides() {
     let mut report = String::new();
@@ -482,10 +482,11 @@ fn what_is_allowed_is_not_found() {
     }
 }
 
-/// Whatever lies at the root is named in the README, so that no scratch file stays there.
+/// Everything at the root is named in the README, so that no scratch file stays there.
 #[test]
-fn the_readme_names_what_lies_at_the_root() {
-    let readme = std::fs::read_to_string(root().join("README.md")).expect("a text");
+fn what_lies_at_the_root_is_named() {
+    let read = |name: &str| std::fs::read_to_string(root().join(name)).expect("a text");
+    let texts = [read("README.md"), read("CONTRIBUTING.md")];
     let entries = std::fs::read_dir(root()).expect("a folder");
     let mut unnamed = Vec::new();
     for entry in entries.map(|e| e.expect("an entry")) {
@@ -496,11 +497,15 @@ fn the_readme_names_what_lies_at_the_root() {
             format!("({name})"),
             format!("`{name}/`"),
         ];
-        // Folders that are not in the repository come and go: `target`, an editor's, a user's.
+        // Folders outside the repository vary: `target`, an editor's, a user's.
         let is_ours = !name.starts_with('.') && !is_folder && name != "README.md";
-        if is_ours && !named.iter().any(|n| readme.contains(n)) {
+        let is_named = |text: &String| named.iter().any(|n| text.contains(n));
+        if is_ours && !texts.iter().any(is_named) {
             unnamed.push(name);
         }
     }
-    assert!(unnamed.is_empty(), "README.md does not name {unnamed:?}");
+    assert!(
+        unnamed.is_empty(),
+        "neither README.md nor CONTRIBUTING.md names {unnamed:?}"
+    );
 }

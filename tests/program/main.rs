@@ -1,11 +1,13 @@
-//! The program from outside, the library as others use it, and the rules of the repository.
+//! The program from outside, the library as other programs use it, and the rules of the repository.
 
 mod algebra;
+mod book;
 mod cli;
 mod hostile;
 mod imports;
 mod project;
 mod readme;
+mod schema;
 mod step;
 mod style;
 #[path = "../support/mod.rs"]

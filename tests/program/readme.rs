@@ -1,25 +1,29 @@
-//! What the READMEs say is what the program does: every `console` block of every README.md is run,
-//! and every example in the help.
+//! The READMEs match the program: every `console` block of every README.md is run, and every
+//! example in the help.
 //!
 //! A file's blocks run one after the other in one folder with copies of `contracts` and `examples`.
-//! In a block, `$ ` begins a command (for `sh`; `> ` continues it), `? 2` the exit code where it is
-//! not 0, and the rest is what it prints, both streams together. In the output `[..]` stands for
-//! any text within a line, and a line `...` for any lines. `cargo run --release --` is the built
-//! program; `cargo test` and what installs something is not run. A block fenced with a file's name
-//! (```` ```lw cell.lw ````) is written to that file first. trycmd does none of: shells, cargo,
-//! files, so this is a small runner of our own.
+//! In a block, `$ ` begins a command (for `sh`; `> ` continues it), `? 2` gives the exit code if it
+//! is not 0, and the rest is the output, both streams together. In the output `[..]` stands for any
+//! text within a line, and a line `...` for any number of lines. `cargo run --release --` is the
+//! built program; `cargo test` and installation commands are not run. A block fenced with a file's
+//! name (```` ```lw cell.lw ````) is written to that file first. trycmd supports none of shells,
+//! cargo, and files, hence this small runner.
 
+use crate::imports::files_below;
 use crate::support;
 use clap::CommandFactory as _;
+use rayon::prelude::*;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A step of a README.
+/// A step of a page.
 #[derive(Debug, PartialEq, Eq)]
 enum Step {
     /// Writes a file.
     File { name: String, text: String },
+    /// Checks a file in which nothing may be found.
+    Example { line: usize, text: String },
     /// Runs a command and compares what it prints.
     Run {
         line: usize,
@@ -33,7 +37,7 @@ enum Step {
 fn steps(text: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut lines = text.lines().enumerate();
-    while let Some((_, line)) = lines.next() {
+    while let Some((start, line)) = lines.next() {
         let Some(info) = line.trim_start().strip_prefix("```") else {
             continue;
         };
@@ -42,15 +46,17 @@ fn steps(text: &str) -> Vec<Step> {
             .take_while(|(_, l)| l.trim() != "```")
             .collect();
         let words: Vec<&str> = info.split_whitespace().collect();
+        let text = || block.iter().flat_map(|(_, l)| [*l, "\n"]).collect();
         match words.as_slice() {
             ["console"] => steps.extend(commands(&block)),
-            [_, name] if name.contains('.') => {
-                let text: String = block.iter().flat_map(|(_, l)| [*l, "\n"]).collect();
-                steps.push(Step::File {
-                    name: (*name).to_owned(),
-                    text,
-                });
-            }
+            ["lw"] => steps.push(Step::Example {
+                line: start + 1,
+                text: text(),
+            }),
+            [_, name] if name.contains('.') => steps.push(Step::File {
+                name: (*name).to_owned(),
+                text: text(),
+            }),
             _ => {}
         }
     }
@@ -94,7 +100,7 @@ fn commands(block: &[(usize, &str)]) -> Vec<Step> {
     steps
 }
 
-/// Whether a command is one that a test cannot run.
+/// Whether a test cannot run a command.
 fn left_out(command: &str) -> bool {
     [
         "cargo test",
@@ -109,7 +115,7 @@ fn left_out(command: &str) -> bool {
     .any(|start| command.starts_with(start))
 }
 
-/// Runs a command and gives its exit code and what it printed.
+/// Runs a command; returns its exit code and output.
 fn shell(folder: &Path, command: &str) -> (i32, String) {
     let command = command.replace("cargo run --release -- ", "linewright ");
     let program = Path::new(support::PROGRAM).parent().expect("a folder");
@@ -128,6 +134,7 @@ fn shell(folder: &Path, command: &str) -> (i32, String) {
         .env_remove("CLICOLOR_FORCE")
         .output()
         .expect("sh starts");
+    support::documents::assert_valid(&output.stdout);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     (output.status.code().unwrap_or(-1), text)
 }
@@ -169,7 +176,7 @@ fn line_matches(pattern: &str, line: &str) -> bool {
     }
 }
 
-/// What is wrong with a README; empty when nothing is.
+/// Faults in a README; empty if there are none.
 fn run(text: &str, folder: &Path) -> (usize, String) {
     let (mut runs, mut report) = (0, String::new());
     for step in steps(text) {
@@ -179,6 +186,14 @@ fn run(text: &str, folder: &Path) -> (usize, String) {
                 let parent = path.parent().expect("a file in a folder");
                 std::fs::create_dir_all(parent).expect("a folder");
                 std::fs::write(path, text).expect("a file");
+            }
+            Step::Example { line, text } => {
+                runs += 1;
+                std::fs::write(folder.join("example.lw"), text).expect("a file");
+                let (code, found) = shell(folder, "linewright check example.lw --format short");
+                if code != 0 || found.contains("warning[") || found.contains("note[") {
+                    let _ = writeln!(report, "line {line}: the example has findings\n{found}");
+                }
             }
             Step::Run {
                 line,
@@ -211,7 +226,7 @@ fn trimmed(lines: &[String]) -> Vec<String> {
     trim_lines(&texts).iter().map(|l| (*l).to_owned()).collect()
 }
 
-/// Without empty lines at the beginning and the end.
+/// Removes empty lines at the beginning and the end.
 fn trim_lines<'a, 'b>(lines: &'a [&'b str]) -> &'a [&'b str] {
     let start = lines.iter().position(|l| !l.trim().is_empty());
     let end = lines.iter().rposition(|l| !l.trim().is_empty());
@@ -221,21 +236,36 @@ fn trim_lines<'a, 'b>(lines: &'a [&'b str]) -> &'a [&'b str] {
     }
 }
 
+/// All pages whose blocks are run. The examples of findings have a test of their own.
+fn pages() -> Vec<PathBuf> {
+    let mut pages = support::files_named("README.md");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let findings = docs.join("reference/findings");
+    let of_book = files_below(&docs, &["md"]).into_iter();
+    pages.extend(of_book.filter(|page| !page.starts_with(&findings)));
+    pages
+}
+
 #[test]
 fn every_console_block_is_true() {
-    let mut report = String::new();
-    let mut runs = 0;
-    for file in support::files_named("README.md") {
-        let text = std::fs::read_to_string(&file).expect("a text");
-        let sandbox = support::sandbox();
-        let (count, wrong) = run(&text, sandbox.path());
-        runs += count;
-        if !wrong.is_empty() {
-            let _ = writeln!(report, "{}\n{wrong}", file.display());
-        }
-    }
+    let results: Vec<(usize, String)> = pages()
+        .par_iter()
+        .map(|file| {
+            let text = std::fs::read_to_string(file).expect("a text");
+            let sandbox = support::sandbox();
+            let (count, wrong) = run(&text, sandbox.path());
+            let report = if wrong.is_empty() {
+                wrong
+            } else {
+                format!("{}\n{wrong}", file.display())
+            };
+            (count, report)
+        })
+        .collect();
+    let report: String = results.iter().map(|(_, report)| report.as_str()).collect();
     assert!(report.is_empty(), "{report}");
-    assert!(runs > 0, "no README shows a command");
+    let runs: usize = results.iter().map(|(count, _)| count).sum();
+    assert!(runs > 100, "the pages show {runs} commands");
 }
 
 #[test]
@@ -263,7 +293,7 @@ fn every_example_of_the_help_runs() {
 
 #[test]
 fn steps_are_read() {
-    let text = "text\n```lw a/b.lw\ncontract\n```\n```console\n$ one\nout\n\n$ two \\\n> more\n? 2\n> out\n```\n```lw\nno file\n```\n";
+    let text = "text\n```lw a/b.lw\ncontract\n```\n```console\n$ one\nout\n\n$ two \\\n> more\n? 2\n> out\n```\n```lw\nno name\n```\n";
     let run = |line, command: &str, code, output: &[&str]| Step::Run {
         line,
         command: command.to_owned(),
@@ -279,7 +309,11 @@ fn steps_are_read() {
         [
             file,
             run(6, "one", 0, &["out", ""]),
-            run(9, "two \\\nmore", 2, &["> out"])
+            run(9, "two \\\nmore", 2, &["> out"]),
+            Step::Example {
+                line: 14,
+                text: "no name\n".to_owned()
+            },
         ]
     );
 }

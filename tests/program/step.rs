@@ -1,5 +1,5 @@
-//! Plays: every script in `tests/cases/step` with its transcript, what may be moved against direct
-//! evaluation, and scripts that a play has written itself. The first line of a script says what is
+//! Plays: every script in `tests/cases/step` with its transcript, legal moves compared with direct
+//! evaluation, and scripts written by a play itself. The first line of a script says what is
 //! played.
 
 use crate::support;
@@ -89,7 +89,9 @@ fn piped(folder: &Path, arguments: &[&str], commands: &str) -> Output {
     let mut input = child.stdin.take().expect("its input");
     input.write_all(commands.as_bytes()).expect("commands");
     drop(input);
-    child.wait_with_output().expect("it ends")
+    let output = child.wait_with_output().expect("it ends");
+    support::documents::assert_valid(&output.stdout);
+    output
 }
 
 #[test]
@@ -124,7 +126,7 @@ fn what_a_play_has_saved_replays_it() {
         let script = piped(folder, &[&contract, "--script", "test.txt"], "");
         assert_eq!(script.status.code(), Some(0));
 
-        // Another value is found, and named.
+        // A different value is detected and named.
         let text = std::fs::read_to_string(folder.join("test.txt")).expect("a script");
         let (values, wrong) = match text.rsplit_once("true") {
             Some((before, after)) => (before, format!("{before}false{after}")),
@@ -184,7 +186,7 @@ fn what_cannot_be_played_is_told() {
     }
 }
 
-/// Numbers by chance (xorshift).
+/// Random numbers (xorshift).
 struct Chance(u64);
 
 impl Chance {
@@ -196,8 +198,8 @@ impl Chance {
     }
 }
 
-/// The contracts of the library, as plants play them: a move is refused exactly when direct
-/// evaluation says that it breaks an assumption.
+/// The contracts of the library, played as the plant: a move is refused exactly if direct
+/// evaluation says that it violates an assumption.
 #[test]
 fn moves_are_refused_when_they_break_an_assumption_and_only_then() {
     let mut report = String::new();

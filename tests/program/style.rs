@@ -1,4 +1,4 @@
-//! How sources look, where no tool says it: the rules of CONTRIBUTING.md that a test can keep.
+//! Formatting rules of CONTRIBUTING.md that no tool checks.
 
 use super::imports::files_below;
 use std::fmt::Write as _;
@@ -7,8 +7,8 @@ use std::path::Path;
 /// Maximum width of a comment, in characters and with its indentation.
 const WIDTH: usize = 100;
 
-/// The lines of a source whose comment is too wide, with their numbers. Tables, indented text and
-/// fenced text are as wide as they are.
+/// Lines of a source with a comment that is too wide, with their numbers. Tables, indented text and
+/// fenced text are exempt.
 fn wide_comments(text: &str) -> Vec<(usize, &str)> {
     let mut fenced = false;
     let mut wide = Vec::new();
@@ -46,6 +46,47 @@ fn comments_wrap() {
     assert!(
         wide.is_empty(),
         "comments of more than {WIDTH} columns:\n{wide}"
+    );
+}
+
+/// Ways of speaking that say less than a noun: "Maximum number of states", not "so many states".
+const MANNERED: [&str; 3] = ["told", "so many", "so much"];
+
+/// The lines whose comment has one of these ways of speaking, with their numbers.
+fn mannered_comments(text: &str) -> Vec<(usize, &str)> {
+    let speaks = |line: &str| {
+        let words: Vec<String> = line
+            .split(|c: char| !c.is_alphanumeric())
+            .map(str::to_lowercase)
+            .collect();
+        let spoken = format!(" {} ", words.join(" "));
+        MANNERED
+            .iter()
+            .any(|phrase| spoken.contains(&format!(" {phrase} ")))
+    };
+    let lines = (1..).zip(text.lines());
+    lines
+        .filter(|(_, line)| line.trim_start().starts_with("//") && speaks(line))
+        .collect()
+}
+
+#[test]
+fn comments_are_plain() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut found = String::new();
+    for folder in ["src", "crates", "examples"] {
+        for path in files_below(&root.join(folder), &["rs", "pest"]) {
+            let text = std::fs::read_to_string(&path).expect("sources can be read");
+            for (number, line) in mannered_comments(&text) {
+                let place = path.strip_prefix(root).unwrap_or(&path).display();
+                let _ = writeln!(found, "{place}:{number}: {line}");
+            }
+        }
+    }
+    assert!(found.is_empty(), "comments with {MANNERED:?}:\n{found}");
+    assert_eq!(
+        mannered_comments("// It may have so many.\nlet told = 1;\n").len(),
+        1
     );
 }
 

@@ -1,7 +1,7 @@
-//! `check --watch` as a process: what it prints when files change, come, go, are imported, or are
-//! half written, and how it ends.
+//! `check --watch` as a process: its output when files change, appear, disappear, are imported, or
+//! are half written, and its end.
 //!
-//! The deadlines are there to end a test that fails; no time is measured.
+//! The deadlines only end a failing test; no time is measured.
 #![cfg(unix)]
 
 use crate::support;
@@ -25,7 +25,7 @@ const SOUND: &str = "contract Sound {
 }
 ";
 
-/// One that cannot.
+/// A contract that cannot be kept.
 const CLASH: &str = "contract Clash {
     input request: bool
     output running: bool
@@ -35,7 +35,7 @@ const CLASH: &str = "contract Clash {
 }
 ";
 
-/// The program, watching.
+/// The running program.
 struct Watching {
     child: Child,
     lines: Receiver<String>,
@@ -66,7 +66,7 @@ impl Watching {
         Self { child, lines }
     }
 
-    /// The next line that is as wanted; those before it may be of checks in the middle of a change.
+    /// The next matching line; earlier ones may come from checks in the middle of a change.
     fn line(&mut self, wanted: &str, is: impl Fn(&str) -> bool) -> String {
         let start = Instant::now();
         let mut others = String::new();
@@ -86,10 +86,10 @@ impl Watching {
             let document: Value = serde_json::from_str(line).expect("one document a line");
             verdicts(&document) == wanted
         });
-        serde_json::from_str(&text).expect("a document")
+        support::documents::assert_valid(text.as_bytes()).remove(0)
     }
 
-    /// Presses Ctrl-C, and gives the exit code.
+    /// Presses Ctrl-C, and returns the exit code.
     fn end(mut self) -> Option<i32> {
         let id = i32::try_from(self.child.id()).expect("a process id");
         kill(Pid::from_raw(id), Signal::SIGINT).expect("a signal");
@@ -110,7 +110,7 @@ impl Watching {
 
 impl Drop for Watching {
     fn drop(&mut self) {
-        // Fails when it has ended.
+        // Fails if it has already ended.
         let _ = self.child.kill();
     }
 }
@@ -127,7 +127,7 @@ fn text<'a>(value: &'a Value, key: &str) -> &'a str {
     value[key].as_str().expect("a text")
 }
 
-/// What a document says has changed.
+/// The changes listed in a document.
 fn changes(document: &Value) -> Vec<(&str, &str)> {
     let entries = document["changes"].as_array().expect("changes");
     entries
@@ -136,7 +136,7 @@ fn changes(document: &Value) -> Vec<(&str, &str)> {
         .collect()
 }
 
-/// How long a contract took, which is told once more where it was not solved again.
+/// Seconds that a contract took, which are repeated if it was not solved again.
 fn seconds(document: &Value, name: &str) -> f64 {
     let entries = document["contracts"].as_array().expect("contracts");
     let entry = entries.iter().find(|e| e["name"] == name);
@@ -170,7 +170,7 @@ fn files_change_come_go_and_break() {
     let (before, after) = (seconds(&first, "Other"), seconds(&second, "Other"));
     assert!((before - after).abs() < f64::EPSILON, "{before} {after}");
 
-    // A file comes, between the two others, and goes again.
+    // A file appears between the two others, and disappears again.
     write(folder, "cell/p.lw", &SOUND.replace("Sound", "More"));
     let third = watching.verdicts(&[clash, ("More", "realizable"), other]);
     assert_eq!(changes(&third), [("cell/p.lw", "new")]);
@@ -193,7 +193,7 @@ fn files_change_come_go_and_break() {
     std::fs::rename(from, to).expect("it is renamed");
     watching.verdicts(&[clash, other]);
 
-    // The whole folder goes, and comes again.
+    // The whole folder disappears and returns.
     std::fs::rename(folder.join("cell"), folder.join("away")).expect("it goes");
     watching.verdicts(&[("cell", "invalid")]);
     std::fs::rename(folder.join("away"), folder.join("cell")).expect("it comes");
@@ -249,7 +249,7 @@ fn what_a_spectra_file_imports_is_watched() {
     watching.verdicts(&[("belt", "unrealizable")]);
     rules("a <->");
     let found = watching.verdicts(&[("belt", "invalid")]);
-    // What is told of an imported file is told at its own place.
+    // Findings of an imported file are reported at its own place.
     assert!(found.to_string().contains("rules/Rules.spectra"), "{found}");
     watching.end();
 }
@@ -274,7 +274,7 @@ fn people_see_what_has_changed() {
     }
 }
 
-/// Where nobody reads any more, the next check is the last one.
+/// If the output is no longer read, the next check is the last one.
 #[test]
 fn a_closed_pipe_ends_it() {
     let folder = tempfile::tempdir().expect("a folder");

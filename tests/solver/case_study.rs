@@ -1,7 +1,7 @@
 //! The case study's contracts from specification to verified machine.
 
 use crate::fixtures;
-use linewright::deadline::{Deadline, Late};
+use linewright::deadline::{Deadline, StopReason};
 use linewright::game::{Limit, Limits, Outcome, examine_environment, solve};
 use linewright::gr1::Specification;
 use linewright::mealy::{Machine, extract::extract, gr1c, json, picture, verify::verify};
@@ -78,8 +78,8 @@ fn every_format_is_written_and_always_the_same() {
     }
 }
 
-/// What gr1c's format says, step by step: from each node, every successor is what the machine does
-/// on its inputs.
+/// The meaning of gr1c's format, step by step: from each node, every successor is what the machine
+/// does on its inputs.
 #[test]
 fn the_gr1c_automaton_is_the_machine() {
     let specification = fixtures::pick(2);
@@ -94,7 +94,7 @@ fn the_gr1c_automaton_is_the_machine() {
         let state = node["state"].as_array().expect("a list").iter();
         state.map(|v| v.as_i64().expect("a number")).collect()
     };
-    // Follow both from the beginning: what is reached together stays together.
+    // Both are followed from the start: what is reached together stays together.
     let mut pairs = Vec::new();
     for (name, node) in nodes {
         if node["initial"] == true {
@@ -123,7 +123,7 @@ fn the_gr1c_automaton_is_the_machine() {
         i += 1;
     }
     assert_eq!(pairs.len(), nodes.len());
-    // A camera grid of 6 cells and its reference has too many letters.
+    // A camera grid of 6 cells with its reference has too many letters.
     let specification = fixtures::quality_check(6);
     let grid = machine(&specification);
     assert_eq!(gr1c::to_json(&grid, &specification), Err(Limit::Size));
@@ -139,7 +139,7 @@ fn limits_are_respected() {
     };
     assert!(matches!(
         solve(&specification, &late),
-        Outcome::GaveUp(Limit::Late(Late::Time))
+        Outcome::GaveUp(Limit::Late(StopReason::Time))
     ));
     let small = Limits {
         deadline: Deadline::NONE,
@@ -155,11 +155,11 @@ fn limits_are_respected() {
     };
     assert_eq!(
         extract(&specification, &won, &late),
-        Err(Limit::Late(Late::Time))
+        Err(Limit::Late(StopReason::Time))
     );
     let done = machine(&specification);
     assert_eq!(
         verify(&specification, &done, &late),
-        Err(Limit::Late(Late::Time))
+        Err(Limit::Late(StopReason::Time))
     );
 }

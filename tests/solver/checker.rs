@@ -1,23 +1,23 @@
-//! A checker of proofs, by what stands in `docs/proof.md` and nothing else: valuations are counted
-//! through, formulas are evaluated directly, diagrams are walked from their roots.
+//! A checker of proofs, based only on `docs/proof.md`: valuations are enumerated, formulas are
+//! evaluated directly, diagrams are walked from their roots.
 
 use super::game;
 use super::random::Random;
 use linewright::gr1::{Formula, Owner, Specification, Timing};
 use serde_json::Value;
 
-/// What a proof does not show, by the numbers of the page.
+/// A missing part of a proof, by the numbers on the page.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Clause {
-    /// The document is not what the page says.
+    /// The document does not have the form on the page.
     Form(String),
     /// 1: every first choice of the plant has an answer within the region.
     Start,
     /// 2: the region is legal.
     Region,
-    /// 3: a layer is what was there before and those that wait in it.
+    /// 3: a layer consists of the previous states and those that wait in it.
     Layer,
-    /// 4: from a layer the machine can go on.
+    /// 4: from a layer the machine can continue.
     Answer,
     /// 5: from all of the region every goal is reached.
     Reached,
@@ -25,7 +25,7 @@ pub enum Clause {
     Within,
 }
 
-/// A proof, read as the page describes it.
+/// A proof, parsed as the page describes it.
 pub struct Proof {
     pub bits: Vec<Vec<usize>>,
     pub lows: Vec<i64>,
@@ -89,8 +89,8 @@ impl Proof {
         Ok(proof)
     }
 
-    /// Whether a function holds of a state. An edge is 0 (false), 1 (true), or twice a node's
-    /// number, which counts from 1; one more for its negation.
+    /// Whether a function holds in a state. An edge is 0 (false), 1 (true), or twice a node's
+    /// number, counted from 1; plus one for its negation.
     pub fn holds(&self, mut edge: usize, state: &[i64]) -> bool {
         let mut negated = false;
         loop {
@@ -114,7 +114,7 @@ impl Proof {
     }
 }
 
-/// All valuations of one side's variables; the others are 0.
+/// All valuations of one side's variables; the other variables are 0.
 pub fn valuations(specification: &Specification, owner: Owner) -> Vec<Vec<i64>> {
     let mut all = vec![vec![0; specification.variables.len()]];
     for (v, variable) in specification.variables.iter().enumerate() {
@@ -143,16 +143,16 @@ pub fn joined(specification: &Specification, inputs: &[i64], outputs: &[i64]) ->
     value.collect()
 }
 
-/// How much is checked.
+/// Extent of the check.
 #[derive(Clone, Copy, Debug)]
 pub enum Extent {
     /// Every state and every input.
     All,
-    /// So many random states, and so many random inputs of each.
+    /// This many random states, and random inputs for each.
     Some { seed: u64, states: u64, inputs: u64 },
 }
 
-/// Checks a proof by the obligations of the page.
+/// Checks the obligations on the page.
 pub fn accepts(
     specification: &Specification,
     document: &Value,
@@ -192,7 +192,7 @@ pub fn accepts(
     };
     let begins = match specification.timing {
         Timing::Mealy => first.iter().all(|x| outputs.iter().any(|y| starts(x, y))),
-        // Without any first choice of the plant an answer must exist all the same.
+        // Even without a first choice of the plant an answer must exist.
         Timing::Moore => outputs.iter().any(|y| first.iter().all(|x| starts(x, y))),
     };
     if !begins {
@@ -232,14 +232,15 @@ pub fn accepts(
             let mut found = false;
             for [assumption, wait, reached] in layers {
                 let below = |s: &[i64]| before.is_some_and(|b: usize| proof.holds(b, s));
-                // 3. A layer is what was there before and those that wait in it.
+                // 3. 3. A layer consists of the previous states and those that wait in it.
                 let (waits, nearer) = (proof.holds(*wait, state), below(state));
                 if proof.holds(*reached, state) && !(waits || nearer) {
                     return Err(Clause::Layer);
                 }
                 found |= proof.holds(*reached, state);
                 if waits && !nearer {
-                    // 4. From a layer the machine can go on: to the goal, nearer to it, or waiting.
+                    // 4. 4. From a layer the machine can continue: to the goal, nearer to it, or
+                    //    waiting.
                     let good = |x: &[i64], y: &[i64]| {
                         let next = joined(specification, x, y);
                         legal(&next)
@@ -250,7 +251,7 @@ pub fn accepts(
                                     && proof.holds(*wait, &next))
                     };
                     let possible = |x: &&Vec<i64>| {
-                        // Assumptions on transitions speak of next inputs; the next outputs do not
+                        // Assumptions on transitions mention next inputs; the next outputs do not
                         // matter to them.
                         all(&assume.invariants, x, &[]) && all(&assume.safety, state, x)
                     };
@@ -280,7 +281,7 @@ pub fn accepts(
             }
         }
     }
-    // 6. What is waited for stays within the region.
+    // 6. 6. Waiting stays within the region.
     for state in states.iter().filter(|s| !region(s)) {
         let functions = proof.goals.iter().flatten().flat_map(|[_, w, r]| [w, r]);
         for function in functions {

@@ -1,16 +1,16 @@
-//! Who checks the checkers: the verifier of machines, the verifier of counterstrategies and the
+//! Tests of the checkers: the verifier of machines, the verifier of counterstrategies and the
 //! certifier of functions are given artefacts that are wrong in each way their definitions forbid,
-//! and have to name the clause; and they are made wrong themselves, place by place, which has to be
-//! noticed.
+//! and must name the clause; and they are mutated themselves, place by place, which must be
+//! detected.
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
-//! | `definition` | the definitions, by enumeration: the set of clauses that an artefact breaks |
-//! | `artefacts` | right artefacts of the repository's contracts and of random specifications, and changes to them |
-//! | `witness` | whether the play that a verifier shows is one that breaks the clause it names |
+//! | `definition` | the definitions, by enumeration: the set of clauses that an artefact violates |
+//! | `artefacts` | correct artefacts of the repository's contracts and of random specifications, and changes to them |
+//! | `witness` | whether the play shown by a verifier violates the clause it names |
 //! | `../checker.rs` | the checker of proofs |
-//! | `../switch.rs` | which of the mutants that `mutation` has made is on |
-//! | `equivalent` | the mutants that nothing can notice, with the reason for each |
+//! | `../switch.rs` | the active one of the mutants made by `mutation` |
+//! | `equivalent` | the undetectable mutants, with the reason for each |
 
 mod artefacts;
 mod definition;
@@ -37,28 +37,28 @@ mod copies {
     mutation::mutants! { "crates/solver/src/mealy/verify/mod.rs", "crates/solver/src/mealy/certify.rs", "tests/solver/checker.rs" }
 }
 
-/// An artefact, and what may be said of it.
+/// An artefact with its correct verdicts.
 struct Case {
     specification: Specification,
     artefact: Artefact,
     limits: Limits,
-    /// The clauses that it breaks, as they are printed; nothing where it is right. A checker names
-    /// one of them.
+    /// The clauses that it violates, as printed; empty if it is correct. A checker names one of
+    /// them.
     broken: BTreeSet<String>,
-    /// Whether it is one clause, and none of a later stage is broken besides.
+    /// Whether it violates a single clause, and none of a later stage.
     alone: bool,
 }
 
 const ACCEPTED: &str = "accepted";
 
 impl Case {
-    /// Whether a verdict is right. A play that does not show what is said is none.
+    /// Whether a verdict is correct. A play that does not show its violation is not.
     fn allows(&self, verdict: &str) -> bool {
         self.broken.contains(verdict) || self.broken.is_empty() && verdict == ACCEPTED
     }
 }
 
-/// What the copy of the checker says; with a play, whether that shows it.
+/// Verdict of the checker's copy; with a play, whether that shows the violation.
 fn verdict(case: &Case) -> String {
     let (specification, limits) = (&case.specification, &case.limits);
     match &case.artefact {
@@ -119,17 +119,17 @@ fn verdict(case: &Case) -> String {
     }
 }
 
-/// Where states and inputs are tried and not counted through: often enough that all of six are met.
+/// Number of states and inputs to try instead of enumerating them: enough to meet all of six.
 const TRIED: u64 = 60;
 
-/// Where states only are tried: of some forty.
+/// Number of states to try without inputs: of some forty.
 const TRIED_ALONE: u64 = 600;
 
 fn first_word(clause: &str) -> String {
     clause.split('(').next().unwrap_or(clause).to_owned()
 }
 
-/// What the checkers themselves say.
+/// Verdict of the checkers themselves.
 fn said(case: &Case) -> String {
     let (specification, limits) = (&case.specification, &case.limits);
     let clause = |found: Result<Result<(), String>, Limit>| match found {
@@ -150,7 +150,7 @@ fn said(case: &Case) -> String {
             let found = certify::certify(specification, functions, limits);
             clause(found.map(|f| f.map_err(|v| format!("{:?}", v.clause))))
         }
-        // Parts of the verifiers, of which the copies are asked.
+        // Parts of the verifiers, tested in their copies.
         Artefact::Graph(..) | Artefact::Formulas(..) | Artefact::Product(_) => verdict(case),
         Artefact::Proof(document, tried) => {
             let extent = match tried {
@@ -167,7 +167,7 @@ fn said(case: &Case) -> String {
     }
 }
 
-/// The clauses that an artefact breaks, as they are printed.
+/// The clauses that an artefact violates, as printed.
 struct Breaks {
     named: BTreeSet<String>,
     alone: bool,
@@ -189,7 +189,7 @@ impl<C: std::fmt::Debug> From<definition::Found<C>> for Breaks {
     }
 }
 
-/// The clauses that an artefact breaks, and steps that can be taken.
+/// The clauses that an artefact violates, and possible steps.
 fn broken(
     specification: &Specification,
     artefact: &Artefact,
@@ -242,20 +242,20 @@ fn kind(artefact: &Artefact) -> &'static str {
     }
 }
 
-/// As many cases of a kind that break the same clause are kept.
+/// Maximum number of cases of a kind that violate the same clause.
 const MOST_ALIKE: usize = 20;
 
-/// As many random specifications.
+/// Number of random specifications.
 const SPECIFICATIONS: u64 = 240;
 
-/// As many changes to each artefact.
+/// Number of changes to each artefact.
 const CHANGES: usize = 60;
 
-/// As many artefacts of a kind are looked at with limits, and as many of those with an output that
-/// nothing mentions.
+/// Number of artefacts of a kind to test with limits, and of those with an output that nothing
+/// mentions.
 const LIMITED: usize = 40;
 
-/// Whether a clause is told once all was looked at, as is that nothing is wrong.
+/// Whether a clause is reported only after everything was examined, like the absence of errors.
 fn last(clause: &str) -> bool {
     clause == "Won" || clause.starts_with("Starved") || clause.starts_with("Justice")
 }
@@ -264,7 +264,7 @@ fn has_spare(specification: &Specification) -> bool {
     specification.variables.iter().any(|v| v.name == "spare")
 }
 
-/// Artefacts with as little work as they need and with less, and right ones with numbers that are
+/// Artefacts with as little work as they need and with less, and correct ones with numbers that are
 /// too large.
 fn limited(cases: &[Case]) -> Vec<Case> {
     let mut found = Vec::new();
@@ -308,11 +308,11 @@ fn limited(cases: &[Case]) -> Vec<Case> {
     found
 }
 
-/// As many products of a kind are looked at, as many proofs of which states are tried without their
-/// steps, as many of games that end, and as many counterstrategies whose machine has goals alone.
+/// Number of products of a kind, of proofs with states tried without their steps, of games that
+/// end, and of counterstrategies whose machine has only goals.
 const FURTHER: usize = 60;
 
-/// How many states a machine has.
+/// Number of states of a machine.
 fn states(artefact: &Artefact) -> usize {
     match artefact {
         Artefact::Machine(machine) | Artefact::Counterstrategy(machine) => machine.states.len(),
@@ -320,7 +320,7 @@ fn states(artefact: &Artefact) -> usize {
     }
 }
 
-/// Other questions about artefacts that are there.
+/// Further questions about existing artefacts.
 fn further(cases: &[Case]) -> Vec<(Specification, Artefact)> {
     let mut counts: BTreeMap<(&str, bool), usize> = BTreeMap::new();
     let mut found = Vec::new();
@@ -366,7 +366,7 @@ fn further(cases: &[Case]) -> Vec<(Specification, Artefact)> {
     found
 }
 
-/// Right and wrong artefacts; the same in every run.
+/// Correct and wrong artefacts; the same in every run.
 fn cases() -> &'static [Case] {
     static CASES: OnceLock<Vec<Case>> = OnceLock::new();
     CASES.get_or_init(|| {
@@ -492,7 +492,7 @@ fn cases() -> &'static [Case] {
     })
 }
 
-/// The names of the clauses of an enum; one more in it does not compile.
+/// The names of an enum's clauses; adding one without updating this does not compile.
 macro_rules! clauses {
     ($enum:ident: $($name:ident)*) => {{
         #[expect(dead_code, reason = "it is only compiled")]
@@ -511,7 +511,7 @@ const OF_PLAYS: &[&str] = {
         Guarantee Justice Assumption Starved Won)
 };
 
-/// What is asked of counterstrategies only, and of machines only.
+/// Clauses that apply only to counterstrategies, and only to machines.
 const OF_COUNTERSTRATEGIES: [&str; 6] = [
     "Nothing",
     "Unanswered",
@@ -534,7 +534,7 @@ const OF_PROOFS: &[&str] = {
     clauses!(Clause: Form Start Region Layer Answer Reached Within)
 };
 
-/// All clauses, with the kinds of what they are asked of.
+/// All clauses, with the kinds of artefacts to which they apply.
 fn all_clauses() -> Vec<(&'static str, &'static str)> {
     let without =
         |others: &'static [&str]| OF_PLAYS.iter().filter(move |name| !others.contains(name));
@@ -596,13 +596,13 @@ fn each_clause_is_named_when_it_is_broken() {
     assert!(never.is_empty(), "nothing breaks these alone: {never:?}");
 }
 
-/// One mutant, and whether something noticed it.
+/// One mutant, and whether anything detected it.
 struct Trial {
     mutant: u32,
     killed: bool,
-    /// Whether all that is noticed is that it comes to no end.
+    /// Whether it is detected only because it does not end.
     endless: bool,
-    /// How many cases come by its place.
+    /// Number of cases that pass its place.
     cases: usize,
 }
 
@@ -611,7 +611,7 @@ fn no_mutant_of_a_checker_survives() {
     let start = Instant::now();
     let cases = cases();
     println!("cases made after {:?}", start.elapsed());
-    // What each case comes by, and what it costs.
+    // The places that each case passes, and its cost.
     let mut known: Vec<(usize, Vec<bool>, u64)> = Vec::new();
     for (i, case) in cases.iter().enumerate() {
         let (verdict, seen, asked) = switch::recorded(|| verdict(case));
@@ -716,11 +716,10 @@ fn no_mutant_of_a_checker_survives() {
     );
 }
 
-/// As many of a hundred mutants are noticed; of the others it is shown that nothing can notice
-/// them.
+/// Minimum percentage of mutants that are detected; the others must be shown to be undetectable.
 const LEAST_KILLED: usize = 98;
 
-/// Mutants that are said to be equivalent are tried on one case in so many.
+/// Mutants listed as equivalent are tried on one case in this many.
 const EQUIVALENT_TRIED: usize = 3;
 
 /// The row of a mutant in the table of equivalent ones.
@@ -736,8 +735,8 @@ fn row(mutant: u32) -> Option<&'static equivalent::Equivalent> {
     rows.find(|e| e.number == number)
 }
 
-/// Rows of the table of equivalent mutants that are none, and survivors that are not in it; as
-/// text.
+/// Rows of the table of equivalent mutants that are not equivalent, and survivors missing from it;
+/// as text.
 fn compare(survivors: &[(u32, usize)]) -> (Vec<String>, Vec<String>) {
     let line = |e: &equivalent::Equivalent| {
         let (file, function, right, wrong) = (e.file, e.function, e.right, e.wrong);
@@ -763,11 +762,11 @@ fn compare(survivors: &[(u32, usize)]) -> (Vec<String>, Vec<String>) {
     (stale, missing)
 }
 
-/// Cases that ask more switches are left to the test of the clauses.
+/// Cases with more switch queries are left to the test of the clauses.
 const MOST_WORK: u64 = 20_000;
 
-/// Runs the cases that come by a mutant's place until one of them notices it, those first that
-/// noticed others.
+/// Runs the cases that pass a mutant's place until one of them detects it, starting with those that
+/// detected others.
 fn trial(
     mutant: u32,
     cases: &[Case],
@@ -806,7 +805,7 @@ fn trial(
                     cases: tried,
                 };
             }
-            // It may only have more to do: others are asked first.
+            // It may only have more to do: other cases are tried first.
             Told::Nothing => long = long.or(Some(k)),
         }
     }
@@ -822,14 +821,14 @@ fn trial(
     }
 }
 
-/// What a mutant says of a case.
+/// Result of a mutant on a case.
 enum Told {
     Right,
     Wrong,
-    /// Nothing in the time it has.
+    /// No result in the available time.
     Nothing,
 }
 
-/// What asks as many switches has no end, and a hundred times as many as the case asks when nothing
-/// is wrong.
+/// Number of switch queries after which a run counts as endless, as does a hundred times the number
+/// without a mutant.
 const ENDLESS: u64 = 20 * MOST_WORK;

@@ -1,5 +1,5 @@
-//! Why a specification is unrealizable: cores, counterstrategies, plays and repairs, on random
-//! specifications and on the public benchmarks.
+//! Explanations of unrealizable specifications: cores, counterstrategies, plays and repairs, on
+//! random specifications and on the public benchmarks.
 
 mod bench;
 mod legal;
@@ -42,8 +42,8 @@ fn repairs_of_random_specifications() {
     assert!(lost > 200);
 }
 
-/// The lines that `check` suggests are contract text that does what it says: put into the file,
-/// each mends it.
+/// The lines suggested by `check` are contract text that works: each, put into the file, repairs
+/// it.
 #[test]
 fn suggested_lines_can_be_put_into_the_file() {
     let mut tried = 0;
@@ -85,7 +85,7 @@ fn suggested_lines_can_be_put_into_the_file() {
     assert!(tried >= 5, "only {tried}");
 }
 
-/// What `check` says about a text.
+/// The output of `check` for a text.
 fn checked(text: &str) -> serde_json::Value {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("a.lw"), text).expect("a file");

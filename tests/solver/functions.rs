@@ -1,5 +1,5 @@
-//! Controllers as functions: certified by a path of their own, the same as machines, and the same
-//! as the C made from them.
+//! Controllers as functions: certified independently, equivalent to machines and to the C made from
+//! them.
 
 mod certified;
 mod compiled;
@@ -30,7 +30,7 @@ fn functions(specification: &Specification, kernel: KernelChoice) -> Option<Func
     }
 }
 
-/// A benchmark specification, if it is there.
+/// A benchmark specification, if it is available.
 fn benchmark(name: &str) -> Option<Specification> {
     let folder = std::env::var_os("LINEWRIGHT_SPECS").map_or_else(
         || support::root().join("../shared/bench/specs"),

@@ -1,5 +1,5 @@
 //! The naive solver: all valuations, all pairs of valuations, sets as bits of a word, the fixpoint
-//! as the textbook has it.
+//! as in the textbook.
 
 use linewright::game::{GuaranteeKind, GuaranteeRef};
 use linewright::gr1::{
@@ -9,8 +9,8 @@ use linewright::gr1::{
 /// A set of valuations.
 pub type Set = u128;
 
-/// One formula, over every pair of valuations: for each current one the set of next ones for which
-/// it holds.
+/// One formula over all pairs of valuations: for each current one the set of next ones for which it
+/// holds.
 pub type Relation = Vec<Set>;
 
 /// The formulas of a side by kind.
@@ -21,11 +21,11 @@ pub struct Relations {
     pub justice: Vec<Relation>,
 }
 
-/// Everything there is to know about a small specification.
+/// All data on a small specification.
 pub struct Board<'a> {
     pub specification: &'a Specification,
     pub valuations: Vec<Vec<i64>>,
-    /// The number of each valuation's inputs, and of its outputs.
+    /// Number of each valuation's inputs, and of its outputs.
     pub parts: Vec<(usize, usize)>,
     inputs: usize,
     outputs: usize,
@@ -33,19 +33,20 @@ pub struct Board<'a> {
     pub guaranteed: Relations,
 }
 
-/// Which guarantees count.
+/// The guarantees that count.
 pub enum Subset<'a> {
     All,
     Only(&'a [GuaranteeRef]),
 }
 
 /// What the real `examine_environment` is compared with.
-#[expect(clippy::struct_excessive_bools, reason = "four yes-or-no questions")]
 pub struct Environment {
     pub cannot_start: bool,
-    pub stuck_at_start: bool,
-    pub dead_end: bool,
-    pub forced: bool,
+    /// Sets of valuations, each with the larger one that it is part of.
+    pub stuck_at_start: [Set; 2],
+    pub dead_end: [Set; 2],
+    pub forced: [Set; 2],
+    pub forced_recklessly: [Set; 2],
     /// From how many of the valuations that can occur, and how many can; then for a machine without
     /// guarantees.
     pub forced_states: [u32; 2],
@@ -54,11 +55,11 @@ pub struct Environment {
     pub unsatisfiable: bool,
 }
 
-/// The rules that hold for a play, put together.
+/// The combined rules of a play.
 pub struct Rules {
     pub env_start: Set,
     pub sys_start: Set,
-    /// Which next valuations have inputs that the environment may give.
+    /// The next valuations with inputs that the environment may give.
     pub env_step: Relation,
     pub sys_step: Relation,
     pub assumptions: Vec<Relation>,
@@ -294,7 +295,7 @@ impl<'a> Board<'a> {
     }
 
     /// The valuations that occur when both sides keep their safety; a Moore machine's answers are
-    /// right for all legal inputs.
+    /// correct for all legal inputs.
     pub fn occurring(&self, rules: &Rules, start: Set) -> Set {
         let groups = self.groups();
         let mut reachable = start;
@@ -304,7 +305,7 @@ impl<'a> Board<'a> {
                 let legal = rules.env_step[s];
                 let mut good = rules.sys_step[s];
                 if self.specification.timing == Timing::Moore {
-                    // Only outputs that are right for all legal inputs.
+                    // Only outputs that are correct for all legal inputs.
                     let x: Vec<Set> = groups
                         .inputs
                         .iter()
@@ -326,6 +327,36 @@ impl<'a> Board<'a> {
         }
     }
 
+    /// Whether these values ensure that a valuation of the second set belongs to the first, some
+    /// valuation has them, and none of them can be left out. Without any, whether the first set is
+    /// empty.
+    pub fn is_prime_implicant(
+        &self,
+        situation: Option<&Vec<Option<i64>>>,
+        [set, all]: [Set; 2],
+    ) -> bool {
+        let Some(situation) = situation else {
+            return set == 0;
+        };
+        let having = |situation: &[Option<i64>]| {
+            let fits = |valuation: &[i64]| {
+                let mut values = valuation.iter().zip(situation);
+                values.all(|(value, wanted)| wanted.is_none_or(|wanted| *value == wanted))
+            };
+            let fitting = (0..self.valuations.len()).filter(|s| fits(&self.valuations[*s]));
+            fitting.fold(0, |set: Set, s| set | 1 << s) & all
+        };
+        let mut kept = (0..situation.len()).filter(|v| situation[*v].is_some());
+        let shown = having(situation);
+        shown != 0
+            && shown & !set == 0
+            && kept.all(|known| {
+                let mut fewer = situation.clone();
+                fewer[known] = None;
+                having(&fewer) & !set != 0
+            })
+    }
+
     pub fn environment(&self) -> Environment {
         let mut rules = self.rules(&Subset::All);
         let start = rules.env_start & rules.sys_start;
@@ -345,14 +376,16 @@ impl<'a> Board<'a> {
         reckless.goals = vec![vec![0; self.valuations.len()]];
         let recklessly = self.winning(&reckless) & anywhere;
         let count = |set: Set| if started { set.count_ones() } else { 0 };
+        let within = |set: Set, all: Set| if started { [set & all, all] } else { [0, 0] };
         Environment {
             forced_states: [count(forced), count(reachable)],
             forced_recklessly_states: [count(recklessly), count(anywhere)],
             unsatisfiable: started && lasting & first == 0,
             cannot_start: !started,
-            stuck_at_start: started && stuck & start != 0,
-            dead_end: started && stuck & reachable != 0,
-            forced: started && forced != 0,
+            stuck_at_start: within(stuck, start),
+            dead_end: within(stuck, reachable),
+            forced: within(forced, reachable),
+            forced_recklessly: within(recklessly, anywhere),
         }
     }
 
@@ -384,13 +417,13 @@ impl<'a> Board<'a> {
     }
 }
 
-/// The valuations with the same inputs, and with the same outputs.
+/// Valuations with the same inputs, and with the same outputs.
 pub struct Groups {
     pub inputs: Vec<Set>,
     pub outputs: Vec<Set>,
 }
 
-/// An evaluator of its own.
+/// An independent evaluator.
 pub fn value(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
     let of = |e: &Expr| value(e, now, next);
     match expr {
@@ -417,7 +450,7 @@ pub fn value(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
                 BinaryOp::Add => a + b,
                 BinaryOp::Sub => a - b,
                 BinaryOp::Mul => a * b,
-                // Division towards minus infinity, by what it means.
+                // Division toward minus infinity, by definition.
                 BinaryOp::Div | BinaryOp::Mod => {
                     let rest = ((a % b) + b) % b;
                     if *op == BinaryOp::Mod {

@@ -1,13 +1,13 @@
-//! A contract that has changed a little starts from what the version before has left: the same
-//! verdicts and the same region.
+//! A slightly changed contract starts from the data of its previous version: the same verdicts and
+//! the same region.
 
 use crate::random;
 use crate::random::Random;
 use linewright::engine::cache::Version;
-use linewright::game::{Diagram, KernelChoice, Options, Outcome, Solved, solve_with};
+use linewright::game::{Diagram, KernelChoice, Options, Outcome, Solution, solve_with};
 use linewright::gr1::{Formula, Owner, Side, Specification};
 
-fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) -> Solved {
+fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) -> Solution {
     let hints = hints.map(|v| v.hints(spec)).unwrap_or_default();
     let options = Options {
         kernel,
@@ -18,7 +18,7 @@ fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) ->
     solve_with(spec, &options)
 }
 
-fn version(spec: &Specification, solved: &Solved) -> Version {
+fn version(spec: &Specification, solved: &Solution) -> Version {
     let names: Vec<String> = solved
         .statistics
         .order_after
@@ -29,15 +29,15 @@ fn version(spec: &Specification, solved: &Solved) -> Version {
     Version::new(spec, order, &names, region(solved))
 }
 
-fn region(solved: &Solved) -> Option<Diagram> {
+fn region(solved: &Solution) -> Option<Diagram> {
     match &solved.outcome {
         Outcome::Realizable(won) => Some(won.region()),
         _ => None,
     }
 }
 
-/// The region as the states it holds.
-fn states(spec: &Specification, solved: &Solved) -> Option<Vec<bool>> {
+/// The region as a set of states.
+fn states(spec: &Specification, solved: &Solution) -> Option<Vec<bool>> {
     let region = region(solved)?;
     let mut bits = 0;
     for v in &spec.variables {
@@ -52,7 +52,7 @@ fn states(spec: &Specification, solved: &Solved) -> Option<Vec<bool>> {
     Some((0..1 << bits).map(value).collect())
 }
 
-/// Leaves out some formulas.
+/// Removes some formulas.
 fn thin(r: &mut Random, list: &mut Vec<Formula>) {
     list.retain(|_| r.chance(60));
 }
@@ -66,9 +66,9 @@ fn thin_side(r: &mut Random, side: &mut Side, invariants: bool) {
     }
 }
 
-/// The version before is made of the later one by taking guarantees away, and the later one by
-/// taking assumptions away: so the old region may be used. In every third case the rule is broken,
-/// by removing assumed invariants too; then it may not.
+/// The earlier version is made from the later one by removing guarantees, and the later one by
+/// removing assumptions: so the old region may be used. In every third case the rule is broken by
+/// also removing assumed invariants; then it may not be used.
 #[test]
 fn the_last_region_changes_nothing() {
     let (mut used, mut refused, mut shrunk) = (0, 0, 0);
@@ -100,7 +100,7 @@ fn the_last_region_changes_nothing() {
     );
 }
 
-/// With the rules the other way round, the old region is not used.
+/// With the versions exchanged, the old region is not used.
 #[test]
 fn a_weaker_contract_does_not_begin_in_the_old_region() {
     let (mut tried, mut differ) = (0, 0);
@@ -116,7 +116,7 @@ fn a_weaker_contract_does_not_begin_in_the_old_region() {
         }
         let before = solve(&old, KernelChoice::OxiDd, None);
         let version = version(&old, &before);
-        // Lists that hold a formula twice are the same set with one of them gone.
+        // Lists with a duplicate formula are the same set after removing one copy.
         if let Some(region) = version.hints(&new).region {
             let same =
                 |a: &[Formula], b: &[Formula]| a.iter().all(|f| b.iter().any(|g| g.expr == f.expr));
@@ -139,7 +139,7 @@ fn a_weaker_contract_does_not_begin_in_the_old_region() {
     assert!(tried >= 100 && differ >= 20, "{tried} {differ}");
 }
 
-/// Where the variables have changed, those that are left keep their order.
+/// If the variables have changed, the remaining ones keep their order.
 #[test]
 fn other_variables_keep_the_order() {
     let old = random::specification(&mut Random::new(3));
@@ -162,7 +162,7 @@ fn other_variables_keep_the_order() {
     let fresh = solve(&new, KernelChoice::OxiDd, None);
     let incremental = solve(&new, KernelChoice::OxiDd, Some(&version));
     assert_eq!(states(&new, &fresh), states(&new, &incremental));
-    // All others: nothing to go by.
+    // All variables differ: no order to start from.
     for v in &mut new.variables {
         v.name.push('x');
     }

@@ -1,4 +1,4 @@
-//! Verdicts, machines, counterstrategies and proofs of specifications, against naive solvers.
+//! Verdicts, machines, counterstrategies and proofs of specifications, compared with naive solvers.
 
 mod case_study;
 mod checker;

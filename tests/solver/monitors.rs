@@ -1,5 +1,5 @@
-//! Past operators, counters and patterns as monitors, against their definitions on every lasso of
-//! up to six positions.
+//! Past operators, counters and patterns as monitors, compared with their definitions on every
+//! lasso of up to six positions.
 
 mod circuit;
 mod games;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use words::{Lanes, Lassos, every_lasso, same};
 
-/// No lasso has more positions.
+/// Maximum number of positions of a lasso.
 const LONGEST: usize = 6;
 
 fn monitors_of(case: &Case) -> (Monitors, Player) {
@@ -29,8 +29,8 @@ fn monitors_of(case: &Case) -> (Monitors, Player) {
     (monitors, player)
 }
 
-/// The obligations of each pattern hold exactly where its formula does, also when they are taken
-/// apart to be assumed.
+/// The obligations of each pattern hold exactly where its formula does, also when they are split up
+/// to be assumed.
 #[test]
 fn patterns_mean_their_formulas() {
     let count = |case: &Case| {
@@ -64,9 +64,9 @@ fn patterns_mean_their_formulas() {
     assert_eq!(cases.len(), 25 + 10 * 4);
 }
 
-/// What the table in the module's text says, and that it cannot be less: so many pasts have to be
-/// told apart, since some future is right after one of them and wrong after the other. (A past
-/// after which every future is wrong needs no state.)
+/// The table in the module's documentation is correct, and its numbers are minimal: this many pasts
+/// must be distinguished, since some future is correct after one of them and wrong after the other.
+/// (A past after which every future is wrong needs no state.)
 #[test]
 fn monitors_have_few_bits() {
     let bits = |case: &Case| -> u32 {
@@ -90,7 +90,7 @@ fn monitors_have_few_bits() {
         let needed = pasts.next_power_of_two().ilog2();
         assert_eq!(needed, expected, "{}: {pasts} pasts", case.name);
     }
-    // A bound needs one counter, and a bit if the scope has to be known.
+    // A bound needs one counter, and a bit if the scope must be known.
     let bits = |pattern: &Pattern, scope: &Scope| {
         let mut monitors = Monitors::new(VarId(9), []);
         monitors.pattern(pattern, scope, &Origin::default());
@@ -110,7 +110,7 @@ fn monitors_have_few_bits() {
     assert_eq!(bits(&response, &Scope::Between(var(2), var(3))), 2 * 8);
 }
 
-/// How many pasts of at most two steps have different futures, as far as short lassos show it.
+/// Number of pasts of at most two steps with different futures, as far as short lassos show it.
 fn pasts_that_differ(case: &Case) -> usize {
     let variables = case.names.len();
     let meaning = logic::read(&case.meaning, &case.names);
@@ -138,7 +138,7 @@ fn pasts_that_differ(case: &Case) -> usize {
     possible.count()
 }
 
-/// Equal pieces of different formulas are one monitor; names are those that are free.
+/// Equal parts of different formulas share one monitor; names are free ones.
 #[test]
 fn equal_pieces_are_shared() {
     let taken = ["once_1", "waiting_2"].map(str::to_owned);
@@ -156,7 +156,7 @@ fn equal_pieces_are_shared() {
     monitors.pattern(&Pattern::Existence(r, None), &scope, &origin);
     let names: Vec<&str> = monitors.variables().map(|v| v.name.as_str()).collect();
     assert_eq!(names, ["once_2", "waiting_1", "waiting_3"]);
-    // Where the past does not matter, nothing is remembered.
+    // If the past does not matter, nothing is stored.
     for constant in [Expr::TRUE, Expr::FALSE] {
         assert_eq!(monitors.once(&constant, &origin), constant);
         assert_eq!(monitors.historically(&constant, &origin), constant);
@@ -166,7 +166,8 @@ fn equal_pieces_are_shared() {
     assert_eq!(monitors.made().len(), 3);
 }
 
-/// Precedence after q is not Dwyer's formula, but never less, and the same where q holds once.
+/// Precedence after q differs from Dwyer's formula, but is never weaker, and the same if q holds
+/// once.
 #[test]
 fn after_q_the_first_q_is_meant() {
     let names = ['p', 'q', 's'];

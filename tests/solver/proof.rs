@@ -1,5 +1,5 @@
-//! Proofs of verdicts are accepted by a checker of its own (`proof/checker.rs`), and damaged ones
-//! are not.
+//! Proofs of verdicts are accepted by an independent checker (`proof/checker.rs`), and damaged ones
+//! are rejected.
 
 use crate::checker::{Clause, Extent, accepts, valuations};
 use crate::random::Random;
@@ -55,13 +55,13 @@ fn proofs_of_random_specifications_are_accepted_and_damaged_ones_are_not() {
             "seed {seed}\n{spec:#?}\n{proof:#}"
         );
 
-        // What no proof can survive.
+        // Damage that no proof survives.
         let mut nowhere = proof.clone();
         nowhere["region"] = json!(0);
         for goal in nowhere["goals"].as_array_mut().expect("goals") {
             goal["layers"] = json!([]);
         }
-        // Only where the plant has no first choice is there nothing to answer.
+        // Only if the plant has no first choice is there nothing to answer.
         let nothing = !can_start(&spec);
         assert_eq!(
             accepts(&spec, &nowhere, Extent::All).is_ok(),
@@ -76,7 +76,7 @@ fn proofs_of_random_specifications_are_accepted_and_damaged_ones_are_not() {
                 "seed {seed}"
             );
         }
-        // What may: most damage is seen, none of it makes the checker fall over.
+        // Damage that may be harmless: most is detected, and none makes the checker panic.
         let mut r = Random::new(seed);
         for _ in 0..10 {
             let mut other = proof.clone();
@@ -125,7 +125,7 @@ fn contracts_of_the_library() {
     assert!(checked >= 5, "{checked}");
 }
 
-/// A contract with a single answer: the region is known by hand, and so is each way of spoiling it.
+/// A contract with a single answer: the region is known, and so is each way of damaging it.
 #[test]
 fn every_obligation_can_be_broken() {
     let text = "contract Lift {\n input up: bool\n output height: 0..3\n guarantee low: height = 0\n \

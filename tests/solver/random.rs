@@ -8,7 +8,7 @@ use linewright::gr1::{
 use linewright::mealy::Machine;
 use linewright::source::Span;
 
-/// A generator of its own (xorshift), so that a seed means the same for ever.
+/// Its own generator (xorshift), so that a seed always means the same.
 pub struct Random(u64);
 
 impl Random {
@@ -28,7 +28,7 @@ impl Random {
         (self.0 >> 11) % n
     }
 
-    /// True in `percent` of all cases.
+    /// True with this probability in percent.
     pub fn chance(&mut self, percent: u64) -> bool {
         self.below(100) < percent
     }
@@ -40,7 +40,7 @@ struct Scope {
     next: Vec<VarId>,
 }
 
-/// How often each formula of each kind is there, in percent: one entry a formula that may be.
+/// Frequency of each formula of each kind in percent: one entry per possible formula.
 struct Chances {
     assumed_initial: &'static [u64],
     assumed_invariants: &'static [u64],
@@ -54,7 +54,7 @@ struct Chances {
     step_justice: &'static [u64],
 }
 
-/// Any specification: every kind of formula, and each of them often absent.
+/// A random specification: every kind of formula, each of them often absent.
 pub fn specification(r: &mut Random) -> Specification {
     let timing = timing(r);
     let wide = r.chance(35);
@@ -70,7 +70,7 @@ pub fn specification(r: &mut Random) -> Specification {
             },
             _ => Domain::Bool,
         };
-        // One of each side at least.
+        // At least one per side.
         let owner = match i {
             0 => Owner::Environment,
             1 => Owner::System,
@@ -96,7 +96,7 @@ pub fn specification(r: &mut Random) -> Specification {
 }
 
 /// A specification with an integer and with at least two justice formulas on either side, so that
-/// the three fixpoints really lie within each other. Safety is rarer, or it would decide too often.
+/// the three fixpoints are really nested. Safety is rarer, since it would decide too often.
 pub fn specification_with_goals(r: &mut Random) -> Specification {
     let timing = timing(r);
     let ranges = [(-1, 1), (2, 4), (0, 3), (-2, 2)];
@@ -178,7 +178,7 @@ fn with_formulas(
                 let depth = 1 + r.below(3) as u32;
                 let mut expr = boolean(r, &variables, scope, depth);
                 if name.ends_with("safety") || name.ends_with("invariant") {
-                    // Weaker, or almost nothing would be realizable.
+                    // Weakened, since almost nothing would be realizable otherwise.
                     expr = boolean(r, &variables, scope, 1).or(expr);
                 }
                 formulas.push(Formula {

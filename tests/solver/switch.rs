@@ -1,4 +1,4 @@
-//! The switch: which mutant is on, which places are come by, and how much was done.
+//! The switch: which mutant is active, which places are passed, and the amount of work.
 
 use std::cell::{Cell, RefCell};
 use std::iter::{Skip, Take};
@@ -12,14 +12,14 @@ pub struct Mutant {
     pub wrong: &'static str,
 }
 
-/// What switches answer in one run.
+/// State of the switches in one run.
 struct State {
-    /// The mutant that is on.
+    /// The active mutant.
     on: Cell<Option<u32>>,
-    /// How often switches may be asked; after that the run counts as one without an end.
+    /// Remaining number of switch queries; after that the run counts as endless.
     fuel: Cell<u64>,
     asked: Cell<u64>,
-    /// Whether places are noted.
+    /// Whether places are recorded.
     recording: Cell<bool>,
     seen: RefCell<Vec<bool>>,
 }
@@ -34,8 +34,8 @@ thread_local! {
     } };
 }
 
-/// Asked at a place with `count` mutants, the first of which has the number `first`: which of them
-/// is on, counted from 1.
+/// Query at a place with `count` mutants, the first of which has the number `first`: the active
+/// one, counted from 1.
 pub fn at(first: u32, count: u32) -> u32 {
     STATE.with(|state| {
         let asked = state.asked.get() + 1;
@@ -56,8 +56,7 @@ pub fn at(first: u32, count: u32) -> u32 {
     })
 }
 
-/// A loop that is cut short: 1 over nothing, 2 over all but the first, 3 over the first only, 0
-/// over all.
+/// A shortened loop: 1 over nothing, 2 over all but the first, 3 over the first only, 0 over all.
 pub fn shortened<I: IntoIterator>(all: I, how: u32) -> Take<Skip<I::IntoIter>> {
     let most = match how {
         1 => 0,
@@ -67,7 +66,7 @@ pub fn shortened<I: IntoIterator>(all: I, how: u32) -> Take<Skip<I::IntoIter>> {
     all.into_iter().skip(usize::from(how == 2)).take(most)
 }
 
-/// Runs something with a mutant on; gives with it how often switches were asked.
+/// Runs something with a mutant active; also returns the number of switch queries.
 pub fn with<T>(mutant: Option<u32>, fuel: u64, run: impl FnOnce() -> T) -> (T, u64) {
     STATE.with(|state| {
         state.on.set(mutant);
@@ -79,13 +78,13 @@ pub fn with<T>(mutant: Option<u32>, fuel: u64, run: impl FnOnce() -> T) -> (T, u
     (result, STATE.with(|state| state.asked.get()))
 }
 
-/// Whether a mutant is on in this thread.
+/// Whether a mutant is active in this thread.
 pub fn is_on() -> bool {
     STATE.with(|state| state.on.get().is_some())
 }
 
-/// Runs something without a mutant; gives with it which mutants' places it comes by, and how often
-/// switches were asked.
+/// Runs something without a mutant; also returns the mutants whose places it passes, and the number
+/// of switch queries.
 pub fn recorded<T>(run: impl FnOnce() -> T) -> (T, Vec<bool>, u64) {
     STATE.with(|state| {
         state.on.set(None);

@@ -1,16 +1,16 @@
-//! Machines of files, with the controllers that the program would make for them.
+//! Machines in files, with the controllers that the program would make for them.
 
 use linewright::contract::machine::Machine;
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::engine::machines::Planned;
+use linewright::engine::machines::MachinePlan;
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::mealy;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A machine of a file with the controllers that `build` would make.
+/// A machine in a file with the controllers that `build` would make.
 pub fn controlled(
     file: &str,
     name: &str,
@@ -21,7 +21,7 @@ pub fn controlled(
     let machine = loaded.library.machines.iter().find(|m| m.name == name);
     let machine = Arc::new(machine.expect("a machine").clone());
     let mut jobs = Jobs::examining().wishing(wish);
-    let planned = Planned::new(&machine, &mut jobs);
+    let planned = MachinePlan::new(&machine, &mut jobs);
     let settings = Settings {
         limits: Limits::default(),
         kernel: KernelChoice::Automatic,

@@ -1,4 +1,4 @@
-//! A machine that writes whole numbers.
+//! A machine that writes integers.
 
 use crate::fixtures;
 use linewright::contract::machine::{Machine, Property, PropertyKind, RealExpr};
@@ -7,8 +7,8 @@ use linewright::mealy;
 use linewright::source::Span;
 use std::sync::Arc;
 
-/// The manipulator with a whole number that every operation sets to what another property says,
-/// whatever that is.
+/// The manipulator with an integer that every operation sets to the value of another property,
+/// whatever it is.
 pub fn counting() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     let (machine, controllers) = fixtures::manipulator();
     let mut machine = (*machine).clone();
@@ -25,7 +25,7 @@ pub fn counting() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
             span: Span::default(),
         });
     }
-    // Longer than any text that a library keeps, of characters of three bytes.
+    // Longer than any text that a library stores, with characters of three bytes.
     let coordinator = Arc::make_mut(&mut machine.components[0].specification);
     for formula in &mut coordinator.assumptions.safety {
         formula.requirement = Some("\u{2192}".repeat(500));

@@ -1,8 +1,8 @@
-//! A library against the interpreter, step by step: the same outputs, the same errors.
+//! A library compared with the interpreter, step by step: the same outputs, the same errors.
 //!
-//! To be run over every machine of a line. Inputs are drawn at random, but so that the walk gets
-//! somewhere: for each step it is decided by lot whether the step should succeed, break an
-//! assumption, or leave a domain, and among some candidates the first that does so is taken.
+//! Runs over every machine of a line. Inputs are random, but so that the walk makes progress: for
+//! each step it is drawn whether the step should succeed, violate an assumption, or leave a domain,
+//! and the first of some candidates that does so is taken.
 
 use linewright::contract::machine::Machine;
 use linewright::gr1::Domain;
@@ -14,19 +14,19 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a walk met.
+/// Statistics of a walk.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Steps that succeeded.
     pub ok: usize,
     /// Steps by error.
     pub errors: BTreeMap<i32, usize>,
-    /// Rules that were broken, and how often.
+    /// Violated rules with their counts.
     pub rules: BTreeMap<String, usize>,
 }
 
 impl Counts {
-    /// How many steps were answered with this error.
+    /// Number of steps with this error.
     pub fn of(&self, code: ErrorCode) -> usize {
         self.errors.get(&(code as i32)).copied().unwrap_or(0)
     }
@@ -51,11 +51,11 @@ impl Random {
     }
 }
 
-/// Builds the machine's library in `folder`, and lets it and the interpreter make `steps` random
-/// steps side by side.
+/// Builds the machine's library in `folder`, and makes `steps` random steps with it and the
+/// interpreter side by side.
 ///
 /// # Panics
-/// When they differ in outputs or errors.
+/// Panics if they differ in outputs or errors.
 pub fn differential(
     machine: &Arc<Machine>,
     controllers: &Arc<Vec<mealy::Controller>>,
@@ -77,7 +77,7 @@ pub fn differential(
     let mut plant: Vec<i64> = machine.plant.iter().map(|p| p.domain.low()).collect();
     let mut failed_in_a_row = 0;
     for step in 0..steps {
-        // An environment can have reached a dead end of its own.
+        // An environment may have reached its own dead end.
         if random.below(500) == 0 || failed_in_a_row > 12 {
             failed_in_a_row = 0;
             interpreter.reset();
@@ -85,7 +85,7 @@ pub fn differential(
         }
         let wish = match random.below(20) {
             0 => Some(ErrorCode::Domain),
-            // Some machines have few assumptions, which can be broken only now and then.
+            // Some machines have few assumptions, which can be violated only occasionally.
             _ if counts.of(ErrorCode::Assumption) * 7 < step => Some(ErrorCode::Assumption),
             1..=4 => Some(ErrorCode::Assumption),
             _ => None,
@@ -110,7 +110,7 @@ pub fn differential(
                 if let Some(rule) = error.rule {
                     *counts.rules.entry(rule).or_default() += 1;
                 }
-                // What was out of its domain would stay so for long otherwise.
+                // A value outside its domain would otherwise stay for long.
                 if error.code == ErrorCode::Domain {
                     for (value, input) in plant.iter_mut().zip(&machine.plant) {
                         *value = (*value).clamp(input.domain.low(), input.domain.high());
@@ -157,7 +157,7 @@ fn candidate(
     let mut plant = before.to_vec();
     for _ in 0..12 {
         plant = before.to_vec();
-        // Near the step before, or anywhere.
+        // Near the previous step, or anywhere.
         let changes = if random.below(3) == 0 {
             machine.plant.len() as u64
         } else {

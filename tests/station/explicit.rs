@@ -1,8 +1,8 @@
-//! Controllers for fixtures, by trying out every valuation: no part of the solver is used.
+//! Controllers for fixtures, by trying every valuation: no part of the solver is used.
 //!
-//! For each state (the values of the step before) and each input, the first output in ascending
+//! For each state (the values of the previous step) and each input, the first output in ascending
 //! order that keeps the guarantees is taken. So a contract whose guarantees leave no choice gets
-//! its only machine; nothing looks ahead.
+//! its only machine; there is no lookahead.
 
 use linewright::gr1::{Domain, Formula, Side, Specification, Time, Timing, eval};
 use linewright::mealy::{Cube, Guard, Machine, Port, Test, Transition};
@@ -25,7 +25,7 @@ pub fn controller(specification: &Specification) -> Machine {
     };
     let inputs = ports(specification.inputs().collect());
     let outputs = ports(specification.outputs().collect());
-    // Only what safety formulas look back at is part of a state.
+    // Only values to which safety formulas refer are part of a state.
     let mut remembered = vec![false; specification.variables.len()];
     for side in [&specification.assumptions, &specification.guarantees] {
         for formula in &side.safety {
@@ -93,7 +93,7 @@ fn transitions(
     let allowed: Vec<&Vec<i64>> = all_inputs
         .iter()
         .filter(|i| {
-            // A Moore machine's assumptions may not speak of its outputs of the same step either.
+            // A Moore machine's assumptions may not mention its outputs of the same step, either.
             kept(&specification.assumptions, &whole(i, &nothing))
         })
         .collect();
@@ -102,7 +102,7 @@ fn transitions(
             .iter()
             .find(|o| allowed.iter().all(|i| fits(i, o)))
     });
-    // Cubes by what they lead to.
+    // Cubes by their result.
     let mut groups: BTreeMap<(Vec<i64>, usize), Vec<Cube>> = BTreeMap::new();
     for input in allowed {
         let output = match moore {
@@ -160,7 +160,7 @@ fn valuations(ports: &[Port]) -> Vec<Vec<i64>> {
     all
 }
 
-/// Joins cubes that differ in one neighbouring interval, and drops tests that always hold.
+/// Joins cubes that differ in one adjacent interval, and drops tests that always hold.
 fn merge(mut cubes: Vec<Cube>, domains: &[Domain]) -> Vec<Cube> {
     for input in 0..domains.len() {
         let mut joined: Vec<Cube> = Vec::new();

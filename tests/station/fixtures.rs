@@ -1,5 +1,5 @@
-//! Two machines as the resolver would give them: a manipulator with a coordinator and four actions,
-//! and a belt.
+//! Two machines as the resolver would produce them: a manipulator with a coordinator and four
+//! actions, and a belt.
 
 use super::explicit;
 use linewright::contract::machine::{
@@ -121,7 +121,7 @@ fn coordinator() -> Specification {
     }
 }
 
-/// Turns by a quarter a step, when the axis is free, until the desired angle is reached.
+/// Turns by a quarter per step, if the axis is free, until the desired angle is reached.
 fn turn() -> Specification {
     let (start, desired, gripped, free, angle, reached) = (0, 1, 2, 3, 4, 5);
     let turned = op(BinaryOp::Mod, op(BinaryOp::Add, v(angle), c(1)), c(4));
@@ -218,7 +218,7 @@ fn pick() -> Specification {
                         .or(n(start).not()),
                     ),
                 ),
-                // A transition without next values: it speaks of the step before.
+                // A transition without next values: it refers to the previous step.
                 formula(
                     "low where it picks",
                     "always (next true -> !(stage = 1 & height = 2))",
@@ -307,7 +307,7 @@ fn component(
     }
 }
 
-/// What the manipulator's file would give, and a controller for each component.
+/// The machine from the manipulator's file, and a controller for each component.
 pub fn manipulator() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     // Wires: request 0, cell 1, grip 2, free 3, height 4; coordinator.command 5, .done 6;
     // turn.angle 7, .reached 8; pick.stage 9, .depth 10; lamp.lit 11; idle.stage 12, .depth 13.
@@ -450,7 +450,7 @@ pub fn belt() -> (Arc<Machine>, Arc<Vec<mealy::Controller>>) {
     // 0 load, 1 unload ready; 2, 3, 4 places; 5 ready.
     let (load, unload) = (0, 1);
     let place = |i: u32| 2 + i;
-    // A place moves up where the one after it is free or moves too.
+    // A place moves up if the one after it is free or moves too.
     let last_leaves = || v(place(2)).not().or(n(unload));
     let middle_moves = || v(place(1)).not().or(last_leaves());
     let first_moves = || v(place(0)).not().or(middle_moves());

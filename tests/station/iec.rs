@@ -1,4 +1,4 @@
-//! An interpreter of Structured Text, written from IEC 61131-3.
+//! An interpreter of Structured Text, implemented from IEC 61131-3.
 
 pub mod compiler;
 pub mod document;

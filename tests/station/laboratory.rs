@@ -15,13 +15,13 @@ use std::sync::{Arc, OnceLock};
 /// The line of the paper's product, and the one with the milled part.
 pub const LINES: [&str; 2] = ["examples/ice-lab/line.lw", "examples/ice-lab/milled.lw"];
 
-/// A machine and one controller a component.
+/// A machine and one controller per component.
 pub struct Controlled {
     pub machine: Arc<Machine>,
     pub controllers: Arc<Vec<mealy::Controller>>,
 }
 
-/// Every machine of both lines, each once, by the order of their places.
+/// All machines of both lines, each once, in order of occurrence.
 pub fn machines() -> &'static [Controlled] {
     static MACHINES: OnceLock<Vec<Controlled>> = OnceLock::new();
     MACHINES.get_or_init(|| {
@@ -34,7 +34,7 @@ pub fn machines() -> &'static [Controlled] {
     })
 }
 
-/// Every machine of some lines, each once, by the order of their places.
+/// All machines of some lines, each once, in order of occurrence.
 pub fn of_lines(paths: &[&str]) -> Vec<Controlled> {
     let mut done: Vec<(Arc<Specification>, mealy::Machine)> = Vec::new();
     let mut machines: Vec<Controlled> = Vec::new();

@@ -1,4 +1,4 @@
-//! Station libraries: the emitted C, the toolchain, the loader, against the interpreter.
+//! Station libraries: the emitted C, the toolchain and the loader, compared with the interpreter.
 
 mod building;
 mod calls;
@@ -96,7 +96,7 @@ fn library_and_interpreter_agree_on_operations() {
     }
 }
 
-/// The machines that a fixture's controllers are.
+/// The machines of a fixture's controllers.
 fn machines(controllers: &[mealy::Controller]) -> Vec<mealy::Machine> {
     let machines = controllers.iter().map(|c| c.machine().cloned());
     machines.collect::<Option<_>>().expect("machines")
@@ -130,8 +130,8 @@ fn faults_of_a_controller_are_caught_alike() {
     assert!(counts.of(ErrorCode::Internal) == 0);
 }
 
-/// A whole-number property ends as a whole number of its range, or the operation is refused; what
-/// it was before, it may stay.
+/// An integer property ends as an integer in its range, or the operation is refused; a previous
+/// value may remain.
 #[test]
 fn whole_numbers_stay_whole_and_in_range() {
     let folder = folder();
@@ -142,7 +142,7 @@ fn whole_numbers_stay_whole_and_in_range() {
         .unwrap();
     let mut instance = Library::open(&built.path).unwrap().instance().unwrap();
     let mut interpreter = Interpreter::new(Arc::clone(&machine), Arc::clone(&controllers));
-    // The wish, what the count is before, and whether that is allowed.
+    // The wish, the previous count, and whether that is allowed.
     let cases = [
         (2.0, 0.0, true),
         (-3.0, 0.0, true),
@@ -181,7 +181,7 @@ fn whole_numbers_stay_whole_and_in_range() {
     }
 }
 
-/// A text that is too long for a library is cut, but never within a character.
+/// A text that is too long for a library is truncated, but never within a character.
 #[test]
 fn long_texts_are_cut_between_characters() {
     let folder = folder();
@@ -192,7 +192,7 @@ fn long_texts_are_cut_between_characters() {
         for component in &mut machine.components {
             let specification = Arc::make_mut(&mut component.specification);
             for formula in &mut specification.assumptions.safety {
-                // Characters of three bytes, from three places on.
+                // Characters of three bytes, starting at three offsets.
                 let long = format!("{}{}", "x".repeat(offset), "\u{2192}".repeat(500));
                 formula.requirement = Some(long);
             }

@@ -1,5 +1,5 @@
 //! The controllers that are played: every contract of the bundled library and of the examples, and
-//! every component of the laboratory's machines with the sizes it has there, at real size too.
+//! every component of the laboratory's machines in its sizes there, including real size.
 
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
@@ -19,7 +19,7 @@ const LARGE_FILES: [&str; 2] = ["holistic.lw", "real.lw"];
 /// Contracts of the line at real size.
 const LARGE_NAMES: [&str; 4] = ["Mill", "Inspect", "Move", "Turn"];
 
-/// Its assumptions ask for every operator.
+/// Its assumptions use every operator.
 const WIDE: &str = "
 contract Wide {
     input near: -300..300
@@ -76,7 +76,7 @@ fn specifications(folder: &Path, found: &mut Vec<Arc<Specification>>) {
             let file = path.display().to_string();
             let loaded = files::load(&[file], &StandardLibrary::default());
             let library = &loaded.library;
-            // What is imported to be refined is not solved here, either.
+            // What is imported only to be refined is not solved here, either.
             let large = |file: &str| LARGE_FILES.iter().any(|large| file.ends_with(large));
             let contracts = library
                 .contracts
@@ -99,7 +99,7 @@ fn specifications(folder: &Path, found: &mut Vec<Arc<Specification>>) {
     }
 }
 
-/// The same specification, whichever file it was read from.
+/// The specification without source places.
 fn without_places(specification: &Specification) -> Arc<Specification> {
     let mut specification = specification.clone();
     for variable in &mut specification.variables {
@@ -122,8 +122,8 @@ fn without_places(specification: &Specification) -> Arc<Specification> {
     Arc::new(specification)
 }
 
-/// The library with its default parameters, the examples, and what the laboratory's machines make
-/// of them; each once. The cell in one contract is left out: it takes half a minute to solve.
+/// The library with its default parameters, the examples, and the components of the laboratory's
+/// machines; each once. The cell in one contract is omitted: it takes half a minute to solve.
 fn machines_of_the_library() -> (Vec<Controlled>, usize) {
     let mut found = Vec::new();
     specifications(&crate::support::root().join("contracts"), &mut found);
@@ -136,7 +136,7 @@ fn machines_of_the_library() -> (Vec<Controlled>, usize) {
     (made, library)
 }
 
-/// Made once for all tests, and how many of them are the bundled library's own.
+/// Made once for all tests, with the number of the bundled library's own.
 fn made() -> &'static (Vec<Controlled>, usize) {
     static MADE: OnceLock<(Vec<Controlled>, usize)> = OnceLock::new();
     MADE.get_or_init(machines_of_the_library)
@@ -166,12 +166,12 @@ fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
     controlled.collect()
 }
 
-/// Those whose controllers are machines.
+/// Controllers that are machines.
 pub fn machines() -> &'static [Controlled] {
     &made().0
 }
 
-/// Those of the bundled library alone.
+/// Controllers of the bundled library only.
 pub fn bundled() -> &'static [Controlled] {
     let (all, library) = made();
     &all[..*library]
@@ -200,7 +200,7 @@ pub fn large() -> &'static [Controlled] {
     })
 }
 
-/// A controller as functions, although a machine would do.
+/// A controller as functions, although a machine would be possible.
 pub fn as_functions(specification: &Specification) -> Controller {
     let limits = Limits::default();
     let Outcome::Realizable(won) = solve(specification, &limits) else {
@@ -211,7 +211,7 @@ pub fn as_functions(specification: &Specification) -> Controller {
         .into()
 }
 
-/// A contract with numbers of every width and sign, whose assumptions compute with them.
+/// A contract with numbers of every width and sign, and arithmetic on them in its assumptions.
 pub fn wide() -> Specification {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("wide.lw");

@@ -1,5 +1,5 @@
-//! Monitors of skill orders: the one of this process, the one in C and the one in Structured Text
-//! say the same, call by call.
+//! Monitors of skill orders: those of this process, in C and in Structured Text agree, call by
+//! call.
 
 mod automata;
 mod c;

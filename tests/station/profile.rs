@@ -1,6 +1,5 @@
-//! Layouts of `UF_Value`: the probe against mocks of Plant Simulation, whose layouts a C compiler
-//! made; libraries with the profiles that were found; profiles as files; the SimTalk that is
-//! generated.
+//! Layouts of `UF_Value`: the probe with mocks of Plant Simulation, whose layouts a C compiler
+//! made; libraries with the inferred profiles; profiles as files; the generated SimTalk.
 
 mod damage;
 mod doctor;

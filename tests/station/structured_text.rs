@@ -1,5 +1,5 @@
-//! Controllers as Structured Text and PLCopen XML, run by an interpreter that is written from IEC
-//! 61131-3 and shares no code with what writes them.
+//! Controllers as Structured Text and PLCopen XML, run by an interpreter implemented from IEC
+//! 61131-3 that shares no code with the emitter.
 
 mod hostile;
 mod mutated;

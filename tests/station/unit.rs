@@ -1,8 +1,8 @@
-//! The pick-and-place unit as a table, written by hand.
+//! The pick-and-place unit as a handwritten table.
 
-use linewright::order::table::{Cited, RECALL, REFUSED, Table};
+use linewright::order::table::{RECALL, REFUSED, RuleCitation, Table};
 
-/// Left, Right, Up, Down, Grip, Release: which component each moves, and whether to its second
+/// Left, Right, Up, Down, Grip, Release: the component that each moves, and whether to its second
 /// situation.
 const SKILLS: [(&str, usize, bool); 6] = [
     ("Left", 0, false),
@@ -13,15 +13,15 @@ const SKILLS: [(&str, usize, bool); 6] = [
     ("Release", 2, false),
 ];
 
-fn cited(name: &str, text: &str) -> Cited {
-    Cited {
+fn cited(name: &str, text: &str) -> RuleCitation {
+    RuleCitation {
         name: name.to_owned(),
         requirement: None,
         text: text.to_owned(),
     }
 }
 
-/// The masks of so many skills that `may` allows: single ones in order, then sets of two, and so
+/// The masks of `skills` skills that `may` allows: single ones in order, then sets of two, and so
 /// on.
 pub fn calls(skills: u32, may: impl Fn(u64) -> bool) -> Vec<u64> {
     let mut masks: Vec<u64> = (1..1_u64 << skills).filter(|m| may(*m)).collect();
@@ -29,8 +29,8 @@ pub fn calls(skills: u32, may: impl Fn(u64) -> bool) -> Vec<u64> {
     masks
 }
 
-/// One skill in a situation: a bit a component, the second one for down. The situation after it, or
-/// why it is refused.
+/// One skill in a situation: one bit per component, the second one for down. The next situation, or
+/// the reason for a refusal.
 fn call(situation: u32, skill: usize, recalls: bool) -> Result<u32, u16> {
     let (_, component, second) = SKILLS[skill];
     let down = situation >> 1 & 1 == 1;
@@ -46,7 +46,8 @@ fn call(situation: u32, skill: usize, recalls: bool) -> Result<u32, u16> {
     Ok(after)
 }
 
-/// Every order of calling the skills of a mask, one after the other; the first refusal of any.
+/// Every order of calling the skills of a mask, one after the other; returns the first refusal of
+/// any.
 fn every_order(situation: u32, mask: u64, recalls: bool) -> Result<u32, u16> {
     let mut after = Ok(situation);
     for skill in (0..SKILLS.len()).filter(|s| mask >> s & 1 == 1) {
@@ -56,7 +57,7 @@ fn every_order(situation: u32, mask: u64, recalls: bool) -> Result<u32, u16> {
     after
 }
 
-/// The unit with both rules, from up, left and open; a state a situation.
+/// The unit with both rules, initially up, left and open; one state per situation.
 pub fn pick_and_place(recalls: bool) -> Table {
     let one_each = |mask: u64| {
         let of = |component: usize| {

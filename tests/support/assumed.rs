@@ -1,9 +1,9 @@
-//! Which assumption a step breaks, by the meaning of formulas alone: what every form of a
-//! controller must refuse.
+//! Determines from the meaning of formulas alone which assumption a step violates: what every form
+//! of a controller must refuse.
 
 use linewright::gr1::{Formula, Specification, VarId, eval};
 
-/// A play as the assumptions see it.
+/// State of the assumptions in a play.
 pub struct Assumed<'a> {
     specification: &'a Specification,
     /// The values of all variables in the last accepted step.
@@ -18,7 +18,7 @@ impl<'a> Assumed<'a> {
         }
     }
 
-    /// The name of the first assumption that these inputs break: of initial conditions and
+    /// The name of the first assumption that these inputs violate: of initial conditions and
     /// invariants in step 0, of invariants and safety later.
     pub fn broken(&self, inputs: &[i64]) -> Option<&'a str> {
         let now = self.values(inputs, &[]);
@@ -35,12 +35,12 @@ impl<'a> Assumed<'a> {
         broken.map(|f| f.name.as_str())
     }
 
-    /// A step was made.
+    /// Records an accepted step.
     pub fn accepted(&mut self, inputs: &[i64], outputs: &[i64]) {
         self.before = Some(self.values(inputs, outputs));
     }
 
-    /// All begins anew.
+    /// Returns to before step 0.
     pub fn reset(&mut self) {
         self.before = None;
     }

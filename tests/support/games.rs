@@ -25,7 +25,7 @@ pub fn specifications(folder: &Path) -> Vec<(Format, PathBuf)> {
     found
 }
 
-/// Whether some controller keeps the guarantees; as long as that takes, in a gibibyte.
+/// Whether some controller keeps the guarantees; without a time limit, in a gibibyte.
 pub fn verdict(specification: &Specification) -> bool {
     let options = Options {
         limits: Limits {

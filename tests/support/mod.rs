@@ -1,8 +1,9 @@
-//! What several test files need: the built program, a folder to run it in, and a way to skip
-//! honestly.
+//! Common support for tests: the built program, a folder to run it in, and a way to report skipped
+//! tests.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 pub mod assumed;
+pub mod documents;
 pub mod games;
 pub mod programs;
 pub mod wine;
@@ -19,8 +20,8 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Says that a test cannot do its work because `what` is not there. It then counts as skipped in
-/// `.ci/run`; where `LINEWRIGHT_REQUIRE` (a list with commas) names `what`, or `all`, it fails
+/// Reports that a test cannot run because `what` is missing. It then counts as skipped in
+/// `.ci/run`; if `LINEWRIGHT_REQUIRE` (a comma-separated list) names `what`, or `all`, it fails
 /// instead.
 pub fn skip(what: &str, why: &str) {
     let required = std::env::var("LINEWRIGHT_REQUIRE").unwrap_or_default();
@@ -29,31 +30,33 @@ pub fn skip(what: &str, why: &str) {
         !required.any(|r| r == what || r == "all"),
         "{what} is required, but {why}"
     );
-    // Not `eprintln!`: the test runner would keep that to itself.
+    // Not `eprintln!`: the test runner would capture that.
     let thread = std::thread::current();
     let test = thread.name().unwrap_or("a test");
     let _ = writeln!(std::io::stderr(), "\nskipped: {test}: {what}: {why}");
 }
 
-/// Runs the program in a folder, without colours.
+/// Runs the program in a folder, without colors.
 pub fn linewright(folder: &Path, arguments: &[&str]) -> Output {
     linewright_with_cache(Path::new("off"), folder, arguments)
 }
 
-/// The same with a cache, for tests that do not ask how controllers are found: `off`, or its
+/// The same with a cache, for tests that do not depend on how controllers are found: `off`, or its
 /// folder.
 pub fn linewright_with_cache(cache: &Path, folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(PROGRAM)
+    let output = Command::new(PROGRAM)
         .args(arguments)
         .current_dir(folder)
         .env_remove("CLICOLOR_FORCE")
         .env("LINEWRIGHT_CACHE", cache)
         .env("NO_COLOR", "1")
         .output()
-        .expect("the program starts")
+        .expect("the program starts");
+    documents::assert_valid(&output.stdout);
+    output
 }
 
-/// A new folder with copies of `contracts` and `examples`, without what was built there.
+/// A new folder with copies of `contracts` and `examples`, without build results.
 pub fn sandbox() -> tempfile::TempDir {
     let sandbox = tempfile::tempdir().expect("a folder");
     for name in ["contracts", "examples"] {
@@ -81,7 +84,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The Markdown files of that name in the repository, sources and built files left out.
+/// The Markdown files with a name in the repository, without sources and build results.
 pub fn files_named(name: &str) -> Vec<PathBuf> {
     fn visit(folder: &Path, name: &str, found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(folder).expect("a folder") {
@@ -103,7 +106,7 @@ pub fn files_named(name: &str) -> Vec<PathBuf> {
 }
 
 /// The Python that has a module: `LINEWRIGHT_PYTHON`, or else `python3` on the PATH. Without one
-/// the test is skipped for the want of `what`.
+/// the test is skipped because `what` is missing.
 pub fn python_with(what: &str, module: &str) -> Option<PathBuf> {
     let python = std::env::var_os("LINEWRIGHT_PYTHON").unwrap_or_else(|| "python3".into());
     let python = PathBuf::from(python);
@@ -127,7 +130,7 @@ pub fn python_with(what: &str, module: &str) -> Option<PathBuf> {
     }
 }
 
-/// The public benchmark specifications, where they lie beside the repository.
+/// The public benchmark specifications, if they are in a folder beside the repository.
 pub fn specs() -> Option<std::path::PathBuf> {
     let folder = std::env::var_os("LINEWRIGHT_SPECS")
         .map_or_else(|| root().join("../shared/bench/specs"), Into::into);
@@ -141,8 +144,8 @@ pub fn specs() -> Option<std::path::PathBuf> {
     None
 }
 
-/// The files in which defects were found, where they lie beside the repository: `LINEWRIGHT_FOUND`,
-/// or `../shared/found`.
+/// The files in which defects were found, if they exist: `LINEWRIGHT_FOUND`, or `../shared/found`
+/// beside the repository.
 pub fn found() -> Option<std::path::PathBuf> {
     let folder = std::env::var_os("LINEWRIGHT_FOUND")
         .map_or_else(|| root().join("../shared/found"), Into::into);

@@ -1,23 +1,23 @@
-//! Other programs, started with patience that ends.
+//! Runs other programs with a time limit.
 
 use std::fs::File;
 use std::io::{Read as _, Seek as _};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// What a program printed, and whether it ended well.
+/// Output of a program, and whether it succeeded.
 #[derive(Debug)]
 pub struct Finished {
-    /// Its standard output, with lines that end in `\n`.
+    /// Standard output, with lines that end in `\n`.
     pub output: String,
-    /// Its standard error.
+    /// Standard error.
     pub errors: String,
-    /// Whether it ended by itself and with 0.
+    /// Whether it ended by itself with exit code 0.
     pub success: bool,
 }
 
 impl Finished {
-    /// The last line that is not empty.
+    /// The last non-empty line.
     pub fn last_line(&self) -> &str {
         let mut lines = self.output.lines().rev();
         lines
@@ -26,15 +26,16 @@ impl Finished {
             .trim()
     }
 
-    /// All that it printed.
+    /// All of its output.
     pub fn all(&self) -> String {
         format!("{}{}", self.output, self.errors)
     }
 }
 
-/// Runs a program; it is ended when it takes too long, and says so in its errors.
+/// Runs a program; it is terminated when it takes too long, which is noted in its errors.
 pub fn run(command: &mut Command, patience: Duration) -> Finished {
-    // Files, not pipes: what a program leaves running (Wine's server) would keep a pipe open.
+    // Files, not pipes: a process left running by the program (Wine's server) would keep a pipe
+    // open.
     let mut files = [(); 2].map(|()| tempfile::tempfile().expect("a file"));
     let [output, errors] = files.each_ref().map(|f| f.try_clone().expect("a file"));
     let child = command

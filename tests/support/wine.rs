@@ -1,8 +1,8 @@
-//! Windows programs on this computer: where Wine is, and how a program runs under it.
+//! Windows programs on this computer: the location of Wine, and running a program under it.
 //!
-//! Starting Wine for the first time in a prefix takes some seconds, so all tests share one, in
-//! cargo's folder for files of tests. Exit codes are not to be trusted: a program that crashed may
-//! end with 0. A program says with its last line that it came to its end.
+//! The first start of Wine in a prefix takes some seconds, so all tests share one, in cargo's
+//! folder for test files. Exit codes are unreliable: a crashed program may end with 0. A program's
+//! last line says that it completed.
 
 use super::programs::{Finished, run};
 use linewright::station::toolchain::survey;
@@ -12,22 +12,22 @@ use std::process::Command;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-/// As long as a prefix may take on a busy computer.
+/// Maximum time for creating a prefix on a busy computer.
 const FIRST_START: Duration = Duration::from_mins(5);
 
-/// Wine with a prefix in which it has run before.
+/// Wine with an initialized prefix.
 pub struct Wine {
     program: PathBuf,
     prefix: PathBuf,
 }
 
-/// Wine, where it is installed and works; else why there is none.
+/// Returns Wine, if it is installed and works; otherwise the reason.
 pub fn wine() -> Result<&'static Wine, String> {
     static WINE: OnceLock<Result<Wine, String>> = OnceLock::new();
     WINE.get_or_init(Wine::new).as_ref().map_err(Clone::clone)
 }
 
-/// A path as Windows programs have it: the root of this computer is their drive Z.
+/// Converts a path for Windows programs: the root of this computer is their drive Z.
 pub fn windows_path(path: &Path) -> String {
     let path = std::path::absolute(path).expect("the current folder is there");
     let path = path.to_str().expect("a path in UTF-8");
@@ -69,7 +69,7 @@ impl Wine {
         command
             .env("WINEPREFIX", &self.prefix)
             .env("WINEDEBUG", "-all")
-            // Neither of these is needed, and each would be asked for in a window.
+            // Neither of these is needed, and each would open a dialog.
             .env("WINEDLLOVERRIDES", "mscoree=;mshtml=;winemenubuilder.exe=")
             .env_remove("DISPLAY");
         command

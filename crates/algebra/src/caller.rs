@@ -1,51 +1,50 @@
-//! A machine and who calls it: what a line asks for, against what the machine hands on to its
-//! caller.
+//! A machine and its caller: the operations that a line requests, against the assumptions that the
+//! machine hands on to its caller.
 //!
-//! A machine by itself may hand on what it assumes of the operations that it is asked for
-//! ([`super::proof::Exports`]). In a line these come in sequences, one a part, again and again and
-//! in any order of parts. With a part beside the components that calls so, and sets all that the
-//! machine does not, nothing is handed on any more: it is shown, or there are parts after which it
-//! is not kept.
+//! On its own, a machine may hand on its assumptions about the requested operations
+//! ([`super::proof::Exports`]). In a line, operations are requested in sequences, one per part,
+//! repeatedly and in any order of parts. This module adds a caller beside the components that does
+//! exactly this and sets every input that the machine does not set. Then nothing is handed on any
+//! more: an assumption is either proved, or there is a series of parts after which it is broken.
 
 use super::machine::of_machine;
 use super::proof::Claim;
-use super::system::{FormulaRef, Half, Part, System, formulas};
+use super::system::{ContractSide, FormulaRef, Part, System, formulas};
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Timing, VarId, Variable};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, PlantSource, PropertyKind, RealExpr};
 use linewright_solver::game::RuleKind;
 
-/// A machine that is called, and what is to be shown of it.
+/// A machine with its caller, and what is to be shown about it.
 #[derive(Debug, Clone)]
-pub struct Called {
-    /// The machine's components, and who calls it.
+pub struct CalledMachine {
+    /// The machine's components and the caller.
     pub system: System,
-    /// What is given beside; what is to be shown are the components' assumptions.
+    /// Additional givens. The components' assumptions are to be shown.
     pub claim: Claim,
-    /// What its components assume of the operations that it is asked for. What is assumed of
-    /// infinitely many calls is not among it.
+    /// The components' assumptions about the requested operations, except those about infinitely
+    /// many calls.
     pub asked: Vec<FormulaRef>,
-    /// Those of them that depend on properties of parts, of which nothing is known here: where they
-    /// are not shown, nothing is said.
+    /// Those of `asked` that depend on properties of parts, which are unknown here. If one is not
+    /// shown, nothing is reported.
     pub unsure: Vec<FormulaRef>,
-    /// Which operation is asked for.
+    /// Variable of the requested operation.
     pub operation: VarId,
 }
 
-/// An operation that is asked for.
+/// A request for an operation.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Asks {
-    /// By its index among the machine's operations.
+pub struct OperationRequest {
+    /// Index among the machine's operations.
     pub operation: usize,
-    /// What is known of other inputs while it runs: by the places of the machine's plant inputs,
-    /// their values.
+    /// Known values of other inputs while it runs, by index among the machine's plant inputs.
     pub known: Vec<(usize, i64)>,
 }
 
-impl Asks {
-    /// An operation with these values of parameters (index into the machine's properties, value).
-    /// Of a property that no part carries here the default is known, of one that parts carry
-    /// nothing is.
+impl OperationRequest {
+    /// Creates a request with these values of parameters (index into the machine's properties,
+    /// value). A property that no part carries here has its default; one that parts carry is
+    /// unknown.
     pub fn new(
         machine: &Machine,
         operation: usize,
@@ -87,10 +86,10 @@ impl Asks {
     }
 }
 
-impl Called {
-    /// A machine that is asked for one of these sequences of operations after the other. `None`
-    /// where it assumes nothing about that.
-    pub fn of(machine: &Machine, sequences: &[Vec<Asks>]) -> Option<Self> {
+impl CalledMachine {
+    /// Builds a machine that is called with these sequences of operations, one after the other.
+    /// `None` if it has no assumptions about requested operations.
+    pub fn of(machine: &Machine, sequences: &[Vec<OperationRequest>]) -> Option<Self> {
         let done = machine.done.as_ref()?;
         let mut plant = machine.plant.iter();
         let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
@@ -99,7 +98,7 @@ impl Called {
         let steps = || sequences.iter().flatten();
         let mut unknown: Vec<VarId> = Vec::new();
         for (place, input) in machine.plant.iter().enumerate() {
-            let is_known = |asks: &Asks| asks.known.iter().any(|(at, _)| *at == place);
+            let is_known = |asks: &OperationRequest| asks.known.iter().any(|(at, _)| *at == place);
             if matches!(input.source, PlantSource::Property(_)) && !steps().all(is_known) {
                 unknown.push(VarId(place as u32));
             }
@@ -108,7 +107,7 @@ impl Called {
         if asked.is_empty() || sequences.iter().all(Vec::is_empty) {
             return None;
         }
-        // Nothing here is about what comes again and again.
+        // Nothing here is about justice.
         for part in &mut system.parts {
             part.assumptions.justice.clear();
             part.guarantees.justice.clear();
@@ -149,7 +148,7 @@ impl Called {
         })
     }
 
-    /// The operations that are asked for on a run, as indices into the machine's operations.
+    /// Returns the operations requested on a run, as indices into the machine's operations.
     pub fn asked_for(&self, machine: &Machine, run: &[Vec<i64>]) -> Vec<usize> {
         let is_done = |values: &[i64]| {
             let done = machine.done.as_ref();
@@ -162,8 +161,8 @@ impl Called {
     }
 }
 
-/// Assumptions that speak of the operation that is asked for, and those of them that speak of
-/// something unknown as well.
+/// Returns the assumptions that mention the requested operation, and those of them that also
+/// mention something unknown.
 fn asked(
     system: &System,
     operation: VarId,
@@ -179,7 +178,7 @@ fn asked(
             });
             let at = FormulaRef {
                 part: Some(place),
-                half: Half::Assumptions,
+                half: ContractSide::Assumptions,
                 kind,
                 index,
             };
@@ -194,10 +193,10 @@ fn asked(
     (asked, unsure)
 }
 
-/// One sequence after the other: the place in them, and the operation that stands there.
+/// Builds the sequences, one after the other: the position in them, and the operation there.
 fn calls(
     machine: &Machine,
-    sequences: &[Vec<Asks>],
+    sequences: &[Vec<OperationRequest>],
     done: &Expr,
     operation: VarId,
     place: VarId,

@@ -1,23 +1,22 @@
-//! Compatibility: is there an environment that keeps what parts assume, whatever they do within
-//! their guarantees?
+//! Compatibility: is there an environment that keeps the parts' assumptions, whatever they do
+//! within their guarantees?
 //!
-//! It is a game with the roles swapped. What comes from outside is the player's; what parts set is
-//! the opponent's, who keeps all guarantees. The player has to keep the assumptions for as long as
-//! the opponent keeps the guarantees: the strict semantics of GR(1), with the assumptions of the
-//! parts as its guarantees. A single contract without guarantees is the plain question whether its
+//! This is a game with swapped roles. The player sets what comes from outside; the opponent sets
+//! the parts' outputs and keeps all guarantees. The player has to keep the assumptions for as long
+//! as the opponent keeps the guarantees: the strict semantics of GR(1), with the parts' assumptions
+//! as its guarantees. For a single contract without guarantees, the question is simply whether its
 //! assumption can be realized.
 //!
-//! Who moves first is swapped as well: Moore machines answer before the environment, which sees
+//! The order of moves is swapped as well: Moore machines answer before the environment, which sees
 //! their answer, and Mealy machines after it.
 //!
-//! Either of the two can leave the other without a way to keep what it has promised. An environment
-//! that leaves the parts none has won, but only if it keeps the assumptions itself, in that step
-//! too. That "some answer" does so is no formula of GR(1): whoever has to have one names it, in
-//! variables of its own.
+//! Either side can leave the other no way to keep its promise. An environment that does so has won,
+//! but only if it keeps the assumptions itself, in that step too. That "some answer" does so is no
+//! formula of GR(1), so the side that needs the answer names it, in variables of its own.
 
 mod between;
 
-use super::proof::{Broken, last_step, latest};
+use super::proof::{Refutation, last_step, latest};
 use super::system::{KINDS, Part, System, formulas, list, list_mut, rule};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
@@ -28,23 +27,22 @@ use linewright_solver::game::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Whether there is an environment.
+/// Result of the compatibility check.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Compatibility {
-    /// There is one.
+    /// There is such an environment.
     Compatible,
     /// There is none: the parts can keep their guarantees in such a way that an assumption is
     /// broken.
     Incompatible {
-        /// The names of assumptions that cannot be kept together, although any fewer of them could.
+        /// Names of assumptions that cannot be kept together, although any fewer of them could.
         assumptions: Vec<String>,
-        /// A play in which one of them is broken. `None` when a limit was reached before there was
-        /// one.
-        play: Option<Broken>,
+        /// Play in which one of them is broken. `None` if a limit was reached before one was found.
+        play: Option<Refutation>,
     },
 }
 
-/// Whether there is an environment for the parts of a system together.
+/// Decides whether there is an environment for all parts of a system together.
 ///
 /// # Errors
 /// When a limit was reached.
@@ -81,7 +79,7 @@ pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Lim
     })
 }
 
-/// When it is the environment's turn in a step: before the parts, after those that are Moore
+/// Position of the environment's move in a step: before the parts, after those that are Moore
 /// machines, or after all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Turn {
@@ -90,7 +88,7 @@ enum Turn {
     Last,
 }
 
-/// Whether a variable is what a monitor remembers.
+/// Returns whether a variable belongs to a monitor.
 fn defined(system: &System, v: VarId) -> bool {
     let place = system.variables[v.index()].span;
     let sides = system.parts.iter().map(|p| &p.definitions);
@@ -99,16 +97,16 @@ fn defined(system: &System, v: VarId) -> bool {
         .any(|(_, _, f)| f.span.holds(place))
 }
 
-/// A game of the environment while it is put together: its variables are the machine's, what parts
-/// set are inputs.
+/// A game of the environment under construction. Its variables are the machine's; those that the
+/// parts set are inputs.
 struct Game<'s> {
     system: &'s System,
     specification: Specification,
 }
 
 impl<'s> Game<'s> {
-    /// The assumptions of the parts, and what they owe again and again. The environment is the
-    /// player and sets what is `outside`.
+    /// Creates the game from the parts' assumptions and their justice guarantees. The environment
+    /// is the player and sets what is `outside`.
     fn new(system: &'s System, timing: Timing, outside: impl Fn(&VarId) -> bool) -> Self {
         let variables = (0..).map(VarId).zip(&system.variables);
         let variables = variables.map(|(v, variable)| Variable {
@@ -155,7 +153,7 @@ impl<'s> Game<'s> {
         id
     }
 
-    /// Copies of variables; of those that are not among them, none.
+    /// Creates copies of the given variables.
     fn copies(&mut self, of: BTreeSet<VarId>, owner: Owner) -> BTreeMap<VarId, VarId> {
         let copied = of.into_iter().map(|v| {
             let domain = self.specification.variables[v.index()].domain.clone();
@@ -164,8 +162,8 @@ impl<'s> Game<'s> {
         copied.collect()
     }
 
-    /// Variables that say whether a guarantee has been broken by now, and whether one had been a
-    /// step earlier; and the rules that set them.
+    /// Creates variables for whether a guarantee has been broken so far, and had been a step
+    /// earlier, and the rules that set them.
     fn breach(&mut self, owner: Owner) -> (VarId, VarId, Side) {
         let over = self.add(owner, Domain::Bool);
         let before = self.add(owner, Domain::Bool);
@@ -185,8 +183,7 @@ impl<'s> Game<'s> {
         (over, before, rules)
     }
 
-    /// Puts something else in the place of each assumption that it is the environment's turn to
-    /// keep.
+    /// Replaces each assumption that the environment has to keep.
     fn rewrite(&mut self, put: impl Fn(RuleKind, &Formula) -> Expr) {
         for kind in KINDS {
             for f in list_mut(&mut self.specification.guarantees, kind) {
@@ -196,13 +193,13 @@ impl<'s> Game<'s> {
     }
 }
 
-/// The game where the environment moves first: all parts are Mealy machines.
+/// Builds the game in which the environment moves first: all parts are Mealy machines.
 ///
-/// It answers for its assumptions even where it leaves the parts no answer. The parts may break a
-/// guarantee here: `over` says that they have, `before` that they had a step earlier. Until `over`,
-/// the environment keeps each assumption with the parts' answer; until `before`, with an answer
-/// that it names itself. The second matters only where the parts have no answer: an assumption that
-/// all allowed answers keep is kept by one of them.
+/// The environment is responsible for its assumptions even if it leaves the parts no answer. The
+/// parts may break a guarantee here: `over` is true once they have, `before` one step later. Until
+/// `over`, the environment keeps each assumption with the parts' answer; until `before`, with an
+/// answer that it names itself. The second matters only if the parts have no answer: an assumption
+/// that all allowed answers keep is kept by one of them.
 fn environment_first(system: &System) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Moore, |v| !driven(v));
@@ -227,11 +224,11 @@ fn environment_first(system: &System) -> Specification {
     game.specification
 }
 
-/// The game where the environment moves last: all parts are Moore machines. What monitors remember
-/// of a step is known after it.
+/// Builds the game in which the environment moves last: all parts are Moore machines. A step's
+/// monitor values are known after it.
 ///
-/// An answer is one that some values from outside make an allowed one: the parts name these. With
-/// others the environment may leave the parts with a broken guarantee (`over`), as long as it keeps
+/// An answer counts if some outside values make it an allowed one: the parts name these. With other
+/// values the environment may leave the parts with a broken guarantee (`over`), as long as it keeps
 /// the assumptions itself, in that step too.
 fn environment_last(system: &System) -> Specification {
     let definitions: Vec<&Side> = system.parts.iter().map(|p| &p.definitions).collect();
@@ -274,7 +271,8 @@ fn environment_last(system: &System) -> Specification {
     game.specification
 }
 
-/// The variables whose values in the last step a side's formulas speak of, but for its justice.
+/// Returns the variables whose values in the last step a side's formulas depend on, justice
+/// excluded.
 fn of_last_step(side: &Side) -> BTreeSet<VarId> {
     formulas(side)
         .filter(|(kind, ..)| *kind != RuleKind::Justice)
@@ -282,7 +280,7 @@ fn of_last_step(side: &Side) -> BTreeSet<VarId> {
         .collect()
 }
 
-/// A formula with copies in the place of variables in its last step.
+/// Replaces variables by copies in the last step of a formula.
 fn with_copies(expr: &Expr, kind: RuleKind, copies: &BTreeMap<VarId, VarId>) -> Expr {
     expr.substitute(&mut |v, time| {
         let copy = copies.get(&v).filter(|_| time == last_step(kind));
@@ -296,7 +294,7 @@ fn extend(side: &mut Side, more: &Side) {
     }
 }
 
-/// A rule of the game that is nobody's promise.
+/// Returns a rule of the game that belongs to no promise.
 fn unnamed(expr: Expr) -> Formula {
     Formula {
         name: String::new(),
@@ -308,15 +306,15 @@ fn unnamed(expr: Expr) -> Formula {
     }
 }
 
-/// A play as a counterexample: up to the step that breaks an assumption, or round the cycle that
-/// starves one.
+/// Converts a play to a counterexample: up to the step that breaks an assumption, or round the
+/// cycle that starves one.
 fn shown(
     play: &game::Play,
     order: Turn,
     system: &System,
     late: &dyn Fn(&VarId) -> bool,
     limits: &Limits,
-) -> Broken {
+) -> Refutation {
     let own = |step: &Vec<i64>| step[..system.variables.len()].to_vec();
     let mut steps: Vec<Vec<i64>> = play.steps.iter().map(own).collect();
     if order == Turn::Between {
@@ -327,8 +325,8 @@ fn shown(
         steps = between::undelayed(&steps, next.as_ref(), late);
     }
     match &play.ending {
-        // What comes from outside in the last step is an example: whatever it is, something is
-        // broken. So are answers to it, and an allowed one says more.
+        // The outside values of the last step are an example: whatever they are, something is
+        // broken. The answers to them are examples too; an allowed one says more.
         Ending::Clash(_) => {
             if order != Turn::Last
                 && let Some(last) = steps.pop()
@@ -336,18 +334,18 @@ fn shown(
                 let allowed = breaking(system, steps.last(), &last, limits);
                 steps.push(allowed.unwrap_or(last));
             }
-            Broken::Trace(steps)
+            Refutation::Trace(steps)
         }
-        Ending::Starved { from, .. } => Broken::Lasso(Lasso {
+        Ending::Starved { from, .. } => Refutation::Lasso(Lasso {
             prefix: steps[..*from].to_vec(),
             cycle: steps[*from..].to_vec(),
         }),
     }
 }
 
-/// A step after `state`, or a first one, in which the parts keep their guarantees and some
-/// assumption is broken; Moore machines answer as in `last`. `None` where every such step leaves
-/// the parts no answer, and where a limit was reached.
+/// Returns a step after `state`, or a first one, in which the parts keep their guarantees and some
+/// assumption is broken; Moore machines answer as in `last`. `None` if every such step leaves the
+/// parts no answer, or if a limit was reached.
 fn breaking(
     system: &System,
     state: Option<&Vec<i64>>,
@@ -388,8 +386,8 @@ fn breaking(
     (run.len() == length).then(|| run.pop())?
 }
 
-/// What one side of all parts asks of the first step (`Initial`) or of a later one (`Safety`),
-/// invariants included.
+/// Returns what one side of all parts requires of the first step (`Initial`) or of a later one
+/// (`Safety`), invariants included.
 fn asked(system: &System, pick: &dyn Fn(&Part) -> &Side, kind: RuleKind) -> Expr {
     let mut all = Expr::Const(1);
     for side in system.parts.iter().map(pick) {

@@ -1,4 +1,4 @@
-//! Contracts as sets of runs, made of the halves of a system's parts.
+//! Contracts as sets of runs, built from the assumptions and guarantees of a system's parts.
 //!
 //! | operation | guarantee (saturated) | assumption |
 //! |---|---|---|
@@ -8,23 +8,23 @@
 //! | quotient C / C₁ | (Ĝ ∧ A₁) ∨ ¬(A ∧ Ĝ₁) | A ∧ Ĝ₁ |
 //! | merging C₁ • C₂ | (Ĝ₁ ∧ Ĝ₂) ∨ ¬(A₁ ∧ A₂) | A₁ ∧ A₂ |
 
-use super::system::Half;
+use super::system::ContractSide;
 
 /// A set of runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Words {
     /// The runs that keep one half of a part.
-    Side(usize, Half),
-    /// Those that are not in it.
+    Side(usize, ContractSide),
+    /// Runs that are not in the set.
     Not(Box<Words>),
-    /// Those that are in all of them.
+    /// Intersection.
     All(Vec<Words>),
-    /// Those that are in one of them.
+    /// Union.
     Any(Vec<Words>),
 }
 
 impl Words {
-    /// The complement.
+    /// Returns the complement.
     #[must_use]
     #[expect(clippy::should_implement_trait, reason = "the logic's own word")]
     pub fn not(self) -> Self {
@@ -34,42 +34,42 @@ impl Words {
         }
     }
 
-    /// What both have.
+    /// Returns the intersection.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self::All(vec![self, other])
     }
 
-    /// What one of them has.
+    /// Returns the union.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self::Any(vec![self, other])
     }
 }
 
-/// A contract: what is assumed, and what is guaranteed; saturated.
+/// A saturated contract: assumption and guarantee.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Contract {
-    /// The environments it is made for.
+    /// Environments the contract is made for.
     pub assumption: Words,
-    /// What an implementation may do.
+    /// Behaviour allowed to an implementation.
     pub guarantee: Words,
 }
 
 impl Contract {
-    /// A part by itself.
+    /// Returns the contract of a single part.
     pub fn part(index: usize) -> Self {
-        let assumption = Words::Side(index, Half::Assumptions);
+        let assumption = Words::Side(index, ContractSide::Assumptions);
         Self {
             guarantee: assumption
                 .clone()
                 .not()
-                .or(Words::Side(index, Half::Guarantees)),
+                .or(Words::Side(index, ContractSide::Guarantees)),
             assumption,
         }
     }
 
-    /// Both side by side: C₁ ⊗ C₂.
+    /// Returns the composition C₁ ⊗ C₂: both side by side.
     #[must_use]
     pub fn compose(&self, other: &Self) -> Self {
         let both = self.both(other);
@@ -83,7 +83,8 @@ impl Contract {
         }
     }
 
-    /// Two viewpoints of one component: C₁ ∧ C₂, the greatest lower bound.
+    /// Returns the conjunction C₁ ∧ C₂ of two viewpoints of one component: the greatest lower
+    /// bound.
     #[must_use]
     pub fn conjoin(&self, other: &Self) -> Self {
         Self {
@@ -92,8 +93,8 @@ impl Contract {
         }
     }
 
-    /// What has to be added to `existing` so that both together keep this one: C / C₁, the weakest
-    /// such contract.
+    /// Returns the quotient C / C₁: the weakest contract that, together with `existing`, keeps this
+    /// one.
     #[must_use]
     pub fn quotient(&self, existing: &Self) -> Self {
         let assumption = self.assumption.clone().and(existing.guarantee.clone());
@@ -107,7 +108,7 @@ impl Contract {
         }
     }
 
-    /// Two requirements that hold at once, under both assumptions: C₁ • C₂.
+    /// Returns the merging C₁ • C₂: two requirements that hold at once, under both assumptions.
     #[must_use]
     pub fn merge(&self, other: &Self) -> Self {
         let assumption = self.assumption.clone().and(other.assumption.clone());

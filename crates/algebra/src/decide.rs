@@ -1,15 +1,15 @@
-//! Exact questions about sets of runs: is one of them empty, does one lie in another?
+//! Exact questions about sets of runs: is a set empty, is it included in another?
 //!
-//! A set is taken apart into cases, each a list of halves of parts that are kept or not kept. Of a
-//! half that is not kept, either its safety is broken once, which a truth value remembers, or one
-//! of its justice formulas is not met any more from some step on. So every case is one question to
-//! [`Runs`], and the counterexample is a lasso.
+//! A set is split into cases, each a list of halves of parts that are kept or broken. For a broken
+//! half, either its safety is broken once, which a Boolean records, or one of its justice formulas
+//! is not met any more from some step on. So every case is one question to [`Runs`], and the
+//! counterexample is a lasso.
 
 use super::contract::{Contract, Words};
-use super::system::{Half, System, formulas, rule};
+use super::system::{ContractSide, System, formulas, rule};
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Time, VarId, Variable};
 use linewright_core::source::Span;
-use linewright_solver::game::{Lasso, Limit, Limits, Rule, RuleKind, Runs, Wanted};
+use linewright_solver::game::{Lasso, Limit, Limits, Rule, RuleKind, RunQuery, Runs};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One half of a part as rules.
@@ -19,8 +19,8 @@ struct HalfRules {
     keep: Vec<usize>,
     /// Justice.
     again: Vec<usize>,
-    /// What makes a truth value remember that safety was broken, and that it was; none where there
-    /// is no safety.
+    /// Rules that make a Boolean record that safety was broken, and the rule that it was; `None` if
+    /// there is no safety.
     broken: Option<(Vec<usize>, usize)>,
 }
 
@@ -29,18 +29,18 @@ struct HalfRules {
 pub struct Decider<'a> {
     system: &'a System,
     runs: Runs,
-    halves: BTreeMap<(usize, Half), HalfRules>,
+    halves: BTreeMap<(usize, ContractSide), HalfRules>,
     definitions: Vec<Vec<usize>>,
 }
 
-/// Halves that are kept, or are not.
-type Case = BTreeMap<(usize, Half), bool>;
+/// Halves that are kept or broken.
+type Case = BTreeMap<(usize, ContractSide), bool>;
 
 impl<'a> Decider<'a> {
-    /// Ready for questions.
+    /// Prepares the system for questions.
     ///
     /// # Errors
-    /// When there is no room for the variables.
+    /// When the variables do not fit into the limits.
     pub fn new(system: &'a System, limits: &Limits) -> Result<Self, Limit> {
         let mut variables = system.variables.clone();
         let mut rules = Vec::new();
@@ -53,7 +53,7 @@ impl<'a> Decider<'a> {
                 rules.push(rule(kind, &formula.expr));
             }
             definitions.push(own);
-            for half in [Half::Assumptions, Half::Guarantees] {
+            for half in [ContractSide::Assumptions, ContractSide::Guarantees] {
                 let bit = VarId(variables.len() as u32);
                 let written = write(part.half(half), bit, &mut rules);
                 if written.broken.is_some() {
@@ -77,7 +77,7 @@ impl<'a> Decider<'a> {
         })
     }
 
-    /// A run of a set, over the system's variables; `None` when there is none.
+    /// Returns a run of a set, over the system's variables; `None` if there is none.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -86,7 +86,7 @@ impl<'a> Decider<'a> {
         self.cases(vec![(words.clone(), true)], Case::new(), &mut seen)
     }
 
-    /// A run of the first set that is not in the second; `None` when all are.
+    /// Returns a run of the first set that is not in the second; `None` if there is none.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -94,9 +94,9 @@ impl<'a> Decider<'a> {
         self.find(&small.clone().and(large.clone().not()))
     }
 
-    /// Why a contract does not refine another: a run that the other's environments may give and it
-    /// does not allow for, or one that an implementation may show and the other forbids. `None`
-    /// when it refines it.
+    /// Returns why a contract does not refine another: a run that the other's environments allow
+    /// and it does not, or one that it allows an implementation and the other forbids. `None` if it
+    /// does.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -104,15 +104,15 @@ impl<'a> Decider<'a> {
         &mut self,
         small: &Contract,
         large: &Contract,
-    ) -> Result<Option<(Half, Lasso)>, Limit> {
+    ) -> Result<Option<(ContractSide, Lasso)>, Limit> {
         if let Some(run) = self.difference(&large.assumption, &small.assumption)? {
-            return Ok(Some((Half::Assumptions, run)));
+            return Ok(Some((ContractSide::Assumptions, run)));
         }
         let found = self.difference(&small.guarantee, &large.guarantee)?;
-        Ok(found.map(|run| (Half::Guarantees, run)))
+        Ok(found.map(|run| (ContractSide::Guarantees, run)))
     }
 
-    /// Whether two contracts are the same.
+    /// Returns whether two contracts are equal.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -120,12 +120,12 @@ impl<'a> Decider<'a> {
         Ok(self.refutation(a, b)?.is_none() && self.refutation(b, a)?.is_none())
     }
 
-    /// Takes apart what is left, and asks every case.
+    /// Splits the remaining sets, and decides every case.
     fn cases(
         &mut self,
         mut left: Vec<(Words, bool)>,
         mut case: Case,
-        seen: &mut BTreeSet<Vec<((usize, Half), bool)>>,
+        seen: &mut BTreeSet<Vec<((usize, ContractSide), bool)>>,
     ) -> Result<Option<Lasso>, Limit> {
         while let Some((words, kept)) = left.pop() {
             match (words, kept) {
@@ -156,9 +156,9 @@ impl<'a> Decider<'a> {
         self.ask(&key)
     }
 
-    /// One case: every way in which the halves that are not kept may be broken.
-    fn ask(&mut self, case: &[((usize, Half), bool)]) -> Result<Option<Lasso>, Limit> {
-        let mut wanted = Wanted::default();
+    /// Decides one case: every way in which its broken halves may be broken.
+    fn ask(&mut self, case: &[((usize, ContractSide), bool)]) -> Result<Option<Lasso>, Limit> {
+        let mut wanted = RunQuery::default();
         let parts: BTreeSet<usize> = case.iter().map(|((part, _), _)| *part).collect();
         for part in parts {
             wanted.keep.extend(&self.definitions[part]);
@@ -176,7 +176,7 @@ impl<'a> Decider<'a> {
         self.ways(&wanted, &broken)
     }
 
-    fn ways(&mut self, wanted: &Wanted, broken: &[HalfRules]) -> Result<Option<Lasso>, Limit> {
+    fn ways(&mut self, wanted: &RunQuery, broken: &[HalfRules]) -> Result<Option<Lasso>, Limit> {
         let Some((half, rest)) = broken.split_first() else {
             let found = self.runs.lasso(wanted)?;
             return Ok(found.map(|run| self.visible(run)));
@@ -199,7 +199,7 @@ impl<'a> Decider<'a> {
         Ok(None)
     }
 
-    /// Without the truth values that only the questions needed.
+    /// Removes the Booleans that only the questions needed.
     fn visible(&self, mut run: Lasso) -> Lasso {
         let count = self.system.variables.len();
         for step in run.prefix.iter_mut().chain(&mut run.cycle) {
@@ -209,7 +209,7 @@ impl<'a> Decider<'a> {
     }
 }
 
-/// One half as rules; `bit` remembers that its safety was broken.
+/// Writes one half as rules; `bit` records that its safety was broken.
 fn write(side: &Side, bit: VarId, rules: &mut Vec<Rule>) -> HalfRules {
     let mut written = HalfRules::default();
     let mut first = Expr::FALSE;

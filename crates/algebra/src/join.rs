@@ -1,75 +1,75 @@
-//! Contracts of their own brought together: one variable for what they call by one name, after
-//! ports were renamed.
+//! Brings separate contracts together: after renaming ports, variables of the same name are one
+//! variable.
 
 use super::system::{Part, System};
 use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId, Variable};
 use linewright_core::source::Span;
 
-/// A contract that takes part, and how its ports are called there.
+/// A contract to join, and the renaming of its ports.
 #[derive(Debug, Clone)]
 pub struct Member<'a> {
-    /// The contract.
+    /// Contract.
     pub specification: &'a Specification,
-    /// What it is called; names tell two uses of one contract apart.
+    /// Name of this use; distinguishes two uses of one contract.
     pub name: String,
-    /// Ports under other names. An array's name stands for all its elements.
+    /// Ports and their new names. An array's name stands for all its elements.
     pub renamed: Vec<(String, String)>,
 }
 
-/// What two contracts say of one variable.
+/// Whether several contracts may set one variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sharing {
-    /// Each variable has at most one contract that sets it, as in a composition.
+    /// At most one contract sets each variable, as in a composition.
     #[default]
     OneDriver,
-    /// Several contracts may speak of one component, as two viewpoints do, or two versions.
+    /// Several contracts may describe one component, as two viewpoints or versions do.
     SeveralViews,
 }
 
-/// Why contracts cannot be brought together.
+/// Reason why contracts cannot be brought together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Mismatch {
-    /// Two contracts call variables of different domains by one name.
+    /// Two contracts use one name for variables of different domains.
     Domains {
-        /// The name.
+        /// Name of the variable.
         name: String,
-        /// The first contract, its domain as a person writes it, and where it stands.
+        /// First contract, its domain as displayed, and its place.
         first: (String, String, Span),
-        /// The second one.
+        /// Second contract, likewise.
         second: (String, String, Span),
     },
     /// Two contracts set one variable.
     Drivers {
-        /// The name.
+        /// Name of the variable.
         name: String,
-        /// The first contract, and where the variable is declared.
+        /// First contract, and the place of its declaration.
         first: (String, Span),
-        /// The second one.
+        /// Second contract, likewise.
         second: (String, Span),
     },
-    /// A port that is to be renamed does not exist.
+    /// A renamed port does not exist.
     NoPort {
-        /// The contract.
+        /// Name of the contract.
         contract: String,
-        /// The port.
+        /// Name of the port.
         port: String,
-        /// The ports that there are.
+        /// Existing ports.
         ports: Vec<String>,
     },
-    /// Two ports of one contract get one name.
+    /// Two ports of one contract get the same name.
     Twice {
-        /// The contract.
+        /// Name of the contract.
         contract: String,
-        /// The name.
+        /// The shared name.
         name: String,
     },
 }
 
 /// Brings contracts together.
 ///
-/// Monitors, and internal variables of contracts that are composed, stay apart: they are called
-/// after their contract where another has the same name. Where several views are taken of one
-/// component, internal variables of the same name are the same.
+/// Monitors, and internal variables of composed contracts, stay separate: if another has the same
+/// name, they are prefixed with their contract's. If the contracts are views of one component,
+/// internal variables of the same name are identified.
 ///
 /// # Errors
 /// All mismatches.
@@ -143,7 +143,7 @@ pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mism
     }
 }
 
-/// A port's name after renaming: its own, or that of the array it belongs to.
+/// Returns a port's name after renaming, either its own or that of its array.
 fn renamed(name: &str, renamed: &[(String, String)]) -> String {
     for (from, to) in renamed {
         if name == from {
@@ -176,7 +176,7 @@ fn unknown_ports(member: &Member<'_>, mismatches: &mut Vec<Mismatch>) {
     }
 }
 
-/// One name, one domain. A type that is declared in two files is the same when its labels are.
+/// Checks that one name has one domain. Types declared in two files are equal if their labels are.
 fn same_domain(
     system: &System,
     place: VarId,

@@ -3,7 +3,7 @@
 //!
 //! A contract is a pair of an assumption A and a guarantee G, each an initial condition,
 //! invariants, safety and justice: a set of infinite runs over the variables of all contracts in
-//! question. Guarantees are saturated inside (`Ĝ = ¬A ∨ G`), and nobody is asked to do so.
+//! question. Guarantees are saturated internally (`Ĝ = ¬A ∨ G`); the user need not do so.
 //! Definitions follow Benveniste et al., "Contracts for System Design" (2018), Passerone, Íncer
 //! Romeo and Sangiovanni-Vincentelli, "Coherent extension, composition, and merging operators in
 //! contract models" (2019), and Íncer Romeo et al., "Quotient for assume-guarantee contracts"
@@ -12,14 +12,14 @@
 //!
 //! ```text
 //! Specification... ─join→ System ─prove→ Proof (discharges, or counterexamples) ─replay→ accepted
-//!                          System, Contract (an expression over its parts) ─Decider→ included, or a Lasso ─replay→ accepted
+//! System, Contract (an expression over its parts) ─Decider→ included, or a Lasso ─replay→ accepted
 //! ```
 //!
-//! Composition, conjunction, quotient and merging lead out of GR(1) in general. So a result stays
-//! what it is, an expression over the parts it was made of ([`contract::Contract`]), and questions
-//! about it are decided exactly on infinite runs ([`decide`]). The proof of a composition
-//! ([`proof`]) is another thing: it follows the strict semantics, in which nobody's guarantee
-//! counts on what others break later.
+//! The results of composition, conjunction, quotient and merging are not GR(1) in general. So a
+//! result remains an expression over its parts ([`contract::Contract`]), and questions about it are
+//! decided exactly on infinite runs ([`decide`]). The proof of a composition ([`proof`]) is
+//! different: it follows the strict semantics, in which no guarantee may rely on others breaking
+//! something later.
 
 pub mod caller;
 pub mod closed;

@@ -1,4 +1,4 @@
-//! A machine as a system: its components over the machine's wires, and what its file says of the
+//! A machine as a system: its components over the machine's wires, and its file's facts about the
 //! plant.
 
 use super::proof::{Claim, Exports};
@@ -7,15 +7,16 @@ use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
 };
 use linewright_core::source::Span;
-use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, Promised};
+use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, RefinedContract};
 
-/// A machine's components side by side, and what is to be shown of them: that they discharge one
-/// another's assumptions.
+/// Returns a machine's components side by side, and the claim that they discharge one another's
+/// assumptions.
 ///
-/// What the machine's file fixes is given: constant signals, scripts that begin anew with every
-/// call, and that the operation and what is read of the part stay until the operation is done.
-/// Assumptions about those may be handed on to whoever calls the machine, for the first step of a
-/// call. A machine without operations is only stepped: everything from outside is the caller's.
+/// The facts of the machine's file are given: constant signals, scripts that restart with every
+/// call, and that the operation and the values read from the part stay until the operation is done.
+/// Assumptions about those may be handed on to the machine's caller, for the first step of a call.
+/// A machine without operations is only stepped: everything from outside is the caller's
+/// responsibility.
 pub fn of_machine(machine: &Machine) -> (System, Claim) {
     let mut system = components(machine);
     let rules = &machine.guarantees;
@@ -49,8 +50,8 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
     (system, claim)
 }
 
-/// What is claimed of every machine with operations: one call follows on the other, so that each is
-/// done some day.
+/// Goal of every machine with operations: calls follow one another, so each has to be done
+/// eventually.
 pub const COMPLETES: &str = "every request completes";
 
 fn completes(machine: &Machine, done: &Expr) -> Formula {
@@ -64,10 +65,9 @@ fn completes(machine: &Machine, done: &Expr) -> Formula {
     }
 }
 
-/// A machine's components side by side, and the claim that they refine a contract together: under
-/// what it assumes, and nothing else, they discharge one another's assumptions and keep what it
-/// guarantees.
-pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
+/// Returns a machine's components side by side, and the claim that together they refine a contract:
+/// under its assumptions only, they discharge one another's assumptions and keep its guarantees.
+pub fn of_promise(machine: &Machine, promised: &RefinedContract) -> (System, Claim) {
     let mut system = components(machine);
     let specification = &promised.specification;
     let mut monitors = Vec::new();
@@ -106,7 +106,7 @@ pub fn of_promise(machine: &Machine, promised: &Promised) -> (System, Claim) {
     (system, claim)
 }
 
-/// A part that only remembers.
+/// Returns a part that consists of monitors only.
 fn monitors_alone(drives: Vec<VarId>, definitions: Side) -> Part {
     Part {
         name: "monitors".to_owned(),
@@ -118,7 +118,7 @@ fn monitors_alone(drives: Vec<VarId>, definitions: Side) -> Part {
     }
 }
 
-/// A machine's components, over its wires.
+/// Returns a machine's components, over its wires.
 fn components(machine: &Machine) -> System {
     let mut system = System::default();
     for wire in 0..machine.wire_count() {
@@ -136,7 +136,7 @@ fn components(machine: &Machine) -> System {
     system
 }
 
-/// A component's variable over wires: an input is what it is bound to, an output its wire.
+/// Returns a component's variable over wires: an input is its binding, an output its wire.
 pub fn over_wires(
     specification: &Specification,
     bindings: &[Expr],
@@ -179,7 +179,7 @@ fn wire_variable(machine: &Machine, wire: usize) -> Variable {
     }
 }
 
-/// What the machine's file says of the plant while operations run.
+/// Returns the machine file's facts about the plant while operations run.
 fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
     let mut side = Side::default();
     let at = |name: String, text: String, expr: Expr, span: Span| Formula {
@@ -221,7 +221,7 @@ fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
     side
 }
 
-/// A signal: a constant, or a script with a place in it that begins anew with every call.
+/// Adds a signal: a constant, or a script whose position restarts with every call.
 fn signal(
     input: &PlantInput,
     wire: VarId,

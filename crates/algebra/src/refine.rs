@@ -1,9 +1,8 @@
 //! Refinement, with its reasons: which assumption of the new contract follows from which of the old
-//! one's, and which guarantee of the old one is kept by which of the new one's.
+//! one, and which guarantee of the old contract is kept by which of the new one.
 //!
-//! `C₁ ≼ C₂` when `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: what the old environments give is enough for the
-//! new contract, and under it the new contract promises what the old one did. Decided exactly on
-//! infinite runs.
+//! `C₁ ≼ C₂` when `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: the old environments are sufficient for the new
+//! contract, and under them it keeps the old guarantees. Decided exactly on infinite runs.
 
 use super::proof::{Claim, Exports, Proof, prove};
 use super::system::{Part, System};
@@ -11,36 +10,36 @@ use linewright_core::gr1::{Expr, Formula, Side};
 use linewright_core::source::Span;
 use linewright_solver::game::{Limit, Limits};
 
-/// What came out. In both proofs the environment is that of the contract that is refined.
+/// Result of the check. In both proofs the environment is that of the refined contract.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refinement {
     /// The refining contract's assumptions are the goal; the environment alone has to meet them.
     pub assumptions: Question,
     /// The refined contract's guarantees are the goal.
     pub guarantees: Question,
-    /// Whether no run keeps what the refined contract assumes: every contract refines such a one.
+    /// Whether no run keeps the refined contract's assumptions: then every contract refines it.
     pub is_vacuous: bool,
 }
 
-/// A proof and what it is about.
+/// A proof together with its system and claim.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Question {
-    /// The system.
+    /// System of the proof.
     pub system: System,
-    /// The claim.
+    /// Claim of the proof.
     pub claim: Claim,
-    /// What came out.
+    /// Result.
     pub proof: Proof,
 }
 
 impl Refinement {
-    /// Whether one refines the other.
+    /// Returns whether the refinement holds.
     pub fn holds(&self) -> bool {
         self.assumptions.proof.holds() && self.guarantees.proof.holds()
     }
 }
 
-/// Whether one part of a system refines another.
+/// Decides whether one part of a system refines another.
 ///
 /// # Errors
 /// When a limit was reached.
@@ -51,7 +50,7 @@ pub fn refine(
     limits: &Limits,
 ) -> Result<Refinement, Limit> {
     let (new, old) = (&system.parts[small], &system.parts[large]);
-    // Both keep their monitors, whoever promises what.
+    // Both keep their monitors, independent of the promises.
     let views = |promised: &Side| {
         let view = |part: &Part, guarantees: &Side| Part {
             assumptions: Side::default(),

@@ -1,19 +1,19 @@
-//! The evaluator of counterexamples: formulas are evaluated on plain values, step by step, and
-//! nothing else is relied on.
+//! Evaluator of counterexamples: evaluates formulas on plain values, step by step, and relies on
+//! nothing else.
 
 use super::contract::Words;
-use super::proof::{Broken, Claim, Exports, Open, Proof};
-use super::system::{FormulaRef, Half, System, formulas, list};
+use super::proof::{Claim, Exports, Open, Proof, Refutation};
+use super::system::{ContractSide, FormulaRef, System, formulas, list};
 use linewright_core::gr1::{Formula, Side, VarId, eval};
 use linewright_solver::game::{Lasso, RuleKind};
 use std::collections::BTreeSet;
 
-/// Whether an infinite run keeps one side: initial conditions, invariants, safety, justice.
+/// Returns whether an infinite run keeps one side: initial conditions, invariants, safety, justice.
 pub fn keeps(side: &Side, run: &Lasso) -> bool {
     formulas(side).all(|(kind, _, formula)| keeps_formula(kind, formula, run))
 }
 
-/// Whether an infinite run is in a set of runs. Definitions of monitors are not looked at.
+/// Returns whether an infinite run is in a set of runs. Does not check the definitions of monitors.
 pub fn contains(system: &System, words: &Words, run: &Lasso) -> bool {
     match words {
         Words::Side(part, half) => keeps(system.parts[*part].half(*half), run),
@@ -23,7 +23,7 @@ pub fn contains(system: &System, words: &Words, run: &Lasso) -> bool {
     }
 }
 
-/// Whether every value belongs to its variable's domain, every monitor is what it is defined as,
+/// Returns whether every value is in its variable's domain, every monitor matches its definition,
 /// and the cycle is not empty.
 pub fn is_run(system: &System, run: &Lasso) -> bool {
     let steps = run.prefix.iter().chain(&run.cycle);
@@ -32,7 +32,7 @@ pub fn is_run(system: &System, run: &Lasso) -> bool {
         && system.parts.iter().all(|p| keeps(&p.definitions, run))
 }
 
-/// Whether an infinite run keeps a formula.
+/// Returns whether an infinite run keeps a formula.
 pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
     let steps: Vec<&Vec<i64>> = run.prefix.iter().chain(&run.cycle).collect();
     let after = |i: usize| {
@@ -50,29 +50,29 @@ pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
     }
 }
 
-/// Whether a counterexample shows that an obligation is not met.
+/// Checks that a counterexample shows an obligation not to be met.
 ///
 /// A trace has to keep everything up to the step before the last one. In the last step it has to
-/// keep what is given and what was handed on, and, for a goal, everything; and it has to break what
-/// is open. A lasso has to keep all safety, meet what is given and what reliable parts guarantee,
-/// and starve what is open.
+/// keep the givens and the exported assumptions, and, for a goal, everything; and it has to break
+/// the open obligation. A lasso has to keep all safety, meet the givens and the justice that
+/// reliable parts guarantee, and starve the open obligation.
 ///
 /// # Errors
-/// What is wrong with it, in words.
+/// What is wrong with it, as text.
 pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Result<(), String> {
     let what = formula(system, claim, open.what);
     match &open.why {
-        Broken::Trace(steps) => trace(system, claim, proof, open.what, what, steps),
-        Broken::Lasso(run) => lasso(system, claim, proof, open.what, what, run),
+        Refutation::Trace(steps) => trace(system, claim, proof, open.what, what, steps),
+        Refutation::Lasso(run) => lasso(system, claim, proof, open.what, what, run),
     }
 }
 
-/// The formula that is pointed at, of a part or of the claim.
+/// Returns the referenced formula, of a part or of the claim.
 pub fn formula<'a>(system: &'a System, claim: &'a Claim, at: FormulaRef) -> &'a Formula {
     match (system.formula(at), at.half) {
         (Some(formula), _) => formula,
-        (None, Half::Assumptions) => &list(&claim.given, at.kind)[at.index],
-        (None, Half::Guarantees) => &list(&claim.goal, at.kind)[at.index],
+        (None, ContractSide::Assumptions) => &list(&claim.given, at.kind)[at.index],
+        (None, ContractSide::Guarantees) => &list(&claim.goal, at.kind)[at.index],
     }
 }
 
@@ -81,7 +81,7 @@ fn within_domains(system: &System, step: &[i64]) -> bool {
     step.len() >= system.variables.len() && values.into_iter().all(|(v, x)| v.domain.contains(*x))
 }
 
-/// All formulas that a run has to keep, by name: what is given, assumptions, guarantees and
+/// Returns all formulas that a run has to keep, by name: givens, assumptions, guarantees and
 /// definitions of parts.
 fn everything<'a>(
     system: &'a System,
@@ -96,7 +96,8 @@ fn everything<'a>(
         .flat_map(|side| formulas(side).map(|(kind, _, formula)| (kind, formula)))
 }
 
-/// Whether a formula holds in a step, the one before it given; justice asks nothing of a step.
+/// Returns whether a formula holds in a step and the one before it; justice requires nothing of a
+/// step.
 pub fn holds_at(kind: RuleKind, formula: &Formula, steps: &[Vec<i64>], at: usize) -> bool {
     match kind {
         RuleKind::Initial => at > 0 || eval::holds(&formula.expr, &steps[0], &[]),
@@ -143,7 +144,7 @@ fn trace(
         }
     }
     for discharge in &proof.discharges {
-        if discharge.rule == super::proof::Discharged::Exported && discharge.what != at {
+        if discharge.rule == super::proof::DischargeRule::Exported && discharge.what != at {
             let formula = self::formula(system, claim, discharge.what);
             if !holds_at(discharge.what.kind, formula, steps, last) {
                 return Err(format!(
@@ -186,7 +187,7 @@ fn lasso(
     run: &Lasso,
 ) -> Result<(), String> {
     if !is_run(system, run) {
-        return Err("it is no run".to_owned());
+        return Err("it is not a run".to_owned());
     }
     let waiting: BTreeSet<usize> = proof
         .open

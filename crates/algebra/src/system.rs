@@ -3,57 +3,58 @@
 use linewright_core::gr1::{Expr, Formula, Side, Specification, Time, Timing, VarId, Variable};
 use linewright_solver::game::{Rule, RuleKind};
 
-/// Contracts over one set of variables. What several contracts call by one name is one variable:
-/// that is how they are wired.
+/// Contracts over one set of variables. Variables of the same name are one variable: this is how
+/// contracts are wired.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct System {
     /// All variables.
     pub variables: Vec<Variable>,
-    /// The contracts.
+    /// Contracts of the system.
     pub parts: Vec<Part>,
 }
 
 /// One contract of a [`System`]. Its formulas are over the system's variables.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// What it is called: the contract's name, or that of a component.
+    /// Name of the contract or component.
     pub name: String,
     /// Whether it sees the inputs of the step that it answers.
     pub timing: Timing,
-    /// The variables that it sets.
+    /// Variables that it sets.
     pub drives: Vec<VarId>,
-    /// What it assumes.
+    /// Formulas that it assumes.
     pub assumptions: Side,
-    /// What it guarantees.
+    /// Formulas that it guarantees.
     pub guarantees: Side,
-    /// What defines its monitors: never broken by anyone, and no promise to anyone.
+    /// Definitions of its monitors: they cannot be broken and promise nothing.
     pub definitions: Side,
 }
 
-/// Which half of a contract.
+/// One half of a contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Half {
-    /// What it assumes.
+pub enum ContractSide {
+    /// Formulas that it assumes.
     Assumptions,
-    /// What it guarantees.
+    /// Formulas that it guarantees.
     Guarantees,
 }
 
-/// Points at one formula of a system.
+/// Reference to one formula of a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FormulaRef {
-    /// The part, by its place; `None` is the environment's side of a [`super::proof::Claim`], or
-    /// its goal's.
+    /// Index of the part; `None` for the environment's side of a [`super::proof::Claim`], or its
+    /// goal.
     pub part: Option<usize>,
-    /// Which half of it. Of a claim: what is given is assumed, what is to be shown is guaranteed.
-    pub half: Half,
-    /// The list it stands in.
+    /// Half of the contract. For a claim, the givens are the assumptions and the goal is the
+    /// guarantees.
+    pub half: ContractSide,
+    /// List that contains the formula.
     pub kind: RuleKind,
-    /// Its place in that list.
+    /// Index in that list.
     pub index: usize,
 }
 
-/// The formulas of one kind.
+/// Returns the formulas of one kind.
 pub fn list(side: &Side, kind: RuleKind) -> &[Formula] {
     match kind {
         RuleKind::Initial => &side.initial,
@@ -63,7 +64,7 @@ pub fn list(side: &Side, kind: RuleKind) -> &[Formula] {
     }
 }
 
-/// The formulas of one kind, to be changed.
+/// Returns the formulas of one kind, mutable.
 pub fn list_mut(side: &mut Side, kind: RuleKind) -> &mut Vec<Formula> {
     match kind {
         RuleKind::Initial => &mut side.initial,
@@ -73,7 +74,7 @@ pub fn list_mut(side: &mut Side, kind: RuleKind) -> &mut Vec<Formula> {
     }
 }
 
-/// The kinds, in the order in which a side lists them.
+/// All kinds, in the order of a side's lists.
 pub const KINDS: [RuleKind; 4] = [
     RuleKind::Initial,
     RuleKind::Invariant,
@@ -81,7 +82,7 @@ pub const KINDS: [RuleKind; 4] = [
     RuleKind::Justice,
 ];
 
-/// All formulas of a side, with where they stand.
+/// Returns all formulas of a side with kind and index.
 pub fn formulas(side: &Side) -> impl Iterator<Item = (RuleKind, usize, &Formula)> {
     KINDS.into_iter().flat_map(|kind| {
         list(side, kind)
@@ -91,7 +92,7 @@ pub fn formulas(side: &Side) -> impl Iterator<Item = (RuleKind, usize, &Formula)
     })
 }
 
-/// A formula as a rule of runs.
+/// Returns a formula as a rule of runs.
 pub fn rule(kind: RuleKind, expr: &Expr) -> Rule {
     Rule {
         kind,
@@ -100,23 +101,23 @@ pub fn rule(kind: RuleKind, expr: &Expr) -> Rule {
 }
 
 impl Part {
-    /// One half of it.
-    pub fn half(&self, half: Half) -> &Side {
+    /// Returns one half of the part.
+    pub fn half(&self, half: ContractSide) -> &Side {
         match half {
-            Half::Assumptions => &self.assumptions,
-            Half::Guarantees => &self.guarantees,
+            ContractSide::Assumptions => &self.assumptions,
+            ContractSide::Guarantees => &self.guarantees,
         }
     }
 
-    /// A contract by itself, over its own variables as they are numbered there.
+    /// Returns the part of a contract, over its own variables and numbering.
     pub fn of(specification: &Specification) -> Self {
         Self::mapped(specification, &specification.name, &mut |v, time| {
             Expr::Var(v, time)
         })
     }
 
-    /// A contract whose variables stand for expressions over other ones. What it drives has to
-    /// become variables.
+    /// Returns the part of a contract whose variables are replaced by expressions over others. The
+    /// variables it drives must be replaced by variables.
     pub fn mapped(
         specification: &Specification,
         name: &str,
@@ -157,18 +158,18 @@ impl Part {
 }
 
 impl System {
-    /// The formula that is pointed at, where it belongs to a part.
+    /// Returns the referenced formula if it belongs to a part.
     pub fn formula(&self, at: FormulaRef) -> Option<&Formula> {
         let part = &self.parts[at.part?];
         list(part.half(at.half), at.kind).get(at.index)
     }
 
-    /// The part that sets a variable; `None` for one that comes from outside.
+    /// Returns the part that sets a variable; `None` if it comes from outside.
     pub fn driver(&self, variable: VarId) -> Option<usize> {
         self.parts.iter().position(|p| p.drives.contains(&variable))
     }
 
-    /// A name for a variable that no other has.
+    /// Returns an unused name for a variable.
     pub fn fresh_name(&self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         while self.variables.iter().any(|v| v.name == name) {

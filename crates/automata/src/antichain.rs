@@ -1,10 +1,10 @@
-//! Conditions made with "and" and "or" alone, in their least form.
+//! Conditions built from "and" and "or" alone, in minimal form.
 //!
-//! Such a condition is a set of sets. Read as *terms*, all of one set has to hold, whichever it is;
-//! read as *clauses*, one of every set. In both readings a set that contains another one says
-//! nothing more, and without these the condition has one form only (Quine, "The problem of
-//! simplifying truth functions", 1952): equal conditions are equal values. What "and" is in one
-//! reading, "or" is in the other.
+//! Such a condition is a set of sets. Read as *terms*, all elements of at least one set have to
+//! hold; read as *clauses*, at least one element of every set. In both readings a set that contains
+//! another one is redundant, and without these the condition has only one form (Quine, "The problem
+//! of simplifying truth functions", 1952): equal conditions are equal values. "And" in one reading
+//! is "or" in the other.
 
 use std::collections::BTreeSet;
 
@@ -13,28 +13,28 @@ use std::collections::BTreeSet;
 pub struct Antichain<T>(BTreeSet<BTreeSet<T>>);
 
 impl<T: Clone + Ord> Antichain<T> {
-    /// No set: false as terms, true as clauses.
+    /// Returns the empty set of sets: false as terms, true as clauses.
     pub fn none() -> Self {
         Self(BTreeSet::new())
     }
 
-    /// The empty set alone: true as terms, false as clauses.
+    /// Returns the empty set alone: true as terms, false as clauses.
     pub fn unit() -> Self {
         Self(BTreeSet::from([BTreeSet::new()]))
     }
 
-    /// One element alone.
+    /// Returns one element alone.
     pub fn of(element: T) -> Self {
         Self(BTreeSet::from([BTreeSet::from([element])]))
     }
 
-    /// The sets of both: "or" of terms, "and" of clauses.
+    /// Returns the sets of both: "or" of terms, "and" of clauses.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self(least(&self.0.union(&other.0).cloned().collect()))
     }
 
-    /// Every set of the one joined with every set of the other: "and" of terms, "or" of clauses.
+    /// Returns each set of one joined with each set of the other: "and" of terms, "or" of clauses.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
         let pairs = self
@@ -44,29 +44,29 @@ impl<T: Clone + Ord> Antichain<T> {
         Self(least(&pairs.collect()))
     }
 
-    /// Those sets that are chosen.
+    /// Returns only the chosen sets.
     #[must_use]
     pub fn filter(&self, chosen: impl Fn(&BTreeSet<T>) -> bool) -> Self {
         Self(self.0.iter().filter(|set| chosen(set)).cloned().collect())
     }
 
-    /// The sets, in ascending order.
+    /// Returns the sets in ascending order.
     pub fn sets(&self) -> impl Iterator<Item = &BTreeSet<T>> {
         self.0.iter()
     }
 
-    /// How many sets there are.
+    /// Returns the number of sets.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Whether there is no set.
+    /// Returns whether there is no set.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 }
 
-/// Without the sets that contain another one.
+/// Removes the sets that contain another one.
 fn least<T: Clone + Ord>(sets: &BTreeSet<BTreeSet<T>>) -> BTreeSet<BTreeSet<T>> {
     let contains_another = |set: &BTreeSet<T>| sets.iter().any(|s| s != set && s.is_subset(set));
     let kept = sets.iter().filter(|set| !contains_another(set));
@@ -80,7 +80,7 @@ mod tests {
     #[test]
     fn equal_conditions_are_equal_values() {
         let [a, b, c] = ['a', 'b', 'c'].map(Antichain::of);
-        // Distribution holds both ways round, so it holds in both readings.
+        // Distribution holds in both directions, so it holds in both readings.
         assert_eq!(a.product(&b.union(&c)), a.product(&b).union(&a.product(&c)));
         assert_eq!(a.union(&b.product(&c)), a.union(&b).product(&a.union(&c)));
         assert_eq!(a.union(&a.product(&b)), a);

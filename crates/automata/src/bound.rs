@@ -1,43 +1,43 @@
-//! How far an automaton is looked into: so many states, and no longer than until some time.
+//! Limits on exploring an automaton: a number of states and a deadline.
 
-use linewright_core::deadline::{Deadline, Late};
+use linewright_core::deadline::{Deadline, StopReason};
 
-/// An automaton may have so many states where nothing else is said.
+/// Default maximum number of states of an automaton.
 pub const MOST_STATES: usize = 1 << 16;
 
-/// It would take too much.
+/// Error for a result or a computation beyond its limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum TooLarge {
-    /// Something would have more of something than is sensible.
+pub enum BoundExceeded {
+    /// A count would exceed its limit.
     #[error("there would be more than {limit} {what}")]
     Count {
-        /// What there would be too much of: `states`.
+        /// What is counted: `states`.
         what: &'static str,
-        /// How many there may be.
+        /// Maximum count.
         limit: usize,
     },
-    /// It takes longer than it may.
+    /// The deadline has passed.
     #[error(transparent)]
-    Late(#[from] Late),
+    Late(#[from] StopReason),
 }
 
-/// How many states are looked at, and until when. A number alone is a bound without a time.
+/// Limits on exploring an automaton. Made from a number alone, it has no deadline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bound {
-    /// So many states at most.
+pub struct ExplorationBound {
+    /// Maximum number of states.
     pub states: usize,
-    /// And no longer than that.
+    /// Deadline.
     pub until: Deadline,
 }
 
-impl Bound {
-    /// So many states, until this time.
+impl ExplorationBound {
+    /// Creates a bound of `states` states and a deadline.
     pub fn new(states: usize, until: Deadline) -> Self {
         Self { states, until }
     }
 }
 
-impl From<usize> for Bound {
+impl From<usize> for ExplorationBound {
     fn from(states: usize) -> Self {
         Self {
             states,

@@ -1,11 +1,11 @@
 //! Regular expressions with complement and intersection over steps, as deterministic automata over
 //! finite words.
 //!
-//! By derivatives (Brzozowski, "Derivatives of regular expressions", 1964), which take complement
-//! and intersection as they come: the derivative of r after a step is what may follow that step. A
-//! state is an expression; equal ones are found because sums and intersections are sets.
+//! Uses derivatives (Brzozowski, "Derivatives of regular expressions", 1964), which support
+//! complement and intersection directly: the derivative of r after a step is what may follow that
+//! step. A state is an expression; equal ones are found because sums and intersections are sets.
 
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use crate::symbolic::{Automaton, Values};
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -17,24 +17,24 @@ pub enum ExtendedRegex {
     Never,
     /// The empty word.
     Empty,
-    /// One step, whatever holds in it.
+    /// One step, with any values.
     Any,
     /// One step in which a condition holds.
     Step(usize),
-    /// Every word that does not match.
+    /// Every word that the expression does not match.
     Not(Rc<ExtendedRegex>),
-    /// One after the other.
+    /// Concatenation.
     Sequence(Rc<ExtendedRegex>, Rc<ExtendedRegex>),
-    /// As often as one likes, or not at all.
+    /// Any number of repetitions, including none.
     Star(Rc<ExtendedRegex>),
-    /// All of them.
+    /// Intersection.
     And(BTreeSet<ExtendedRegex>),
-    /// One of them.
+    /// Union.
     Or(BTreeSet<ExtendedRegex>),
 }
 
 impl ExtendedRegex {
-    /// Every word that it does not match.
+    /// Returns the complement.
     #[must_use]
     #[expect(clippy::should_implement_trait, reason = "as the other operators")]
     pub fn not(self) -> Self {
@@ -44,19 +44,19 @@ impl ExtendedRegex {
         }
     }
 
-    /// One after the other.
+    /// Returns the concatenation.
     #[must_use]
     pub fn then(self, next: Self) -> Self {
         match (self, next) {
             (Self::Never, _) | (_, Self::Never) => Self::Never,
             (Self::Empty, r) | (r, Self::Empty) => r,
-            // To the right, so that equal ones look alike.
+            // Nested to the right, so that equal expressions look alike.
             (Self::Sequence(a, b), next) => Self::Sequence(a, Rc::new((*b).clone().then(next))),
             (a, b) => Self::Sequence(Rc::new(a), Rc::new(b)),
         }
     }
 
-    /// As often as one likes, or not at all.
+    /// Returns any number of repetitions, including none.
     #[must_use]
     pub fn star(self) -> Self {
         match self {
@@ -71,7 +71,7 @@ impl ExtendedRegex {
             || matches!(self, Self::Star(inner) if **inner == Self::Any)
     }
 
-    /// One of them.
+    /// Returns the union.
     pub fn or(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut set = BTreeSet::new();
         for part in parts {
@@ -91,7 +91,7 @@ impl ExtendedRegex {
         }
     }
 
-    /// All of them.
+    /// Returns the intersection.
     pub fn and(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut set = BTreeSet::new();
         for part in parts {
@@ -111,7 +111,7 @@ impl ExtendedRegex {
         }
     }
 
-    /// Whether it matches the empty word.
+    /// Returns whether the expression matches the empty word.
     pub fn matches_empty(&self) -> bool {
         match self {
             Self::Never | Self::Any | Self::Step(_) => false,
@@ -123,7 +123,7 @@ impl ExtendedRegex {
         }
     }
 
-    /// The conditions that matter for the next step.
+    /// Collects the conditions that matter for the next step.
     fn heads(&self, found: &mut BTreeSet<usize>) {
         match self {
             Self::Never | Self::Empty | Self::Any => {}
@@ -141,7 +141,7 @@ impl ExtendedRegex {
         }
     }
 
-    /// What may follow a step in which the conditions have these values.
+    /// Returns the derivative: what may follow a step in which the conditions have these values.
     fn after(&self, values: &Values) -> Self {
         match self {
             Self::Any => Self::Empty,
@@ -162,11 +162,11 @@ impl ExtendedRegex {
         }
     }
 
-    /// The automaton that is in an accepting state after the words that match.
+    /// Returns the automaton that is in an accepting state after the words that match.
     ///
     /// # Errors
     /// When it is too large for [`Automaton::explore`].
-    pub fn automaton(&self) -> Result<Automaton, TooLarge> {
+    pub fn automaton(&self) -> Result<Automaton, BoundExceeded> {
         let heads = |state: &Self| {
             let mut heads = BTreeSet::new();
             state.heads(&mut heads);
@@ -183,7 +183,7 @@ mod tests {
     use super::*;
     use crate::symbolic::Decision;
 
-    /// Whether an automaton over condition 0 accepts these steps.
+    /// Returns whether an automaton over condition 0 accepts these steps.
     fn accepts(automaton: &Automaton, word: &[bool]) -> bool {
         let mut state = 0;
         for holds in word {
@@ -213,7 +213,7 @@ mod tests {
                 assert_eq!(accepts(&automaton, &word), wanted, "{word:?}");
             }
         }
-        // De Morgan's law, by the least automata.
+        // De Morgan's law, by the minimal automata.
         let other = R::or([even.not(), some]).not();
         assert_eq!(other.automaton(), Ok(automaton));
     }

@@ -1,20 +1,19 @@
-//! Finite automata over the letters `0..letters`, deterministic and without a state for what is
-//! refused.
+//! Deterministic finite automata over the letters `0..letters`, with no state for refused letters.
 //!
-//! Breadth-first exploration of whatever can be stepped, partition refinement for the smallest
+//! Breadth-first exploration of any transition function, partition refinement for the minimal
 //! automaton (Hopcroft, "An n log n algorithm for minimizing states in a finite automaton", 1971),
-//! the product for comparing two.
+//! and the product for comparing two.
 
-use crate::bound::{Bound, TooLarge};
+use crate::bound::{BoundExceeded, ExplorationBound};
 use crate::partition::Partition;
 use crate::search::shortest;
 use rustc_hash::FxHashMap;
 use std::hash::Hash;
 
-/// After so many states it is asked whether the time is over.
+/// Number of explored states between two checks of the deadline.
 const DEADLINE_CHECK_INTERVAL: usize = 64;
 
-/// What stands in place of a state where a letter is refused.
+/// Placeholder for the next state where a letter is refused.
 pub const REFUSED: u32 = u32::MAX;
 
 /// A deterministic automaton. States are numbered in the order in which they are found from the
@@ -22,66 +21,67 @@ pub const REFUSED: u32 = u32::MAX;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Dfa {
     letters: usize,
-    /// Row-major.
+    /// Next states in row-major order: one row per state.
     next: Vec<u32>,
     /// Whether a word may end here.
     complete: Vec<bool>,
 }
 
-/// What was explored.
+/// Result of an exploration.
 #[derive(Debug, Clone)]
-pub struct Explored<S> {
-    /// The automaton.
+pub struct Exploration<S> {
+    /// Automaton.
     pub dfa: Dfa,
-    /// The numbers of the starts, in ascending order.
+    /// Numbers of the start states, in ascending order.
     pub starts: Vec<u32>,
-    /// What each of its states is.
+    /// Explored value of each state.
     pub states: Vec<S>,
 }
 
 impl Dfa {
-    /// Everything that can be reached from `start`, which becomes state 0. `step` gives the state
-    /// after a letter, `None` where it is refused; `complete` says whether a word may end.
+    /// Explores everything that can be reached from `start`, which becomes state 0. `step` gives
+    /// the state after a letter, `None` where it is refused; `complete` says whether a word may
+    /// end.
     ///
     /// # Errors
-    /// When there are more states than `bound` allows, or the time is over.
+    /// When there are more states than `bound` allows, or the deadline has passed.
     pub fn explore<S: Clone + Eq + Hash>(
         letters: usize,
         start: S,
-        bound: impl Into<Bound>,
+        bound: impl Into<ExplorationBound>,
         step: impl FnMut(&S, usize) -> Option<S>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         Self::explore_all(letters, &[start], bound, step, complete).map(|found| found.dfa)
     }
 
-    /// The same from several starts, the first of which becomes state 0.
+    /// Like [`explore`](Self::explore), from several starts. The first one becomes state 0.
     ///
     /// # Errors
-    /// When there are more states than `bound` allows, or the time is over.
+    /// When there are more states than `bound` allows, or the deadline has passed.
     pub fn explore_all<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
-        bound: impl Into<Bound>,
+        bound: impl Into<ExplorationBound>,
         mut step: impl FnMut(&S, usize) -> Option<S>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Explored<S>, TooLarge> {
+    ) -> Result<Exploration<S>, BoundExceeded> {
         let step = |state: &S, letter: usize| Ok(step(state, letter));
         Self::explore_within(letters, starts, bound.into(), step, complete)
     }
 
-    /// The same from one start, with a step that may be too large itself.
+    /// Like [`explore`](Self::explore), with a step that may be too large itself.
     ///
     /// # Errors
-    /// When a step is too large, when there are more states than `bound` allows, or the time is
-    /// over.
+    /// When a step is too large, when there are more states than `bound` allows, or the deadline
+    /// has passed.
     pub fn try_explore<S: Clone + Eq + Hash>(
         letters: usize,
         start: S,
-        bound: impl Into<Bound>,
-        step: impl FnMut(&S, usize) -> Result<Option<S>, TooLarge>,
+        bound: impl Into<ExplorationBound>,
+        step: impl FnMut(&S, usize) -> Result<Option<S>, BoundExceeded>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let found = Self::explore_within(letters, &[start], bound.into(), step, complete)?;
         Ok(found.dfa)
     }
@@ -89,11 +89,11 @@ impl Dfa {
     fn explore_within<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
-        bound: Bound,
-        mut step: impl FnMut(&S, usize) -> Result<Option<S>, TooLarge>,
+        bound: ExplorationBound,
+        mut step: impl FnMut(&S, usize) -> Result<Option<S>, BoundExceeded>,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<Explored<S>, TooLarge> {
-        let Bound {
+    ) -> Result<Exploration<S>, BoundExceeded> {
+        let ExplorationBound {
             states: limit,
             until,
         } = bound;
@@ -101,7 +101,7 @@ impl Dfa {
         let mut states: Vec<S> = Vec::new();
         let mut number = |state: S, states: &mut Vec<S>| match numbers.get(&state) {
             Some(number) => Ok(*number),
-            None if states.len() == limit => Err(TooLarge::Count {
+            None if states.len() == limit => Err(BoundExceeded::Count {
                 what: "states",
                 limit,
             }),
@@ -137,54 +137,54 @@ impl Dfa {
             next,
             complete: states.iter().map(complete).collect(),
         };
-        Ok(Explored {
+        Ok(Exploration {
             dfa,
             starts: begin,
             states,
         })
     }
 
-    /// How many letters there are.
+    /// Returns the number of letters.
     pub fn letters(&self) -> usize {
         self.letters
     }
 
-    /// How many states there are; at least 1.
+    /// Returns the number of states; at least 1.
     pub fn states(&self) -> usize {
         self.complete.len()
     }
 
-    /// The state after a letter, or [`REFUSED`].
+    /// Returns the state after a letter, or [`REFUSED`].
     pub fn next(&self, state: u32, letter: usize) -> u32 {
         self.next[state as usize * self.letters + letter]
     }
 
-    /// The state after a letter, or `None` where that is refused.
+    /// Returns the state after a letter, or `None` where that is refused.
     pub fn step(&self, state: u32, letter: usize) -> Option<u32> {
         let to = self.next(state, letter);
         (to != REFUSED).then_some(to)
     }
 
-    /// Whether a word may end in this state.
+    /// Returns whether a word may end in this state.
     pub fn is_complete(&self, state: u32) -> bool {
         self.complete[state as usize]
     }
 
-    /// The state after a word, or `None` where a letter of it is refused.
+    /// Returns the state after a word, or `None` where a letter of it is refused.
     pub fn run(&self, word: &[usize]) -> Option<u32> {
         word.iter()
             .try_fold(0, |state, letter| self.step(state, *letter))
     }
 
-    /// Whether a letter leaves every state as it is.
+    /// Returns whether a letter leaves every state as it is.
     pub fn is_idle(&self, letter: usize) -> bool {
         (0..self.states() as u32).all(|state| self.next(state, letter) == state)
     }
 
-    /// The same with other states in which a word may end.
+    /// Replaces the states in which a word may end; `complete` has one value per state.
     ///
     /// # Panics
-    /// When there is not one value a state.
+    /// When the number of values differs from the number of states.
     #[must_use]
     pub fn with_complete(mut self, complete: Vec<bool>) -> Self {
         assert_eq!(complete.len(), self.complete.len(), "one value a state");
@@ -192,7 +192,7 @@ impl Dfa {
         self
     }
 
-    /// The same without its last letter, and for every state where that led to.
+    /// Removes the last letter; also returns, for every state, where that letter led.
     ///
     /// # Panics
     /// When there is no letter.
@@ -212,14 +212,14 @@ impl Dfa {
         (dfa, rows.map(|row| row[letters]).collect())
     }
 
-    /// The same with every beginning of a word as a word.
+    /// Makes every prefix of a word a word.
     #[must_use]
     pub fn prefix_closed(mut self) -> Self {
         self.complete.fill(true);
         self
     }
 
-    /// Refuses what no longer leads to a complete word. Only the start stays whatever comes of it.
+    /// Refuses letters after which no complete word is possible. Only the start always stays.
     #[must_use]
     pub fn trimmed(self) -> Self {
         let states = self.states();
@@ -248,7 +248,7 @@ impl Dfa {
             .expect("no more states than before; please report this")
     }
 
-    /// The smallest automaton with the same words and the same refusals.
+    /// Returns the minimal automaton with the same words and the same refusals.
     #[must_use]
     pub fn minimal(&self) -> Self {
         let states = self.states();
@@ -266,18 +266,18 @@ impl Dfa {
             .expect("no more states than before; please report this")
     }
 
-    /// For every state the number of its class, and how many there are: states of one class have
-    /// the same words and the same refusals.
+    /// Returns the class of every state, and the number of classes: states of one class have the
+    /// same words and the same refusals.
     fn classes(&self) -> (Vec<u32>, usize) {
         let states = self.states();
-        // What is refused leads to one state more.
+        // Refused letters lead to an additional sink state.
         let sink = states as u32;
         let to = |state: usize, letter: usize| match self.next[state * self.letters + letter] {
             REFUSED => sink,
             to => to,
         };
-        // The states before each, letter by letter; the sink is before itself, and splits nothing
-        // off by that.
+        // The predecessors of each state, letter by letter. The sink precedes itself, which splits
+        // nothing off.
         let places = states + 1;
         let mut first = vec![0_u32; self.letters * places + 1];
         for state in 0..states {
@@ -317,7 +317,8 @@ impl Dfa {
                 }
                 partition.split(|old, new, new_is_smaller| {
                     waits.push(false);
-                    // Of a block that waits both halves do, of any other the smaller one is enough.
+                    // If a block is waiting, both halves must wait; otherwise the smaller one is
+                    // enough.
                     let next = if waits[old as usize] || new_is_smaller {
                         new
                     } else {
@@ -328,7 +329,7 @@ impl Dfa {
                 });
             }
         }
-        // By their least states.
+        // Ordered by their smallest states.
         let mut numbers: Vec<Option<u32>> = vec![None; partition.count()];
         let mut count = 0;
         let class = (0..states).map(|state| {
@@ -342,12 +343,12 @@ impl Dfa {
         (class, count as usize)
     }
 
-    /// The shortest word that is in one of the languages and not in the other, the least among
-    /// those of its length. `None` where the languages are the same. Takes time in the product of
-    /// the numbers of states.
+    /// Returns the shortest word that is in only one of the languages, the smallest among those of
+    /// its length. `None` if the languages are equal. Takes time proportional to the product of the
+    /// numbers of states.
     ///
     /// # Panics
-    /// When the letters are not the same.
+    /// When the numbers of letters differ.
     pub fn difference(&self, other: &Self) -> Option<Vec<usize>> {
         assert_eq!(
             self.letters, other.letters,
@@ -378,8 +379,8 @@ impl Dfa {
 mod tests {
     use super::*;
 
-    /// Words over two letters whose number of ones is a multiple of `n`; a zero is refused after
-    /// `most` of them in a row.
+    /// Builds an automaton over two letters whose words have a number of ones divisible by `n`; a
+    /// zero is refused after `most` zeros in a row.
     fn counting(n: u32, most: u32) -> Dfa {
         let step = |&(ones, zeros): &(u32, u32), letter: usize| match letter {
             0 if zeros == most => None,
@@ -414,7 +415,7 @@ mod tests {
 
     #[test]
     fn what_leads_nowhere_is_trimmed() {
-        // A word may end after a one only, and after two zeros there are no ones.
+        // A word may end only after a one, and after two zeros no one may follow.
         let step = |&(zeros, one): &(u32, bool), letter: usize| match letter {
             _ if one => None,
             0 => Some(((zeros + 1).min(2), false)),
@@ -432,7 +433,7 @@ mod tests {
         let counter = Dfa::explore(1, 0_u32, 10, |n, _| Some(n + 1), |_| true);
         assert_eq!(
             counter.map(|d| d.states()),
-            Err(TooLarge::Count {
+            Err(BoundExceeded::Count {
                 what: "states",
                 limit: 10
             })

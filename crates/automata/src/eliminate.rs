@@ -1,28 +1,28 @@
 //! From an automaton to a short regular expression.
 //!
 //! States are eliminated one after the other (Brzozowski and `McCluskey`, "Signal flow graph
-//! techniques for sequential circuit state diagrams", 1963). The order decides how long the
-//! expression gets. Where there are few states, all orders are tried; else the state through which
-//! the least text would be copied goes first (Delgado and Morais, "Approximation to the smallest
-//! regular expression for a given regular language", 2004). What comes out is turned into an
-//! automaton again and compared.
+//! techniques for sequential circuit state diagrams", 1963). The order determines the length of the
+//! expression. For few states all orders are tried; otherwise the state through which the least
+//! text would be copied goes first (Delgado and Morais, "Approximation to the smallest regular
+//! expression for a given regular language", 2004). The result is converted back to an automaton
+//! and compared.
 
-use crate::bound::{Bound, MOST_STATES, TooLarge};
+use crate::bound::{BoundExceeded, ExplorationBound, MOST_STATES};
 use crate::dfa::{Dfa, REFUSED};
 use crate::regex::{Regex, automaton};
 use linewright_core::deadline::Deadline;
 
-/// With so many states at most, all orders are tried.
+/// Maximum number of states for which all orders are tried.
 const ALL_ORDERS: usize = 7;
 
-/// Of more states than this, the smallest automaton taken, an expression would be too long, or take
-/// too long to make.
+/// Maximum number of states of the minimal automaton. With more, an expression would be too long or
+/// take too long to make.
 pub const MOST_ELIMINATED: usize = 512;
 
-/// An expression longer than this is no use to anyone.
+/// Maximum size of a useful expression.
 pub const MOST_SIZE: usize = 1 << 16;
 
-/// The expression between any two states; the last two are a start before the start, and an end
+/// Expressions between any two states. The last two states are a start before the start and an end
 /// behind all complete states.
 #[derive(Clone)]
 struct Graph {
@@ -68,7 +68,7 @@ impl Graph {
         (before, after)
     }
 
-    /// Leads every way through a state around it.
+    /// Removes a state and replaces the paths through it.
     fn eliminate(&mut self, state: usize, left: &[usize]) {
         let (before, after) = self.neighbours(state, left);
         let around = self.at(state, state).clone().star();
@@ -89,7 +89,7 @@ impl Graph {
         }
     }
 
-    /// How much text eliminating a state copies.
+    /// Returns how much text eliminating a state copies.
     fn weight(&self, state: usize, left: &[usize]) -> usize {
         let (before, after) = self.neighbours(state, left);
         let size = |from, to| self.at(from, to).size();
@@ -107,7 +107,7 @@ impl Graph {
     }
 }
 
-/// One of several letters; said by what it is not where that is shorter.
+/// Returns one of several letters, written as a complement if that is shorter.
 fn class(parts: Vec<Regex>, letters: usize) -> Regex {
     let is = |letter: &usize| parts.contains(&Regex::Letter(*letter));
     let missing: Vec<usize> = (0..letters).filter(|l| !is(l)).collect();
@@ -117,19 +117,19 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
     Regex::either(parts)
 }
 
-/// A short expression with the words of an automaton.
+/// Returns a short expression with the words of an automaton.
 ///
 /// # Errors
-/// When there are more than [`MOST_ELIMINATED`] states, or it would be longer than [`MOST_SIZE`],
-/// or is too large to be compared, or when the time is over.
+/// When there are more than [`MOST_ELIMINATED`] states, when the expression would be longer than
+/// [`MOST_SIZE`] or is too large to be compared, or when the deadline has passed.
 ///
 /// # Panics
-/// When the expression does not have the words of the automaton, which would be a fault of this
+/// When the expression does not have the words of the automaton, which would be a bug in this
 /// module.
-pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, TooLarge> {
+pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, BoundExceeded> {
     let dfa = dfa.clone().trimmed().minimal();
     if dfa.states() > MOST_ELIMINATED {
-        return Err(TooLarge::Count {
+        return Err(BoundExceeded::Count {
             what: "states to make a regular expression of",
             limit: MOST_ELIMINATED,
         });
@@ -143,7 +143,11 @@ pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, TooLarge> {
     } else {
         lightest_first(graph, left, until)?
     };
-    let again = automaton(&found, dfa.letters(), Bound::new(MOST_STATES, until))?;
+    let again = automaton(
+        &found,
+        dfa.letters(),
+        ExplorationBound::new(MOST_STATES, until),
+    )?;
     assert!(
         again.difference(&dfa).is_none(),
         "the regular expression has other words than the automaton; please report this"
@@ -164,7 +168,7 @@ fn shortest(graph: &Graph, left: &[usize], best: &mut Option<Regex>) {
         rest.remove(i);
         let mut graph = graph.clone();
         graph.eliminate(*state, &rest);
-        // What is longer already between the ends only grows.
+        // If the expression between the ends is already longer, it can only grow.
         let size = graph.result().size();
         if best.as_ref().is_none_or(|b| size <= b.size()) {
             shortest(&graph, &rest, best);
@@ -176,7 +180,7 @@ fn lightest_first(
     mut graph: Graph,
     mut left: Vec<usize>,
     until: Deadline,
-) -> Result<Regex, TooLarge> {
+) -> Result<Regex, BoundExceeded> {
     while !left.is_empty() {
         until.check()?;
         let weights = left.iter().enumerate();
@@ -185,7 +189,7 @@ fn lightest_first(
         let state = left.remove(place);
         graph.eliminate(state, &left);
         if graph.between.iter().map(Regex::size).sum::<usize>() > MOST_SIZE + graph.between.len() {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "skills and operators in the regular expression",
                 limit: MOST_SIZE,
             });

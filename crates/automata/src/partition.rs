@@ -1,30 +1,30 @@
-//! Partition refinement: blocks of numbers that are split by what is marked in them.
+//! Partition refinement: blocks of numbers, split by marking elements.
 
-/// Elements in blocks that are split.
+/// A partition of elements into blocks.
 pub(crate) struct Partition {
-    /// The elements, block by block; those of a block that are marked come first.
+    /// Elements, block by block; the marked ones of a block come first.
     elements: Vec<u32>,
-    /// Where each element stands.
+    /// Position of each element in `elements`.
     place: Vec<u32>,
     block_of: Vec<u32>,
-    /// Where each block begins and ends, and how many of it are marked.
+    /// Begin and end of each block, and the number of its marked elements.
     blocks: Vec<[u32; 3]>,
     /// Blocks with marked elements.
     touched: Vec<u32>,
 }
 
 impl Partition {
-    /// How many blocks there are.
+    /// Returns the number of blocks.
     pub fn count(&self) -> usize {
         self.blocks.len()
     }
 
-    /// The block of an element.
+    /// Returns the block of an element.
     pub fn block_of(&self, element: usize) -> u32 {
         self.block_of[element]
     }
 
-    /// One block for each kind that there is.
+    /// Creates one block for each kind that occurs.
     pub fn new(elements: usize, kind: impl Fn(usize) -> usize) -> Self {
         let mut order: Vec<u32> = (0..elements as u32).collect();
         order.sort_by_key(|e| kind(*e as usize));
@@ -50,7 +50,7 @@ impl Partition {
         partition
     }
 
-    /// The elements of a block.
+    /// Returns the elements of a block.
     pub fn members(&self, block: u32) -> &[u32] {
         let [begin, end, _] = self.blocks[block as usize];
         &self.elements[begin as usize..end as usize]
@@ -74,9 +74,9 @@ impl Partition {
         self.place[other as usize] = at;
     }
 
-    /// Splits blocks of which some are marked and some are not; the marked ones become a block of
-    /// their own. Nothing is marked then. `seen` is told of the old block, the new one, and whether
-    /// that is the smaller half.
+    /// Splits the blocks that have both marked and unmarked elements; the marked ones become a new
+    /// block. Afterwards nothing is marked. `seen` receives the old block, the new one, and whether
+    /// the new one is the smaller half.
     pub fn split(&mut self, mut seen: impl FnMut(u32, u32, bool)) {
         for old in std::mem::take(&mut self.touched) {
             let [begin, end, marked] = self.blocks[old as usize];

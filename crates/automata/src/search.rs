@@ -1,13 +1,13 @@
-//! Breadth-first search: shortest ways in whatever can be stepped.
+//! Breadth-first search: shortest paths in any transition system.
 
 use rustc_hash::FxHashSet;
 use std::hash::Hash;
 
-/// A state that a search found, with where from and by which label; nothing for the start.
-pub type Found<S, L> = (S, Option<(usize, L)>);
+/// A state found by a search, with its predecessor and the label from there; `None` for the start.
+pub type SearchNode<S, L> = (S, Option<(usize, L)>);
 
-/// The labels on the way from the start to what stands at a place.
-pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
+/// Returns the labels on the path from the start to the state at index `at`.
+pub fn way<S, L: Copy>(found: &[SearchNode<S, L>], mut at: usize) -> Vec<L> {
     let mut way = Vec::new();
     while let Some((from, label)) = found[at].1 {
         way.push(label);
@@ -17,8 +17,8 @@ pub fn way<S, L: Copy>(found: &[Found<S, L>], mut at: usize) -> Vec<L> {
     way
 }
 
-/// The labels of a shortest way from `start` to a state that is `wanted`; the least one where
-/// labels are given in ascending order.
+/// Returns the labels of a shortest path from `start` to a state that is `wanted`; the smallest one
+/// if labels are given in ascending order.
 pub fn shortest<S: Clone + Eq + Hash, L: Copy>(
     start: S,
     successors: impl Fn(&S) -> Vec<(L, S)>,

@@ -1,41 +1,41 @@
-//! Deterministic automata over the conditions that hold in a step: each state decides by those that
-//! matter to it.
+//! Deterministic automata over the conditions that hold in a step: each state branches on the
+//! conditions relevant to it.
 //!
-//! Conditions are numbered, and asked in rising order (Akers, "Binary decision diagrams", 1978,
-//! without sharing). Every step has a successor. What *accepting* means is left to whoever made the
-//! automaton: that a word may end, or that such a state comes again and again (Büchi).
+//! Conditions are numbered and tested in ascending order (Akers, "Binary decision diagrams", 1978,
+//! without sharing). Every step has a successor. The user of the automaton defines what *accepting*
+//! means: that a word may end, or that such a state recurs for ever (Büchi).
 
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use std::collections::BTreeMap;
 
-/// An automaton may have so many states before it is made minimal.
+/// Maximum number of states before minimization.
 pub const MAX_STATES: usize = 2000;
-/// So many conditions may decide one transition.
+/// Maximum number of conditions that decide one transition.
 pub const MAX_CONDITIONS: usize = 12;
 
-/// Which of some conditions hold in a step.
+/// Truth values of conditions in a step.
 pub type Values = BTreeMap<usize, bool>;
 
-/// The state that comes after these values.
-type Successor<'a> = dyn FnMut(&Values) -> Result<usize, TooLarge> + 'a;
+/// Computes the state after these values.
+type Successor<'a> = dyn FnMut(&Values) -> Result<usize, BoundExceeded> + 'a;
 
-/// A decision between successors, conditions in rising order.
+/// A decision between successors, conditions in ascending order.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decision {
-    /// This state is next.
+    /// Next state.
     To(usize),
-    /// By a condition: where it holds, and where it does not.
+    /// Branch on a condition: where it holds, and where it does not.
     If(usize, Box<Decision>, Box<Decision>),
 }
 
 impl Decision {
-    /// The decision by some conditions, in rising order, whose successors are `to`.
-    fn over(conditions: &[usize], to: &mut Successor<'_>) -> Result<Self, TooLarge> {
+    /// Builds the decision over some conditions, in ascending order, whose successors are `to`.
+    fn over(conditions: &[usize], to: &mut Successor<'_>) -> Result<Self, BoundExceeded> {
         fn grow(
             conditions: &[usize],
             values: &mut Values,
             to: &mut Successor<'_>,
-        ) -> Result<Decision, TooLarge> {
+        ) -> Result<Decision, BoundExceeded> {
             let [condition, rest @ ..] = conditions else {
                 return to(values).map(Decision::To);
             };
@@ -57,7 +57,7 @@ impl Decision {
         }
     }
 
-    /// The same with other successors.
+    /// Replaces the successors.
     #[must_use]
     pub fn renamed(&self, to: &dyn Fn(usize) -> usize) -> Self {
         match self {
@@ -67,28 +67,29 @@ impl Decision {
     }
 }
 
-/// An automaton; it begins in state 0.
+/// A deterministic automaton; it begins in state 0.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Automaton {
-    /// For every state what comes after it.
+    /// Decision of every state.
     pub steps: Vec<Decision>,
-    /// Whether a state is accepting.
+    /// Whether each state is accepting.
     pub accepting: Vec<bool>,
 }
 
 impl Automaton {
-    /// Everything that can be reached from `start`, which becomes state 0. `conditions` says what
-    /// decides a state's step, in rising order; `step` gives the state after it.
+    /// Explores everything that can be reached from `start`, which becomes state 0. `conditions`
+    /// gives the conditions relevant to a state, in ascending order; `step` gives the state after
+    /// it.
     ///
     /// # Errors
-    /// When there are more than [`MAX_STATES`] states, or more than [`MAX_CONDITIONS`] conditions
-    /// decide a step, or where `step` says so.
+    /// When there are more than [`MAX_STATES`] states, when more than [`MAX_CONDITIONS`] conditions
+    /// decide a step, or when `step` fails.
     pub fn explore<S: Clone + Ord>(
         start: S,
         conditions: impl Fn(&S) -> Vec<usize>,
-        mut step: impl FnMut(&S, &Values) -> Result<S, TooLarge>,
+        mut step: impl FnMut(&S, &Values) -> Result<S, BoundExceeded>,
         accepting: impl Fn(&S) -> bool,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let mut states = vec![start.clone()];
         let mut numbers = BTreeMap::from([(start, 0)]);
         let mut steps = Vec::new();
@@ -113,7 +114,7 @@ impl Automaton {
         })
     }
 
-    /// The same without states that no run reaches.
+    /// Removes states that no run reaches.
     #[must_use]
     pub fn reached(&self) -> Self {
         let (mut order, mut at) = (vec![0], 0);
@@ -138,8 +139,8 @@ impl Automaton {
         }
     }
 
-    /// The same without states that nothing tells apart (Moore, "Gedanken-experiments on sequential
-    /// machines", 1956: decisions are compared as a whole, so that no letter is written out).
+    /// Merges indistinguishable states (Moore, "Gedanken-experiments on sequential machines",
+    /// 1956). Decisions are compared as a whole, so no letter is enumerated.
     #[must_use]
     pub fn minimal(&self) -> Self {
         let mut class: Vec<usize> = self.accepting.iter().map(|a| usize::from(*a)).collect();
@@ -159,7 +160,7 @@ impl Automaton {
             }
             count = known.len();
         }
-        // Classes are numbered by their first states, so the first one stays state 0.
+        // Classes are numbered by their first states, so the initial state stays state 0.
         let first: Vec<usize> = (0..count)
             .filter_map(|c| class.iter().position(|d| *d == c))
             .collect();
@@ -173,9 +174,9 @@ impl Automaton {
     }
 }
 
-fn at_most(limit: usize, count: usize, what: &'static str) -> Result<(), TooLarge> {
+fn at_most(limit: usize, count: usize, what: &'static str) -> Result<(), BoundExceeded> {
     if count > limit {
-        return Err(TooLarge::Count { what, limit });
+        return Err(BoundExceeded::Count { what, limit });
     }
     Ok(())
 }
@@ -184,9 +185,9 @@ fn at_most(limit: usize, count: usize, what: &'static str) -> Result<(), TooLarg
 mod tests {
     use super::*;
 
-    /// Counts the steps in which condition 7 holds up to `most`; accepting where the count is a
+    /// Counts the steps in which condition 7 holds up to `most`; accepting if the count is a
     /// multiple of `n`.
-    fn counting(n: usize, most: usize) -> Result<Automaton, TooLarge> {
+    fn counting(n: usize, most: usize) -> Result<Automaton, BoundExceeded> {
         let step = |count: &usize, values: &Values| Ok((count + usize::from(values[&7])) % most);
         Automaton::explore(0, |_| vec![7], step, |count| count.is_multiple_of(n))
     }
@@ -213,7 +214,7 @@ mod tests {
     fn a_limit_is_kept() {
         assert!(counting(1, MAX_STATES).is_ok());
         let limit = MAX_STATES;
-        let too_large = Err(TooLarge::Count {
+        let too_large = Err(BoundExceeded::Count {
             what: "states",
             limit,
         });

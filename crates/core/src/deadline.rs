@@ -1,22 +1,22 @@
-//! When to give up: `--timeout` and Ctrl-C, made once a command and passed down. Nothing else below
-//! `cli` may let a clock decide.
+//! Deadlines and cancellation: `--timeout` and Ctrl-C. Made once per command and passed down.
+//! Outside of `cli`, nothing else may depend on a clock.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Why work is given up.
+/// Reason for giving up work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Late {
-    /// The instant is past.
+pub enum StopReason {
+    /// The deadline has passed.
     #[error("the time limit was reached")]
     Time,
-    /// Whoever waits for the work has asked for its end.
+    /// The caller has asked to stop.
     #[error("it was interrupted")]
     Interrupt,
 }
 
-impl Late {
-    /// What lets the work come to its end.
+impl StopReason {
+    /// Returns what the user can do to let the work finish.
     pub fn remedy(self) -> &'static str {
         match self {
             Self::Time => "give it more time with --timeout SECONDS",
@@ -25,7 +25,7 @@ impl Late {
     }
 }
 
-/// An instant after which work is given up, and a flag that ends it at once; by default there is
+/// An instant after which work is given up, and a flag that ends it at once. By default there is
 /// neither.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Deadline {
@@ -43,13 +43,14 @@ impl PartialEq for Deadline {
 impl Eq for Deadline {}
 
 impl Deadline {
-    /// Work is never given up.
+    /// No deadline: work is never given up.
     pub const NONE: Self = Self {
         instant: None,
         interrupt: None,
     };
 
-    /// This long after `began`. A time too far away for the clock is no deadline.
+    /// Creates a deadline `patience` after `began`. A time too far away for the clock is no
+    /// deadline.
     pub fn after(began: Instant, patience: Duration) -> Self {
         Self {
             instant: began.checked_add(patience),
@@ -57,7 +58,7 @@ impl Deadline {
         }
     }
 
-    /// The same deadline, which is also past as soon as this flag is set.
+    /// Adds a flag: the deadline also counts as past as soon as the flag is set.
     #[must_use]
     pub fn or_when(self, interrupt: &'static AtomicBool) -> Self {
         Self {
@@ -66,12 +67,12 @@ impl Deadline {
         }
     }
 
-    /// This long from now.
+    /// Creates a deadline `patience` from now.
     pub fn in_time(patience: Duration) -> Self {
         Self::after(Instant::now(), patience)
     }
 
-    /// The same deadline, later by a grace period.
+    /// Returns this deadline, extended by a grace period.
     #[must_use]
     pub fn extended(self, grace: Duration) -> Self {
         let later = |instant: Instant| instant.checked_add(grace);
@@ -81,32 +82,32 @@ impl Deadline {
         }
     }
 
-    /// Whether it is past.
+    /// Returns whether the deadline has passed or its flag is set.
     pub fn is_past(self) -> bool {
         self.check().is_err()
     }
 
-    /// The time that is left, if there is a deadline at all.
+    /// Returns the remaining time; `None` if there is no deadline.
     pub fn left(self) -> Option<Duration> {
         let left = |instant: Instant| instant.saturating_duration_since(Instant::now());
         self.instant.map(left)
     }
 
-    /// For loops that may take long.
+    /// Checks the deadline; call it in loops that may take long.
     ///
     /// # Errors
     /// When the deadline is past.
-    pub fn check(self) -> Result<(), Late> {
+    pub fn check(self) -> Result<(), StopReason> {
         if self
             .interrupt
             .is_some_and(|flag| flag.load(Ordering::Relaxed))
         {
-            Err(Late::Interrupt)
+            Err(StopReason::Interrupt)
         } else if self
             .instant
             .is_some_and(|instant| Instant::now() >= instant)
         {
-            Err(Late::Time)
+            Err(StopReason::Time)
         } else {
             Ok(())
         }
@@ -122,7 +123,7 @@ mod tests {
         assert!(!Deadline::NONE.is_past());
         assert_eq!(Deadline::NONE.left(), None);
         let now = Deadline::in_time(Duration::ZERO);
-        assert_eq!(now.check(), Err(Late::Time));
+        assert_eq!(now.check(), Err(StopReason::Time));
         assert_eq!(now.left(), Some(Duration::ZERO));
         let later = now.extended(Duration::from_hours(1));
         assert_eq!(later.check(), Ok(()));
@@ -143,9 +144,12 @@ mod tests {
         static FLAG: AtomicBool = AtomicBool::new(false);
         let [never, now] =
             [Deadline::NONE, Deadline::in_time(Duration::ZERO)].map(|d| d.or_when(&FLAG));
-        assert_eq!([never.check(), now.check()], [Ok(()), Err(Late::Time)]);
+        assert_eq!(
+            [never.check(), now.check()],
+            [Ok(()), Err(StopReason::Time)]
+        );
         FLAG.store(true, Ordering::Relaxed);
-        let interrupted = Err(Late::Interrupt);
+        let interrupted = Err(StopReason::Interrupt);
         assert_eq!([never.check(), now.check()], [interrupted; 2]);
         assert_eq!(never.extended(Duration::from_hours(1)).check(), interrupted);
     }

@@ -1,4 +1,4 @@
-//! What every part of Linewright speaks of: sources and places in them, findings, taxonomies, and
+//! Types shared by all parts of Linewright: sources and places in them, findings, taxonomies, and
 //! GR(1) specifications.
 
 pub mod deadline;

@@ -1,17 +1,17 @@
-//! What is known of contracts that were solved before: an unchanged one is not solved again.
+//! Cache of solved contracts: an unchanged contract is not solved again.
 //!
-//! Two kinds of files. An *entry* stands under a hash of all that decides a result: the
-//! specification without its places in a file, the options of the solver, and the program itself. A
-//! *version* stands under a contract's name and says in which order its last large game ended and
-//! which region was won, for when the contract has changed.
+//! There are two kinds of files. An *entry* is stored under a hash of everything that determines a
+//! result: the specification without its source positions, the solver options, and the program
+//! itself. A *version* is stored under a contract's name. It records the final variable order of
+//! the contract's last large game and the winning region, for use once the contract has changed.
 //!
-//! Nothing depends on a file being there: it can be deleted at any time, it appears whole or not at
-//! all, one that does not match its own checksum is not read, and where nothing can be written
-//! nothing is. Entries hold results and no messages, so that the findings of a contract that has
-//! moved within its file point at the right place.
+//! No file is required: any file can be deleted at any time, is written atomically, and is ignored
+//! if its checksum does not match. If nothing can be written, nothing is. Entries hold results but
+//! no messages, so that findings point at the right place after a contract has moved within its
+//! file.
 
 use super::controller::ExtractionOptions;
-use super::pipeline::Explained;
+use super::pipeline::Explanation;
 use super::statistics::Statistics;
 use linewright_core::gr1::{Expr, Formula, Specification, Variable};
 use linewright_language::contract::machine::Machine;
@@ -32,79 +32,81 @@ use std::path::{Path, PathBuf};
 use std::sync::Once;
 use std::time::SystemTime;
 
-/// The program that makes the entries: its version, and a hash of its sources.
+/// Identifies the program that makes the entries: its version and a hash of its sources.
 const PROGRAM: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("LINEWRIGHT_SOURCES"));
 
-/// The folder may hold so much; then the oldest files go, until it holds half of it.
+/// Maximum size of the folder in bytes. Beyond it, the oldest files are deleted until half of it is
+/// left.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// A larger region is not kept.
+/// Maximum node count of a region that is stored.
 const MOST_REGION_NODES: usize = 500_000;
 
-/// The folder of all that is remembered.
+/// A cache folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cache {
     folder: PathBuf,
 }
 
-/// What is known of a contract.
+/// Stored result of a contract.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Entry {
     /// Whether there is a controller.
     pub realizable: bool,
-    /// For an unrealizable contract, the guarantees that clash; `None` when a limit was reached
+    /// For an unrealizable contract, the guarantees that clash; `None` if a limit was reached
     /// first.
     pub core: Option<Vec<GuaranteeRef>>,
-    /// What was examined.
-    pub examined: Examined,
-    /// What is odd about it. `None` also when it was too large.
+    /// Which checks were made beside the verdict.
+    pub examined: ExaminationDepth,
+    /// Findings about the environment. Also `None` if the game was too large.
     pub environment: Option<EnvironmentFindings>,
-    /// Where it demands less than it seems to. `None` also when it was too large.
+    /// Places where the contract demands less than it seems to. Also `None` if the game was too
+    /// large.
     pub shape: Option<Shape>,
-    /// For an unrealizable contract, why.
-    pub lost: Option<Box<Explained>>,
-    /// Whether a controller was asked for.
+    /// For an unrealizable contract, the explanation.
+    pub lost: Option<Box<Explanation>>,
+    /// Whether a controller was requested.
     pub extracted: bool,
-    /// The verified controller; `None` also when it was too large to be written down.
+    /// The verified controller; also `None` if it was too large to be written as a machine.
     pub machine: Option<mealy::Machine>,
-    /// The certified controller as functions, where it was one.
+    /// The certified controller, if it has the form of functions.
     pub functions: Option<Box<Functions>>,
-    /// The largest number of nodes.
+    /// Peak number of BDD nodes.
     pub peak_nodes: u64,
-    /// What it took.
+    /// Effort and times of the solver.
     pub statistics: Statistics,
 }
 
-/// The nodes of a winning region (bit, high, low) and its root.
+/// Nodes of a winning region as (bit, high, low), and its root.
 type Region = (Vec<(u16, u32, u32)>, u32);
 
-/// How much of a contract was examined beside its verdict.
+/// Which checks of a contract were made beside its verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Examined {
-    /// Nothing.
+pub enum ExaminationDepth {
+    /// None.
     Nothing,
-    /// The plant's side.
+    /// The environment only.
     Plant,
-    /// The plant's side, and where the machine's demands less than it seems to.
+    /// The environment, and whether the guarantees demand less than they seem to.
     Whole,
 }
 
-/// What is known of the last version of a contract.
+/// Stored data of the last version of a contract.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Version {
-    /// A hash of its variables and who answers first.
+    /// Hash of its variables and of which side moves first.
     variables: String,
-    /// The variables from the top of the diagrams to their bottom.
+    /// Variables from the top of the diagrams to the bottom.
     order_of_variables: Vec<String>,
-    /// The pairs of bits from the top to the bottom.
+    /// Pairs of bits from top to bottom.
     order: Vec<u16>,
     /// Hashes of the formulas that the winning region depends on.
     formulas: Formulas,
-    /// The region.
+    /// The winning region, if it was small enough to be stored.
     region: Option<Region>,
 }
 
-/// Hashes of the formulas that a winning region depends on. Initial conditions are none of them.
+/// Hashes of the formulas that a winning region depends on. Initial conditions are not among them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Formulas {
     assumed_invariants: BTreeSet<String>,
@@ -115,36 +117,36 @@ struct Formulas {
     justice: BTreeSet<String>,
 }
 
-/// What a solve can begin with.
+/// Data that speeds up the start of a solve.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Hints {
-    /// An order.
+    /// Variable order to start with.
     pub order: Option<Order>,
-    /// Whether it is the order of the very same variables: then none has to be looked for.
+    /// Whether the order belongs to exactly the same variables; then no reordering is needed.
     pub exact: bool,
-    /// A set of states that holds the winning region.
+    /// A set of states that contains the winning region.
     pub region: Option<Diagram>,
 }
 
 /// The options that an entry depends on.
 #[derive(Debug, Clone, Copy)]
 pub struct Options<'a> {
-    /// The kernel.
+    /// BDD kernel.
     pub kernel: KernelChoice,
-    /// The heuristics that are on.
+    /// Enabled heuristics.
     pub heuristics: &'a [Heuristic],
-    /// The memory limit.
+    /// Memory limit in MiB.
     pub memory_mib: Option<u64>,
-    /// What the controller shall be like.
+    /// Requested properties of the controller.
     pub wish: ExtractionOptions,
 }
 
-/// The name of an entry.
+/// File name of an entry.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Key(String);
 
 impl Key {
-    /// The key of a specification.
+    /// Computes the key of a specification.
     pub fn new(specification: &Specification, options: &Options<'_>) -> Self {
         let mut feed = Feed::new("entry");
         let _ = write!(feed, "{options:?}");
@@ -157,7 +159,7 @@ impl Key {
         Self(feed.finish())
     }
 
-    /// The key of a machine with its controllers.
+    /// Computes the key of a machine with its controllers.
     pub fn of_machine(machine: &Machine, controllers: &[&Controller]) -> Self {
         let mut feed = Feed::new("machine");
         let _ = write!(feed, "{machine:?}\n{controllers:?}");
@@ -165,7 +167,7 @@ impl Key {
     }
 }
 
-/// A hash that text is written to.
+/// A hasher that accepts formatted text.
 struct Feed(Sha256);
 
 impl fmt::Write for Feed {
@@ -182,7 +184,7 @@ impl Feed {
         feed
     }
 
-    /// Everything about the variables but their place in the file.
+    /// Hashes everything about the variables except their source positions.
     fn variables(&mut self, specification: &Specification) {
         let _ = writeln!(self, "{:?}", specification.timing);
         for v in &specification.variables {
@@ -238,15 +240,15 @@ impl Formulas {
         }
     }
 
-    /// Whether a region won in a game with these formulas holds every region won with `new`.
+    /// Whether a region won with these formulas contains every region won with `new`.
     ///
     /// Let `F(Z) = ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre((Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′))`, whose greatest fixpoint
     /// within the legal states S is the region. If `F′(Z) ⊆ F(Z)` for all Z, and `S′ ⊆ S`, then
-    /// `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. That is so when
+    /// `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. This holds when
     ///
     /// - the assumed invariants are the same and no guaranteed one is gone: `S′ ⊆ S`. With fewer
-    ///   assumed invariants there would be new states, of which nothing is known;
-    /// - no assumed safety is new: the plant can do all that it could before, so `∀x′. ρe → …`
+    ///   assumed invariants there would be new states, about which nothing is known;
+    /// - no assumed safety is new: the plant can do everything it could before, so `∀x′. ρe → …`
     ///   became harder;
     /// - no guaranteed safety is gone: the machine can do no more than before, so `∃y′. ρs ∧ …`
     ///   became harder;
@@ -269,7 +271,7 @@ impl Formulas {
     }
 }
 
-/// A hash of the variables and who answers first.
+/// Hash of the variables and of which side moves first.
 fn variables(specification: &Specification) -> String {
     let mut feed = Feed::new("variables");
     feed.variables(specification);
@@ -277,7 +279,7 @@ fn variables(specification: &Specification) -> String {
 }
 
 impl Version {
-    /// The version that a solved specification is.
+    /// Records the version of a solved specification.
     pub fn new(
         specification: &Specification,
         order: &Order,
@@ -297,8 +299,8 @@ impl Version {
         }
     }
 
-    /// What a specification can begin with. The region comes with the solver's own checks: it is
-    /// used only where it fits.
+    /// Returns what a new solve can start with. The solver checks the region itself and uses it
+    /// only if it fits.
     pub fn hints(&self, specification: &Specification) -> Hints {
         if self.variables != variables(specification) {
             return Hints {
@@ -324,8 +326,8 @@ impl Version {
         }
     }
 
-    /// The order of the variables that both have, each new one behind the one that is declared
-    /// before it. `None` unless at least half of them are known.
+    /// The order of the variables that both versions share; each new variable follows the one
+    /// declared before it. `None` if fewer than half are known.
     fn order_by_name(&self, specification: &Specification) -> Option<Order> {
         let places: BTreeMap<&str, usize> = self
             .order_of_variables
@@ -355,8 +357,8 @@ impl Version {
 }
 
 impl Cache {
-    /// The folder that `LINEWRIGHT_CACHE` names, or else one in the user's folder for caches.
-    /// `None` where the variable says `off`, or where there is no such folder.
+    /// Returns the folder named by `LINEWRIGHT_CACHE`, or else one in the user's cache folder.
+    /// `None` if the variable is `off` or there is no such folder.
     pub fn of_user() -> Option<Self> {
         let named = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty());
         if let Some(folder) = named("LINEWRIGHT_CACHE") {
@@ -373,44 +375,44 @@ impl Cache {
         caches.map(|caches| Self::in_folder(caches.join("linewright")))
     }
 
-    /// A cache in a folder, which is made when something is written.
+    /// Uses the given folder, which is created at the first write.
     pub fn in_folder(folder: impl Into<PathBuf>) -> Self {
         Self {
             folder: folder.into(),
         }
     }
 
-    /// Where it is.
+    /// Path of the cache folder.
     pub fn folder(&self) -> &std::path::Path {
         &self.folder
     }
 
-    /// The entry of a key.
+    /// Reads the entry of a key.
     pub fn find(&self, key: &Key) -> Option<Entry> {
         self.read(&format!("entry-{}", key.0))
     }
 
-    /// Keeps an entry.
+    /// Stores an entry.
     pub fn keep(&self, key: &Key, entry: &Entry) {
         self.write(&format!("entry-{}", key.0), entry);
     }
 
-    /// Whether nothing was wrong with a machine.
+    /// Whether the machine was stored as free of findings.
     pub fn is_sound(&self, key: &Key) -> bool {
         self.read(&format!("entry-{}", key.0)) == Some(true)
     }
 
-    /// Keeps that nothing is wrong with a machine.
+    /// Records that a machine has no findings.
     pub fn keep_sound(&self, key: &Key) {
         self.write(&format!("entry-{}", key.0), &true);
     }
 
-    /// The last version of a contract.
+    /// Reads the last version of a contract.
     pub fn version(&self, specification: &Specification) -> Option<Version> {
         self.read(&Self::version_name(specification))
     }
 
-    /// Keeps the last version of a contract.
+    /// Stores the last version of a contract.
     pub fn keep_version(&self, specification: &Specification, version: &Version) {
         self.write(&Self::version_name(specification), version);
     }
@@ -421,8 +423,7 @@ impl Cache {
         format!("version-{}", feed.finish())
     }
 
-    /// A file's content, if it is whole and its own: its first line is the checksum of its name and
-    /// the rest.
+    /// Reads a file if its first line is the checksum of its name and the remaining content.
     fn read<T: DeserializeOwned>(&self, name: &str) -> Option<T> {
         let bytes = disk::read(&self.folder.join(name)).ok()?;
         let end = bytes.iter().position(|b| *b == b'\n')?;
@@ -435,7 +436,7 @@ impl Cache {
 
     fn write<T: Serialize>(&self, name: &str, content: &T) {
         static TIDIED: Once = Once::new();
-        // Whatever goes wrong here, the next run solves again.
+        // If writing fails, the next run solves again.
         let _ = self.try_write(name, content);
         TIDIED.call_once(|| {
             let _ = tidy(&self.folder, MOST_BYTES);
@@ -455,14 +456,14 @@ impl Cache {
     }
 }
 
-/// Also of the name, so that a file that was copied over another one is not taken for it.
+/// Includes the name, so that a file copied over another one is detected.
 fn checksum(name: &str, content: &[u8]) -> String {
     let mut hash = Sha256::new_with_prefix(name);
     hash.update(content);
     hex(&hash.finalize())
 }
 
-/// Deletes the oldest files when there is too much; also what killed runs have left.
+/// Deletes the oldest files if the folder is too large, and temporary files left by killed runs.
 fn tidy(folder: &Path, most: u64) -> std::io::Result<()> {
     let mut files: Vec<(SystemTime, u64, PathBuf)> = Vec::new();
     for file in std::fs::read_dir(folder)? {
@@ -502,7 +503,7 @@ mod tests {
             lost: None,
             realizable: true,
             core: None,
-            examined: Examined::Whole,
+            examined: ExaminationDepth::Whole,
             environment: None,
             extracted: false,
             machine: None,
@@ -546,7 +547,7 @@ mod tests {
         }
         cache.keep(&key, &entry());
         assert!(cache.find(&key).is_some());
-        // Whole, but another contract's.
+        // Intact, but it belongs to another contract.
         std::fs::copy(&path, folder.path().join("entry-2")).unwrap();
         assert!(cache.find(&Key("2".to_owned())).is_none());
     }

@@ -1,36 +1,36 @@
-//! Whether a line asks its stations for operations as their machines assume it: orders of skills
-//! above all, which a machine that is called from outside hands on to its caller.
+//! Checks whether a line calls its stations as their machines assume, in particular in the order of
+//! skills, which a machine called from outside leaves to its caller.
 
 use super::closed;
-use crate::controlled::Controlled;
-use linewright_algebra::caller::{Asks, Called};
+use crate::controlled::ControlledMachine;
+use linewright_algebra::caller::{CalledMachine, OperationRequest};
 use linewright_algebra::closed::Closed;
-use linewright_algebra::proof::{Broken, Open, decide};
+use linewright_algebra::proof::{Open, Refutation, decide};
 use linewright_algebra::replay;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Node, NodeKind};
 use linewright_language::contract::machine::Machine;
-use linewright_line::Undecided;
+use linewright_line::UndecidedReason;
 use linewright_line::calls::in_turn;
 use linewright_solver::game::{Limit, Limits};
 use linewright_station::messages;
 use std::collections::BTreeSet;
 
-/// What is known of the stations of a line.
+/// Result of the check of a line's stations.
 #[derive(Debug, Default)]
 pub struct CallCheck {
-    /// What may be asked for against what is assumed.
+    /// Calls that may violate an assumption.
     pub findings: Vec<Diagnostic>,
-    /// Stations of which that was not decided, and why.
-    pub undecided: Vec<(String, Undecided)>,
+    /// Stations for which this was not decided, and the reason.
+    pub undecided: Vec<(String, UndecidedReason)>,
 }
 
-/// Looks at the stations that are `wanted`. Where contracts alone do not show it, and `controlled`
-/// has the controllers of a machine, these may.
+/// Checks the `wanted` stations. If contracts alone prove nothing and `controlled` has the
+/// machine's controllers, those are used too.
 pub fn examine<'a>(
     line: &Line,
     wanted: impl Fn(usize) -> bool,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
 ) -> CallCheck {
     let mut asked = CallCheck::default();
@@ -43,13 +43,15 @@ pub fn examine<'a>(
             let carried = |at: usize| task.properties.get(at).is_some_and(Option::is_some);
             let operations = task.operations.iter();
             operations
-                .map(|(operation, given)| Asks::new(machine, *operation, given, carried))
+                .map(|(operation, given)| {
+                    OperationRequest::new(machine, *operation, given, carried)
+                })
                 .collect()
         });
-        // In the order of the operations: what two tasks ask for alike is asked for once.
-        let sequences: BTreeSet<Vec<Asks>> = sequences.collect();
-        let sequences: Vec<Vec<Asks>> = sequences.into_iter().collect();
-        let Some(called) = Called::of(machine, &sequences) else {
+        // Sequences in operation order; identical sequences of two tasks are checked once.
+        let sequences: BTreeSet<Vec<OperationRequest>> = sequences.collect();
+        let sequences: Vec<Vec<OperationRequest>> = sequences.into_iter().collect();
+        let Some(called) = CalledMachine::of(machine, &sequences) else {
             continue;
         };
         match open(&called, controlled(machine), limits) {
@@ -57,7 +59,7 @@ pub fn examine<'a>(
                 let is_unsure = |o: &Open| called.unsure.contains(&o.what);
                 let (unsure, open): (Vec<Open>, Vec<Open>) = open.into_iter().partition(is_unsure);
                 if open.is_empty() && !unsure.is_empty() {
-                    let why = Undecided::because("that depends on properties of the parts");
+                    let why = UndecidedReason::because("that depends on properties of the parts");
                     asked.undecided.push((node.name.clone(), why));
                 }
                 let mut told = BTreeSet::new();
@@ -74,10 +76,10 @@ pub fn examine<'a>(
     asked
 }
 
-/// What is assumed of calls and may not be kept.
+/// Reports an assumption about calls that may be violated.
 fn open(
-    called: &Called,
-    controlled: Option<Controlled<'_>>,
+    called: &CalledMachine,
+    controlled: Option<ControlledMachine<'_>>,
     limits: &Limits,
 ) -> Result<Vec<Open>, Limit> {
     let about_calls = |mut open: Vec<Open>| {
@@ -92,7 +94,7 @@ fn open(
     if let Some(controlled) = controlled {
         let closed = Closed::of_called(controlled.machine, &controlled.controllers, called);
         if let Ok(verdict) = closed.decide(&closed::bounded(limits))
-            // Where a component is stuck, what is asked of it afterwards is not looked at.
+            // Once a component is stuck, later calls are not examined.
             && verdict.stuck.is_empty()
             && called.asked.iter().all(|at| !verdict.undecided.contains(at))
         {
@@ -106,12 +108,12 @@ fn open(
     }
 }
 
-fn finding(station: &Node, machine: &Machine, called: &Called, open: &Open) -> Diagnostic {
+fn finding(station: &Node, machine: &Machine, called: &CalledMachine, open: &Open) -> Diagnostic {
     let formula = replay::formula(&called.system, &called.claim, open.what);
     let component = &machine.components[open.what.part.unwrap_or_default()];
     let run = match &open.why {
-        Broken::Trace(run) => run,
-        Broken::Lasso(lasso) => &lasso.prefix,
+        Refutation::Trace(run) => run,
+        Refutation::Lasso(lasso) => &lasso.prefix,
     };
     let asked: Vec<&str> = called
         .asked_for(machine, run)

@@ -1,10 +1,10 @@
-//! The closed composition of a machine: what is found in it, in words.
+//! Findings of the closed composition of a machine, in words.
 
 use super::findings::list;
 use super::found;
-use super::machine::Standing;
+use super::machine::MachineContext;
 use super::words::{ProofPrinter, lasso_end, steps_table};
-use linewright_algebra::closed::{Closed, FailureKind, OperationFailure, Stuck, Verdict};
+use linewright_algebra::closed::{Closed, FailureKind, OperationFailure, StuckComponent, Verdict};
 use linewright_algebra::machine::COMPLETES;
 use linewright_algebra::proof::{Open, Proof};
 use linewright_algebra::replay;
@@ -17,12 +17,12 @@ use linewright_solver::game::{Budget, Limit, Limits};
 use linewright_station::messages;
 use std::collections::BTreeSet;
 
-/// How much a closed composition may take.
+/// Limits for a closed composition.
 pub fn bounded(limits: &Limits) -> Limits {
     limits.within(Budget::CLOSED)
 }
 
-/// An obligation that is not met.
+/// Finding for an obligation that is not met.
 pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {
     let printer = ProofPrinter {
         system: &closed.system,
@@ -41,11 +41,11 @@ pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagno
     findings.swap_remove(0)
 }
 
-/// A component that has no answer: what it assumes contradicts itself after a run.
+/// Finding for a component without an answer: after some run its assumptions contradict each other.
 ///
 /// # Panics
-/// When its table has a gap although its assumptions can be kept: it was verified that it has none.
-pub fn stuck(closed: &Closed<'_>, stuck: &Stuck) -> Diagnostic {
+/// Its table cannot have a gap while its assumptions can be kept: the verifier has excluded that.
+pub fn stuck(closed: &Closed<'_>, stuck: &StuckComponent) -> Diagnostic {
     let component = &closed.machine.components[stuck.component];
     assert!(
         stuck.silent,
@@ -100,18 +100,22 @@ pub fn stuck(closed: &Closed<'_>, stuck: &Stuck) -> Diagnostic {
     finding.with_help("weaken one of them, or let the machine avoid what leads there")
 }
 
-/// Whether it is that all requests complete: of that it is told operation by operation.
+/// Whether this is the completion goal; completion is reported per operation.
 pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
     let formula = replay::formula(&closed.system, &closed.claim, open.what);
     open.what.part.is_none() && formula.name == COMPLETES
 }
 
-/// What is wrong with operations. One that can never begin is no mistake of a machine that only
-/// works within others.
-pub fn operations(closed: &Closed<'_>, verdict: &Verdict, standing: Standing) -> Vec<Diagnostic> {
+/// Findings about operations. An operation that can never begin is no mistake in a machine that
+/// works only within others.
+pub fn operations(
+    closed: &Closed<'_>,
+    verdict: &Verdict,
+    standing: MachineContext,
+) -> Vec<Diagnostic> {
     let misruns = verdict.misruns.iter().map(|m| {
         let mut finding = misrun(closed, m);
-        if standing == Standing::Within && matches!(m.why, FailureKind::NeverBegins(_)) {
+        if standing == MachineContext::Within && matches!(m.why, FailureKind::NeverBegins(_)) {
             finding.severity = Severity::Warning;
             let alone =
                 "that is so where the machine stands alone; in others its signals are bound";
@@ -199,7 +203,8 @@ fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnosti
         codes::OPERATION,
         operation.span,
         format!(
-            "after {before} action(s) of `{}` the coordinator {does}, but the operation names {}",
+            "after {} of `{}` the coordinator {does}, but the operation names {}",
+            messages::actions(before),
             operation.name,
             named(before)
         ),
@@ -212,13 +217,13 @@ fn name(machine: &Machine, component: usize) -> String {
     format!("`{}`", machine.components[component].name)
 }
 
-/// How many actions have begun.
+/// Number of actions that have begun.
 fn begun(closed: &Closed<'_>, values: &[i64]) -> usize {
     let watch = closed.watch.as_ref();
     watch.map_or(0, |w| usize::try_from(values[w.begun.index()]).unwrap_or(0))
 }
 
-/// The action that is active: the first declared one that is.
+/// The active action; the first declared one if there are several.
 fn active(closed: &Closed<'_>, values: &[i64]) -> Option<String> {
     let mut components = closed.machine.components.iter();
     let active = components.position(|c| {
@@ -228,8 +233,8 @@ fn active(closed: &Closed<'_>, values: &[i64]) -> Option<String> {
     active.map(|i| name(closed.machine, i))
 }
 
-/// A run as a table: what is asked for, what says that an action is active, and what says that the
-/// operation is done.
+/// A run as a table: the request, the signals that show an action as active, and the one that shows
+/// the operation as done.
 fn table(closed: &Closed<'_>, steps: &[Vec<i64>]) -> String {
     let mut shown: BTreeSet<VarId> = BTreeSet::new();
     let machine = closed.machine;
@@ -260,13 +265,13 @@ fn unclear(machine: &Machine, operation: usize) -> Diagnostic {
     .with_help("it is checked when the library runs; smaller domains let it be decided beforehand")
 }
 
-/// What helps a proof that came to a limit.
+/// Help text for a proof that reached a limit.
 pub fn more(limit: Limit) -> String {
     let remedy = limit.remedy().map(|remedy| format!("{remedy}, or "));
     format!("{}make the domains smaller", remedy.unwrap_or_default())
 }
 
-/// Nothing was decided.
+/// Finding for a composition on which nothing was decided.
 pub fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
     Diagnostic::warning(
         codes::GAVE_UP,

@@ -6,28 +6,28 @@ use linewright_station::composition::{self, Composition};
 use linewright_station::interpret::Interpreter;
 use std::sync::Arc;
 
-/// A machine with the verified controllers of its components, in their order.
+/// A machine with the verified controllers of its components, in component order.
 #[derive(Debug)]
-pub struct Controlled<'a> {
+pub struct ControlledMachine<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// One controller a component.
+    /// One controller per component.
     pub controllers: Vec<&'a mealy::Controller>,
 }
 
-impl Controlled<'_> {
-    /// These controllers in a machine that differs from theirs in numbers only.
+impl ControlledMachine<'_> {
+    /// Applies these controllers to a machine that differs from theirs only in numbers.
     pub fn interpreter(&self, machine: &Machine) -> Interpreter {
         Interpreter::new(Arc::new(machine.clone()), Arc::new(self.owned()))
     }
 
-    /// Copies of the controllers.
+    /// Clones the controllers.
     pub fn owned(&self) -> Vec<mealy::Controller> {
         self.controllers.iter().map(|c| (*c).clone()).collect()
     }
 }
 
-/// Whether a machine's coordinator and actions fit together.
-pub fn compose(controlled: &Controlled<'_>) -> Composition {
+/// Checks whether a machine's coordinator and actions fit together.
+pub fn compose(controlled: &ControlledMachine<'_>) -> Composition {
     composition::check(controlled.machine, &controlled.controllers)
 }

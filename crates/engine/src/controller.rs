@@ -1,56 +1,56 @@
-//! The controller of a won game: extracted in the form that was asked for, and verified.
+//! Extracts the controller of a won game in the requested form, and verifies it.
 //!
-//! Where either form will do, a machine is tried for small games only, and given up when it grows,
-//! or when its tables would take much room in a station library. What decides are bits, nodes and
-//! bytes: a bound on time would make the form depend on the computer.
+//! If either form is acceptable, a machine is tried only for small games. It is abandoned when it
+//! grows too large, or when its tables would take too much space in a station library. The limits
+//! count bits, nodes and bytes: with a time limit, the form would depend on the computer.
 
 use super::pipeline::InternalError;
 use super::statistics::Seconds;
 use linewright_core::gr1::Specification;
-use linewright_solver::game::{Limit, Limits, Preference, Won};
+use linewright_solver::game::{Limit, Limits, Preference, WonGame};
 use linewright_solver::mealy::{self, Machine, functions::Functions};
 use linewright_station::emit::table_bytes;
 use std::time::Instant;
 
-/// A machine is only tried for games that needed at most so many nodes.
+/// Maximum peak node count of games for which a machine is tried.
 const MACHINE_PEAK_NODES: u64 = 50_000;
 
-/// A machine is only tried for games of at most so many pairs of bits.
+/// Maximum number of bit pairs of games for which a machine is tried.
 const MACHINE_PAIRS: usize = 48;
 
-/// Where functions will do, a machine is given up that needs more nodes than this at once, or more
-/// pairs of a state and inputs to be verified.
+/// If functions are acceptable: maximum number of nodes at once, and of pairs of state and inputs
+/// to verify, before a machine is abandoned.
 const MACHINE_NODES: u64 = 500_000;
 
-/// Where functions will do, a machine is given up whose tables would take more bytes than this.
+/// If functions are acceptable: maximum size of a machine's tables in bytes.
 const TABLE_BYTES: usize = 256 << 10;
 
-/// What a controller shall be like.
+/// Requested properties of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct ExtractionOptions {
-    /// What a machine shall be good at.
+    /// What a machine is optimized for.
     pub preference: Preference,
-    /// Whether functions are as good as a machine where that would be large.
+    /// Whether functions may replace a large machine.
     pub functions: bool,
 }
 
-/// What becomes of the controller.
+/// Outcome of the extraction.
 #[derive(Debug, Clone)]
 pub enum Controller {
-    /// Nobody asks for it.
+    /// No controller was requested.
     NotRequested,
     /// A limit was reached first.
     Stopped(Limit),
-    /// A machine, verified.
+    /// A verified machine.
     Machine(Machine),
-    /// Functions, certified.
+    /// Certified functions.
     Functions(Box<Functions>),
 }
 
-/// Extracts a controller, and verifies it.
+/// Extracts and verifies a controller.
 pub fn controller(
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     pairs: usize,
     wish: ExtractionOptions,
     limits: &Limits,
@@ -91,7 +91,7 @@ type Made = Result<Result<Controller, String>, Limit>;
 
 struct Work<'a> {
     specification: &'a Specification,
-    won: &'a Won,
+    won: &'a WonGame,
     preference: Preference,
     seconds: Option<&'a mut Seconds>,
 }
@@ -121,7 +121,7 @@ impl Work<'_> {
         })
     }
 
-    /// Adds what something takes to one of the phases.
+    /// Adds the time that `something` takes to one of the phases.
     fn timed<T>(
         &mut self,
         phase: fn(&mut Seconds) -> &mut Option<f64>,

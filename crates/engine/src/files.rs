@@ -1,11 +1,11 @@
-//! Finds and reads source files: paths of the command line, imports, and the bundled library.
+//! Finds and reads source files: command-line paths, imports, and the bundled library.
 //!
-//! A file has one name however it was reached (`Names`), since the resolver takes equal names for
-//! the same file. Names are joined and cleaned (`a/../b.lw` is `b.lw`), and the library's begin
+//! A file has one name, however it was reached (`Names`), since the resolver identifies files by
+//! name. Names are joined and normalized (`a/../b.lw` becomes `b.lw`). Names in the library begin
 //! with `std/`.
 //!
-//! Files of other tools are told by their ending. They are read where they are named; in a folder,
-//! only `.lw` files are looked for.
+//! Files of other tools are recognized by their extension. They are read only when named
+//! explicitly; in a folder, only `.lw` files are searched.
 
 use include_dir::{Dir, include_dir};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -20,22 +20,22 @@ use std::sync::Arc;
 
 static BUNDLED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../contracts");
 
-/// Where `check` looks when it is given no path.
+/// Folder that `check` reads if it is given no path.
 const DEFAULT_FOLDER: &str = "contracts";
 
-/// The library behind `import std...`: the bundled one, or a folder in its place.
+/// The library behind `import std...`: the bundled one, or a folder that replaces it.
 #[derive(Debug, Clone, Default)]
 pub struct StandardLibrary {
     folder: Option<PathBuf>,
 }
 
 impl StandardLibrary {
-    /// The bundled library, or the one in `folder`.
+    /// Uses the library in `folder`, or else the bundled one.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { folder }
     }
 
-    /// The text of `handling/turn.lw`.
+    /// Reads a file by its library path, such as `handling/turn.lw`.
     fn read(&self, path: &str) -> Result<String, String> {
         match &self.folder {
             Some(folder) => read(&folder.join(path)),
@@ -47,7 +47,7 @@ impl StandardLibrary {
         }
     }
 
-    /// The paths of all contracts in it, in alphabetic order; a finding for each folder that cannot
+    /// Paths of all its contracts in alphabetical order, with a finding for each folder that cannot
     /// be read.
     fn paths(&self) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut paths, mut findings) = (Vec::new(), Vec::new());
@@ -66,7 +66,7 @@ impl StandardLibrary {
         (paths, findings)
     }
 
-    /// Every file of it, as name and text; a finding for each that cannot be read.
+    /// Names and texts of all its files, with a finding for each that cannot be read.
     fn files(&self) -> (Vec<(String, String)>, Vec<Diagnostic>) {
         let (paths, mut findings) = self.paths();
         let mut files = Vec::new();
@@ -79,10 +79,11 @@ impl StandardLibrary {
         (files, findings)
     }
 
-    /// Reads what an `import` names: `std.handling.turn`, or a path relative to the importing file.
+    /// Reads the target of an `import`: `std.handling.turn`, or a path relative to the importing
+    /// file.
     fn import(&self, path: &str, importer: &str) -> Result<(String, String), String> {
         let name = imported(path, importer);
-        // A file of the library imports its neighbours from the library.
+        // A library file imports its neighbors from the library.
         let within = library_path(path).is_some() || importer.starts_with("std/");
         let text = match name.strip_prefix("std/").filter(|_| within) {
             Some(inner) => self.read(inner)?,
@@ -91,7 +92,7 @@ impl StandardLibrary {
         Ok((name, text))
     }
 
-    /// The place on the disk that a name stands for, if it stands for any.
+    /// The path on disk that belongs to a name, if there is one.
     pub fn place(&self, name: &str) -> PathBuf {
         match (&self.folder, name.strip_prefix("std/")) {
             (Some(folder), Some(inner)) => folder.join(inner),
@@ -100,13 +101,13 @@ impl StandardLibrary {
     }
 }
 
-/// The name of each place on the disk: that by which it was reached first. `../a/b.lw` in the
-/// folder `a` is `b.lw`, as is a link to it.
+/// Maps each path on disk to the name by which it was first reached. `../a/b.lw` in the folder `a`
+/// is `b.lw`, as is a link to it.
 #[derive(Debug, Default)]
 struct Names(BTreeMap<PathBuf, String>);
 
 impl Names {
-    /// The one name of the file that was reached by `name`.
+    /// The unique name of the file that was reached as `name`.
     fn of(&mut self, name: String, standard: &StandardLibrary) -> String {
         if standard.folder.is_none() && name.starts_with("std/") {
             return name;
@@ -127,51 +128,52 @@ fn imported(path: &str, importer: &str) -> String {
     clean(&folder.join(path))
 }
 
-/// What was read: the library, the findings so far, and which names were asked for (the others were
-/// imported).
+/// Result of loading: the library, the findings so far, and the names requested explicitly (all
+/// others were imported).
 #[derive(Debug, Default)]
-pub struct Loaded {
-    /// What the files declare.
+pub struct LoadedFiles {
+    /// Declarations of all files.
     pub library: Library,
-    /// The findings of reading, parsing and resolving.
+    /// Findings of reading, parsing and resolving.
     pub findings: Vec<Diagnostic>,
-    /// The names of the files that were asked for.
+    /// Names of the files that were requested.
     pub roots: Vec<String>,
-    /// Paths that could not be read at all.
+    /// Requested paths that could not be read.
     pub unreadable: Vec<String>,
-    /// The names of files that are imported and could not be read.
+    /// Names of imported files that could not be read.
     pub missing: Vec<String>,
-    /// Where the files lie on the disk, without links: no result may be written over them.
+    /// Paths of the files on disk with links resolved: no result may overwrite them.
     pub places: BTreeSet<PathBuf>,
-    /// Other tools' specifications. Those that could be read are also in the library, as contracts.
+    /// Specifications of other tools. Those that could be read are also in the library, as
+    /// contracts.
     pub foreign: Vec<Foreign>,
 }
 
 /// A file of another tool.
 #[derive(Debug)]
 pub struct Foreign {
-    /// The file.
+    /// The file it was read from.
     pub file: FileId,
-    /// Its name without folder and ending: the contract's name.
+    /// File name without folder and extension; also the contract's name.
     pub name: String,
-    /// What it says.
+    /// The specification, as it was read.
     pub reading: Reading,
 }
 
-impl Loaded {
-    /// The other tool's specification in a file, if it is one.
+impl LoadedFiles {
+    /// Returns the other tool's specification in a file, if it is one.
     pub fn foreign(&self, file: FileId) -> Option<&Foreign> {
         self.foreign.iter().find(|f| f.file == file)
     }
 
-    /// Whether a file of another tool could not be read. One with a mistake in it is one that does
-    /// not parse, whatever the mistake is.
+    /// Whether a file of another tool could not be read. A file with an error of any kind counts as
+    /// one that does not parse.
     pub fn lacks_foreign(&self) -> bool {
         let mut foreign = self.foreign.iter();
         foreign.any(|f| f.reading.specification.is_none())
     }
 
-    /// Reads another tool's file and what it imports, and makes a contract of it.
+    /// Reads another tool's file with its imports, and makes a contract of it.
     fn add_foreign(
         &mut self,
         format: Format,
@@ -228,10 +230,10 @@ impl Loaded {
     }
 }
 
-/// Loads the files and folders that a command was given, and all that they import. No path at all
-/// is `./contracts`, or else the whole bundled library.
-pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
-    let mut loaded = Loaded::default();
+/// Loads files and folders with everything they import. Without a path, loads `./contracts`, or
+/// else the whole bundled library.
+pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
+    let mut loaded = LoadedFiles::default();
     let mut files: Vec<(String, String)> = Vec::new();
     let mut names = Names::default();
     let paths = given(paths, standard);
@@ -283,8 +285,7 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> Loaded {
     loaded
 }
 
-/// The paths that a command was given, or the default folder; none at all for the whole bundled
-/// library.
+/// The given paths, or the default folder; empty for the whole bundled library.
 fn given(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
     if paths.is_empty() && standard.folder.is_none() && Path::new(DEFAULT_FOLDER).is_dir() {
         return vec![DEFAULT_FOLDER.to_owned()];
@@ -292,8 +293,8 @@ fn given(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
     paths.to_vec()
 }
 
-/// What a command that was given some paths looks at on the disk now: folders, and files in and
-/// beside them, whether they are there or not. What is imported comes on top.
+/// Paths on disk that a command with these arguments depends on now: folders, and files in and
+/// beside them, whether they exist or not. Imports are not included.
 pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Vec<PathBuf>) {
     let (mut folders, mut files) = (Vec::new(), Vec::new());
     let given = given(paths, standard);
@@ -313,12 +314,13 @@ pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Ve
     (folders, files)
 }
 
-type Found = Result<(String, String), (String, String)>;
+type Resolution = Result<(String, String), (String, String)>;
 
-/// A file that was read, as its name and text, or why it could not be, as a finding.
+/// Name and text of a file, or the finding why it cannot be read.
 pub type Read = Result<(String, String), Diagnostic>;
 
-/// The files that some paths name, each once: a file itself, and every `.lw` file below a folder.
+/// Reads the files that the paths name, each once: a file itself, and every `.lw` file below a
+/// folder.
 pub fn every(paths: &[String]) -> Vec<Read> {
     let mut files: Vec<Read> = Vec::new();
     for path in paths {
@@ -334,8 +336,8 @@ pub fn every(paths: &[String]) -> Vec<Read> {
     files
 }
 
-/// The files of one path: itself, or every `.lw` below it.
-fn collect(path: &str, standard: &StandardLibrary) -> Vec<Found> {
+/// The files of one path: the file itself, or every `.lw` file below it.
+fn collect(path: &str, standard: &StandardLibrary) -> Vec<Resolution> {
     let place = Path::new(path);
     if !place.exists()
         && let Some(inner) = library_path(path)
@@ -349,13 +351,13 @@ fn collect(path: &str, standard: &StandardLibrary) -> Vec<Found> {
     within(place)
 }
 
-/// A file itself, or every `.lw` file below a folder; there is at least one.
-fn within(place: &Path) -> Vec<Found> {
+/// The file itself, or every `.lw` file below a folder; never empty.
+fn within(place: &Path) -> Vec<Resolution> {
     if !place.is_dir() {
         return vec![read_named(place)];
     }
     let found = search(place);
-    let mut all: Vec<Found> = found.files.iter().map(|f| read_named(f)).collect();
+    let mut all: Vec<Resolution> = found.files.iter().map(|f| read_named(f)).collect();
     all.extend(found.unreadable.into_iter().map(Err));
     if all.is_empty() {
         all.push(Err((shown(place), "it holds no .lw file".to_owned())));
@@ -363,7 +365,7 @@ fn within(place: &Path) -> Vec<Found> {
     all
 }
 
-fn read_named(path: &Path) -> Found {
+fn read_named(path: &Path) -> Resolution {
     let name = clean(path);
     match read(path) {
         Ok(text) => Ok((name, text)),
@@ -371,7 +373,7 @@ fn read_named(path: &Path) -> Found {
     }
 }
 
-/// `std.handling.turn` as a path in the library: `handling/turn.lw`.
+/// Converts `std.handling.turn` to a path in the library: `handling/turn.lw`.
 fn library_path(name: &str) -> Option<String> {
     let inner = name.strip_prefix("std.")?;
     let plain = inner.split('.').all(|part| {
@@ -384,17 +386,17 @@ fn library_path(name: &str) -> Option<String> {
     (plain && !ending).then(|| format!("{}.lw", inner.replace('.', "/")))
 }
 
-/// What lies below a folder.
+/// Contents of a folder tree.
 #[derive(Debug, Default)]
 struct Search {
-    /// Every `.lw` file, in alphabetic order.
+    /// All `.lw` files in alphabetical order.
     files: Vec<PathBuf>,
-    /// The folders that cannot be read, in alphabetic order, and why.
+    /// Folders that cannot be read, in alphabetical order, with the reason.
     unreadable: Vec<(String, String)>,
 }
 
-/// Looks for `.lw` files below a folder. Folders whose name begins with a dot are left out, and
-/// symbolic links to folders too: they can lead in a circle.
+/// Searches a folder tree for `.lw` files. Skips folders whose name begins with a dot, and symbolic
+/// links to folders, which can form cycles.
 fn search(folder: &Path) -> Search {
     let mut found = Search::default();
     let mut folders = vec![folder.to_owned()];
@@ -413,7 +415,7 @@ impl Search {
         for entry in std::fs::read_dir(folder)? {
             let entry = entry?;
             let (path, kind) = (entry.path(), entry.file_type()?);
-            // Whatever has the name of a contract is one, or is said to be none when it is read.
+            // Everything named like a contract is included; reading it reports what is none.
             if path.extension().is_some_and(|e| e == "lw") {
                 self.files.push(path);
             } else if kind.is_dir() && !entry.file_name().to_string_lossy().starts_with('.') {
@@ -435,7 +437,7 @@ fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
     }
 }
 
-/// The text of a regular file, or why it cannot be read.
+/// Reads the text of a regular file, or explains why it cannot be read.
 pub fn read(path: &Path) -> Result<String, String> {
     let bytes = disk::read(path).map_err(|e| describe(&e))?;
     if let Some(offset) = bytes.iter().position(|byte| *byte == 0) {
@@ -444,10 +446,10 @@ pub fn read(path: &Path) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
 }
 
-/// Whether a path leads to a regular file; if not, what else is there.
+/// Checks that a path leads to a regular file.
 ///
 /// # Errors
-/// What is there instead, in words.
+/// Describes what is there instead.
 pub fn is_regular(path: &Path) -> Result<(), String> {
     disk::is_regular(path).map_err(|e| describe(&e))
 }
@@ -470,8 +472,8 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
     .with_help("give the path of a .lw file (`check` and `synth` take .spc, .slugsin, .structuredslugs, .spectra and .tlsf, too), or of a folder that holds .lw files")
 }
 
-/// A path without `.` and, as far as possible, `..`, with slashes. What lies above a link to a
-/// folder is not what stands before it.
+/// Normalizes a path: no `.`, `..` removed where possible, slashes only. The parent of a linked
+/// folder is not the preceding component of the path.
 fn clean(path: &Path) -> String {
     use std::path::Component;
     let mut parts = PathBuf::new();
@@ -490,7 +492,7 @@ fn clean(path: &Path) -> String {
     shown(&parts)
 }
 
-/// A path as findings name it: with slashes.
+/// A path as shown in findings, with slashes.
 pub fn shown(path: &Path) -> String {
     path.to_string_lossy()
         .replace(std::path::MAIN_SEPARATOR, "/")

@@ -1,4 +1,4 @@
-//! What is wrong with a composition, as findings.
+//! Findings about a composition.
 
 use super::words::ProofPrinter;
 use crate::findings::list;
@@ -8,8 +8,8 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::order::lower::rule_of;
 
-/// The findings of a proof. `at` says where a part stands in the text, and the claim's own formulas
-/// where there is no part.
+/// Converts a proof's failures to findings. `at` maps a part to its place in the text; the claim's
+/// own formulas have no part.
 pub fn of_proof(
     printer: ProofPrinter<'_>,
     proof: &Proof,
@@ -38,7 +38,7 @@ pub fn of_proof(
     findings
 }
 
-/// One obligation that is not met.
+/// Finding for an obligation that is not met.
 fn open(
     printer: ProofPrinter<'_>,
     open: &Open,
@@ -74,7 +74,7 @@ fn open(
         .with_help(help)
 }
 
-/// Contracts that cannot be brought together.
+/// Finding for contracts that cannot be combined.
 pub fn of_mismatch(mismatch: &Mismatch) -> Diagnostic {
     match mismatch {
         Mismatch::Domains {

@@ -1,13 +1,13 @@
-//! Faults of this program: a panic is caught where the other contracts, machines and lines can
-//! still be judged, or at the top.
+//! Internal errors: a panic is caught where the remaining contracts, machines and lines can still
+//! be judged, or at the top level.
 //!
-//! A panic means that a rule of ours is broken, so nothing may be concluded of what was being
-//! looked at: it is no verdict, but a finding of its own (LW007) that says what was being done, and
-//! the exit code 4. What is being done is said where it begins ([`within`], [`caught`]), in any
-//! thread; a thread hands what it knows on with the panic.
+//! A panic means that an invariant of the program is violated, so nothing may be concluded about
+//! the object under examination. The panic is no verdict but becomes a finding of its own kind
+//! (LW007) that names the activity, with exit code 4. Activities are named where they begin
+//! ([`within`], [`caught`]), in any thread; a thread passes its context on with the panic.
 //!
-//! A build with debug assertions panics on purpose where the variable `LINEWRIGHT_PANIC` names a
-//! part of what is being done; so the tests reach every place that catches.
+//! A build with debug assertions panics on purpose if the variable `LINEWRIGHT_PANIC` names a part
+//! of the activity. The tests use this to reach every place that catches.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
@@ -16,24 +16,24 @@ use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 thread_local! {
-    /// How many of those who catch are above us in this thread.
+    /// Number of enclosing `caught` calls in this thread.
     static CATCHING: Cell<usize> = const { Cell::new(0) };
-    /// The last panic in this thread: its message, and its place in our sources.
+    /// The last panic in this thread: its message and source location.
     static LAST: RefCell<Option<(String, String)>> = const { RefCell::new(None) };
 }
 
 /// A panic that was caught.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// What was being done, from the whole to its part.
+    /// The activity, from the whole to its part.
     doing: Vec<String>,
     message: String,
-    /// Where in our sources.
+    /// Location in the program's sources.
     place: Option<String>,
 }
 
 impl Fault {
-    /// A fault that was noticed without a panic.
+    /// Reports a fault that was noticed without a panic.
     pub fn noticed(doing: String, message: String) -> Self {
         Self {
             doing: vec![doing],
@@ -58,7 +58,7 @@ impl Fault {
         }
     }
 
-    /// What is said of it.
+    /// Converts the fault to a finding at `span`.
     pub fn finding(&self, span: Option<Span>) -> Diagnostic {
         let message = self.message.trim_end_matches("; please report this");
         let place = self.place.as_ref().map(|p| format!(" ({p})"));
@@ -78,7 +78,7 @@ impl Fault {
     }
 }
 
-/// What a panic was given.
+/// The message of a panic.
 fn text(payload: &(dyn Any + Send)) -> String {
     if let Some(text) = payload.downcast_ref::<&str>() {
         (*text).to_owned()
@@ -89,12 +89,12 @@ fn text(payload: &(dyn Any + Send)) -> String {
     }
 }
 
-/// Does some work. A panic ends the work, and is given back with what was being done: a verbal
-/// phrase, `checking the machine `T` of a.lw`.
+/// Runs `work` and catches a panic, returning it with the activity. `doing` is a verbal phrase:
+/// `checking the machine `T` of a.lw`.
 pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Result<R, Fault> {
     CATCHING.set(CATCHING.get() + 1);
-    // What the work leaves half done is not looked at again: its result is dropped, and a finding
-    // stands in its place.
+    // State that the work leaves half done is never read: its result is dropped and replaced by a
+    // finding.
     let mut named = None;
     let result = catch_unwind(AssertUnwindSafe(|| {
         let doing = named.insert(doing());
@@ -104,7 +104,7 @@ pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Re
     CATCHING.set(CATCHING.get() - 1);
     result.map_err(|payload| {
         let mut fault = Fault::of(payload);
-        // A thread has nothing to add.
+        // A thread adds no activity.
         fault
             .doing
             .splice(0..0, named.filter(|doing| !doing.is_empty()));
@@ -112,13 +112,13 @@ pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Re
     })
 }
 
-/// Does some work. A panic goes on to whoever catches it, and says what was being done.
+/// Runs `work`; adds the activity to a panic and passes it on to its catcher.
 pub fn within<R>(doing: &str, work: impl FnOnce() -> R) -> R {
     caught(|| doing.to_owned(), work).unwrap_or_else(|fault| resume_unwind(Box::new(fault)))
 }
 
-/// A panic that somebody catches is said by whoever does; its backtrace is shown where it is asked
-/// for (`RUST_BACKTRACE`).
+/// Installs a panic hook: a caught panic is reported by its catcher; a backtrace is shown on
+/// request (`RUST_BACKTRACE`).
 pub fn watch_panics() {
     let default = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {

@@ -1,10 +1,10 @@
-//! What proofs of a machine rely on of the machines within it.
+//! Proves what the proof of a machine relies on in its inner machines.
 //!
-//! In the proof of a cell, a machine that refines a contract stands there as that contract. This is
-//! sound when the machine, with the arguments that it has there, keeps the contract step by step,
-//! whoever surrounds it; that is proved here, layer by layer from below. Where it refines none, its
-//! own components take part in the proof, and those of its machines that refine one stand for
-//! themselves.
+//! In the proof of a cell, an inner machine that refines a contract is represented by that
+//! contract. This is sound if the machine, with its arguments there, keeps the contract step by
+//! step in any environment. That is proved here, layer by layer from the bottom. If it refines no
+//! contract, its own components take part in the proof, and those of its machines that refine one
+//! are represented likewise.
 
 use crate::closed::undecided;
 use crate::words::ProofPrinter;
@@ -12,16 +12,16 @@ use linewright_algebra::machine::of_promise;
 use linewright_algebra::proof::{Claim, prove_stepwise};
 use linewright_algebra::system::System;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::machine::{Inner, Machine, Promised};
+use linewright_language::contract::machine::{Inner, Machine, RefinedContract};
 use linewright_solver::game::Limits;
 
-/// What was proved already: two machines of one kind are proved once.
-type Known = Vec<(System, Claim)>;
+/// Results of earlier proofs: two machines of the same kind are proved once.
+type ProvedSystems = Vec<(System, Claim)>;
 
-/// Proves the promises that the proof of a machine relies on; what is not kept is a finding at the
+/// Proves the promises that the proof of a machine relies on; a broken promise is a finding at the
 /// inner machine.
 pub(super) fn promises(machine: &Machine, limits: &Limits, findings: &mut Vec<Diagnostic>) {
-    let mut known = Known::new();
+    let mut known = ProvedSystems::new();
     for inner in &machine.layers.inner {
         below(machine, inner, limits, &mut known, findings);
     }
@@ -31,11 +31,11 @@ fn below(
     machine: &Machine,
     inner: &Inner,
     limits: &Limits,
-    known: &mut Known,
+    known: &mut ProvedSystems,
     findings: &mut Vec<Diagnostic>,
 ) {
     for deeper in &inner.machine.layers.inner {
-        // What is wrong further below is shown where this machine names its own.
+        // Faults of deeper layers are shown where this machine names its own inner machine.
         let mut found = Vec::new();
         below(machine, deeper, limits, known, &mut found);
         findings.extend(found.into_iter().map(|mut f| {
@@ -65,11 +65,11 @@ fn below(
     known.push((system, claim));
 }
 
-/// A promise that is not kept, and the first reason for that.
+/// Finding for a broken promise, with the first reason.
 fn broken(
     machine: &Machine,
     inner: &Inner,
-    promised: &Promised,
+    promised: &RefinedContract,
     printer: ProofPrinter<'_>,
     proof: &linewright_algebra::proof::Proof,
 ) -> Diagnostic {
@@ -104,8 +104,8 @@ fn broken(
     ))
 }
 
-/// What a machine reads of those within it although their contracts do not speak of it: proofs know
-/// nothing of that.
+/// Values of inner machines that a machine reads although their contracts do not mention them;
+/// proofs know nothing about those.
 pub(super) fn beyond(machine: &Machine) -> Option<String> {
     let mut unspecified = Vec::new();
     for component in &machine.abstracted().components {

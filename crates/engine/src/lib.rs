@@ -1,14 +1,14 @@
-//! From loaded files to verdicts, controllers and proofs: the stages joined, what is known of
-//! contracts remembered, and findings put into words.
+//! From loaded files to verdicts, controllers and proofs: joins the stages, caches results of
+//! contracts, and puts findings into words.
 //!
 //! ```text
 //! contract::Library ─Jobs::run→ CheckedContract ─Planned::controlled→ Controlled ─machine::proved→ Proved
 //!      ─lines::examine→ Proof
 //! ```
 //!
-//! [`project`] is where to begin: files in, verdicts, station libraries and runs out. Nothing here
-//! prints or knows an argument of the command line. What it reads are sources ([`files`]) and the
-//! [`cache`]; what it writes are the cache and what it is asked to build.
+//! [`project`] is the entry point: files in; verdicts, station libraries and runs out. Nothing here
+//! prints or depends on command-line arguments. The crate reads sources ([`files`]) and the
+//! [`cache`]; it writes the cache and the requested build results.
 
 pub mod cache;
 mod call_check;

@@ -1,7 +1,7 @@
-//! Machines with their controllers: whether they fit together, and their station libraries.
+//! Checks whether machines with their controllers fit together, and writes their station libraries.
 
 use super::output;
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_station::profile::Profile;
 use linewright_station::simtalk::LibraryForm;
@@ -9,29 +9,29 @@ use linewright_station::{self as station, Package, Toolchain, fmi, probe, simtal
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// What was written, and what is to be said of it.
+/// Result of writing a library.
 #[derive(Debug, Default)]
-pub struct Written {
-    /// The files that a user needs.
+pub struct BuildOutput {
+    /// Files that a user needs.
     pub files: Vec<PathBuf>,
-    /// Files that were kept, binaries that are missing.
+    /// Findings on files that were kept and binaries that are missing.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Writes a machine's station library, or its sources where there is no toolchain, into a folder.
-/// With what Windows can load come the C source and the texts for Plant Simulation.
+/// Writes a machine's station library, or its sources if there is no toolchain, into a folder. For
+/// Windows targets it adds the C source and the texts for Plant Simulation.
 pub fn build(
-    controlled: &Controlled<'_>,
+    controlled: &ControlledMachine<'_>,
     profile: &Profile,
     toolchain: Option<&Toolchain>,
     folder: &Path,
     rebuild: bool,
-) -> Result<Written, Box<Diagnostic>> {
+) -> Result<BuildOutput, Box<Diagnostic>> {
     let package = package(controlled, profile);
     let (files, library) = compile(&package, toolchain, folder, rebuild)?;
-    let mut written = Written {
+    let mut written = BuildOutput {
         files,
-        ..Written::default()
+        ..BuildOutput::default()
     };
     let source = format!("{}-source", simtalk::stem(&library));
     let beside = match toolchain {
@@ -56,9 +56,9 @@ pub fn build(
     Ok(written)
 }
 
-impl Written {
-    /// Writes the methods that call a library. A user puts paths and stations into them, so that a
-    /// file that differs is kept.
+impl BuildOutput {
+    /// Writes the methods that call a library. Users enter paths and stations in them, so a file
+    /// that differs is kept.
     fn methods(&mut self, folder: &Path, library: &str, text: &str) -> Result<(), Box<Diagnostic>> {
         let path = folder.join(simtalk::methods_name(library));
         match output::keep(
@@ -78,26 +78,27 @@ impl Written {
     }
 }
 
-/// Writes the probe's library, or its sources, and the SimTalk that calls it. With a profile it is
+/// Writes the probe's library, or its sources, and the SimTalk that calls it. A profile makes it
 /// the second round.
 pub fn build_probe(
     profile: Option<&Profile>,
     toolchain: Option<&Toolchain>,
     folder: &Path,
     rebuild: bool,
-) -> Result<Written, Box<Diagnostic>> {
+) -> Result<BuildOutput, Box<Diagnostic>> {
     let package = probe::package::package(profile);
     let (files, library) = compile(&package, toolchain, folder, rebuild)?;
-    let mut written = Written {
+    let mut written = BuildOutput {
         files,
-        ..Written::default()
+        ..BuildOutput::default()
     };
     let text = probe::package::simtalk(profile, &library);
     written.methods(folder, &library, &text)?;
     Ok(written)
 }
 
-/// The files of a package, and the library's file name: for the sources, what it would be called.
+/// Returns the files of a package and the library's file name; for sources, the name that it would
+/// have.
 fn compile(
     package: &Package,
     toolchain: Option<&Toolchain>,
@@ -127,17 +128,17 @@ fn compile(
 
 /// Writes a machine's FMI units into a folder.
 pub fn build_units(
-    controlled: &Controlled<'_>,
+    controlled: &ControlledMachine<'_>,
     toolchains: &[Toolchain],
     folder: &Path,
-) -> Result<Written, Box<Diagnostic>> {
+) -> Result<BuildOutput, Box<Diagnostic>> {
     let controllers = controlled.owned();
     let (files, findings) = fmi::build(controlled.machine, &controllers, toolchains, folder)
         .map_err(|e| Box::new(e.to_diagnostic()))?;
-    Ok(Written { files, findings })
+    Ok(BuildOutput { files, findings })
 }
 
-/// The C of a machine.
-pub fn package(controlled: &Controlled<'_>, profile: &Profile) -> Package {
+/// Generates the C of a machine.
+pub fn package(controlled: &ControlledMachine<'_>, profile: &Profile) -> Package {
     Package::emit_with(controlled.machine, &controlled.owned(), profile)
 }

@@ -1,71 +1,72 @@
-//! Lines and their proofs: what `check` asks of a line before it runs.
+//! Proofs of lines: what `check` examines before a line runs.
 
 use super::call_check;
 use super::internal;
 use super::words::{DischargeEntry, ProofPrinter, entry};
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use linewright_algebra::proof::prove;
 use linewright_algebra::system::FormulaRef;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
-use linewright_line::Undecided;
+use linewright_line::UndecidedReason;
 use linewright_line::abstraction::{self, Abstraction, Verdict, findings};
 use linewright_line::calls::{self, Bounds, Calls, Premise, premises};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
+use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Of lines with more variables it is not asked whether everything goes on.
+/// Maximum number of variables of a line for which progress is examined.
 const MOST_VARIABLES: usize = 48;
 
-/// How much of a line's calls is explored.
+/// Bounds of the exploration of a line's calls.
 const CALLS: Bounds = Bounds {
     values: 20_000,
     steps: 2_000_000,
 };
 
-/// Whether parts move on in a line, whatever the plant does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize)]
+/// Whether parts keep moving in a line, whatever the plant does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LineVerdict {
-    /// They do.
+    /// Proved.
     Proved,
-    /// They cannot block one another; whether everything goes on was not decided.
+    /// Proved that parts cannot block one another; progress was not decided.
     Safe,
-    /// Something keeps it from being true; the findings say what.
+    /// Not proved, for the reasons in the findings.
     Open,
     /// A limit was reached.
     #[default]
     GaveUp,
 }
 
-/// What is known of a line.
+/// Result of the proof of a line.
 #[derive(Debug, Default)]
 pub struct Proof {
-    /// Whether parts move on.
+    /// Whether parts keep moving.
     pub verdict: LineVerdict,
-    /// Of a proved or safe one: what that rests on and the line does not show.
+    /// If proved or safe: premises that the line itself does not establish.
     pub premises: Vec<Premise>,
-    /// Of a safe one: what was not decided.
+    /// If safe: what was not decided.
     pub undecided: Vec<String>,
     /// What each requirement and each assumption of a place rests on.
     pub discharges: Vec<DischargeEntry>,
-    /// Whether it was decided of every part that it has a way onward.
+    /// Whether it was decided for every part that it has a way onward.
     pub routes_decided: bool,
-    /// What is wrong.
+    /// Problems found.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Proves a line, or says what keeps it from being true: `docs/proof.md` has the theorem. The table
-/// of what rests on what takes longer than the verdict, and is made where it is wanted.
-/// `controlled` has the controllers of a machine, as far as they are there.
+/// Proves a line, or reports what prevents the proof; `docs/proof.md` has the theorem. The table of
+/// discharges takes longer than the verdict and is made only if `with_table` is set. `controlled`
+/// returns the controllers of a machine, if they exist.
 pub fn examine<'a>(
     line: &Line,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
     with_table: bool,
 ) -> Proof {
-    // That every part is worked on rests on every call being answered.
+    // That every part is worked on depends on every call being answered.
     let Followed {
         calls,
         wrong,
@@ -77,7 +78,7 @@ pub fn examine<'a>(
     } else {
         line
     };
-    // Where not all calls could be tried, contracts may still show that none breaks an order.
+    // If not all calls could be tried, contracts may still show that none violates an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
     let asked = call_check::examine(line, unknown, &controlled, &bounded(limits));
     let mut proof = examine_moves(moving, &bounded(limits), with_table);
@@ -89,7 +90,7 @@ pub fn examine<'a>(
         proof.verdict = LineVerdict::Open;
         proof.discharges.clear();
         proof.undecided.clear();
-        // What was not decided beside what is wrong does not matter yet.
+        // Undecided points do not matter as long as something is wrong.
         proof.findings.retain(|f| f.code != codes::LINE_UNDECIDED);
     }
     proof.routes_decided = calls.undecided.is_empty();
@@ -98,7 +99,7 @@ pub fn examine<'a>(
     proof.findings.extend(asked.findings);
     let asking = asked.undecided.iter().any(|(_, why)| why.is_of_command());
     for (node, why) in &calls.undecided {
-        // That there is no controller is told of its contract.
+        // A missing controller is reported at its contract.
         if has_controllers(line, *node, &controlled) {
             let finding = not_followed(line, *node, why);
             let gave_up = finding.gave_up || asking;
@@ -119,7 +120,7 @@ pub fn examine<'a>(
 fn has_controllers<'a>(
     line: &Line,
     node: usize,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
 ) -> bool {
     match &line.nodes[node].kind {
         NodeKind::Station { machine, .. } => controlled(machine).is_some(),
@@ -127,12 +128,12 @@ fn has_controllers<'a>(
     }
 }
 
-/// Follows the parts of a line and adds what `check`, `build` and `run` all say of it: calls that
-/// are refused, parts without a way, routes that no part takes, and the limit of the command that
-/// cut this short. It takes out what the resolver was not sure of, once that is decided.
+/// Follows the parts of a line and adds the findings common to `check`, `build` and `run`: refused
+/// calls, parts without a way, routes that no part takes, and a limit that cut this short. Removes
+/// doubts of the resolver once they are decided.
 pub fn judge<'a>(
     line: &Line,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) {
@@ -154,7 +155,7 @@ pub fn judge<'a>(
     findings.extend(cut_short.map(|(node, why)| not_followed(line, *node, why)));
 }
 
-/// Whether this is a doubt about a route of the line that following its parts clears up: the
+/// Whether this finding is a doubt about a route of the line that following its parts resolves: the
 /// resolver does not know their values.
 pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
     let of_line = |span| line.routes.iter().any(|route| route.span == span);
@@ -163,21 +164,20 @@ pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
         && finding.span.is_some_and(of_line)
 }
 
-/// What following the parts of a line shows.
+/// Result of following the parts of a line.
 struct Followed {
-    /// The calls that were tried.
+    /// Calls that were tried.
     calls: Calls,
-    /// What keeps the line from being proved: calls that are refused, parts without a way, work
-    /// that takes no time.
+    /// Findings that prevent a proof: refused calls, parts without a way, work that takes no time.
     wrong: Vec<Diagnostic>,
-    /// What else is worth knowing.
+    /// Other findings.
     remarks: Vec<Diagnostic>,
 }
 
 /// Follows the parts of a line from call to call.
 fn follow<'a>(
     line: &Line,
-    controlled: impl Fn(&Machine) -> Option<Controlled<'a>>,
+    controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
 ) -> Followed {
     let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
@@ -196,7 +196,7 @@ fn follow<'a>(
     }
 }
 
-/// A line in which parts move on and no time passes.
+/// Finding for a line in which parts move on without time passing.
 fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
     let found = calls.timeless.as_ref()?;
     let [from, to] = [found.from, found.to].map(|node| &line.nodes[node]);
@@ -220,12 +220,12 @@ fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
     Some(finding)
 }
 
-/// What one question about a line may take.
+/// Limits for one question about a line.
 fn bounded(limits: &Limits) -> Limits {
     limits.within(Budget::LINE)
 }
 
-/// Whether parts move on, each operation being done.
+/// Examines whether parts keep moving, provided that each operation completes.
 fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     let table = |abstraction: &Abstraction, verdict: &Verdict| {
         if !with_table {
@@ -291,8 +291,8 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     }
 }
 
-/// What rests on what. Of what was not decided nothing is said; nothing at all where a limit was
-/// reached first, for the verdict is known without it.
+/// Table of what rests on what. Omits undecided entries; empty if a limit was reached first, since
+/// the verdict is known without it.
 fn table(
     line: &Line,
     abstraction: &Abstraction,
@@ -315,26 +315,26 @@ fn table(
     Ok(proof.discharges.iter().map(|d| entry(printer, d)).collect())
 }
 
-/// What to do where it was not decided what a station is asked for.
+/// Help text if a station's calls were not decided.
 const ASKED: &str = "A run shows what is refused. Fewer values of properties, or a machine that comes back to the same state after each operation, \
                      leave less to try";
 
-/// What to do where something was not decided.
+/// Help text if something was not decided.
 const FEWER: &str =
     "Smaller limits and buffers, or fewer types of parts in one, make the line smaller";
 
-/// What to do where it was not decided whether a line gets stuck.
+/// Help text if it was not decided whether a line gets stuck.
 const A_RUN: &str = "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
                      types of parts in one, make it smaller";
 
-/// Something that was not decided, and why.
-fn not_decided(line: &Line, what: &str, why: &Undecided, help: &str) -> Diagnostic {
+/// Note on something undecided, with the reason.
+fn not_decided(line: &Line, what: &str, why: &UndecidedReason, help: &str) -> Diagnostic {
     let message = format!("{what} was not decided: {why}");
     note(line, message, why.limit, help)
 }
 
-/// That it was not decided whether a station answers every call.
-fn not_followed(line: &Line, node: usize, why: &Undecided) -> Diagnostic {
+/// Note that it was not decided whether a station answers every call.
+fn not_followed(line: &Line, node: usize, why: &UndecidedReason) -> Diagnostic {
     let what = format!("whether {} answers every call", line.nodes[node].name);
     let help = match why.limit {
         Some(_) => ASKED.to_owned(),
@@ -343,7 +343,7 @@ fn not_followed(line: &Line, node: usize, why: &Undecided) -> Diagnostic {
     not_decided(line, &what, why, &help)
 }
 
-/// A note on what was not decided. The help goes on with what lifts the limit.
+/// Note on something undecided. The help ends with how to lift the limit.
 fn note(line: &Line, message: String, limit: Option<Limit>, help: &str) -> Diagnostic {
     let remedy = limit.and_then(Limit::remedy);
     let remedy = remedy

@@ -1,79 +1,80 @@
-//! What `check` says of a machine as a whole: how its components discharge one another's
-//! assumptions, whether it keeps its own guarantees, and whether it refines the contracts that it
-//! is said to refine.
+//! What `check` examines for a machine as a whole: how its components discharge each other's
+//! assumptions, whether it keeps its own guarantees, and whether it refines the contracts named in
+//! its declaration.
 
 use super::layers;
 use crate::closed::{self, bounded, undecided};
-use crate::controlled::{self, Controlled};
+use crate::controlled::{self, ControlledMachine};
 use crate::found;
 use crate::internal::within;
-use crate::words::{DischargeEntry, HANDED_ON, MetBy, ProofPrinter, entry};
-use linewright_algebra::closed::{Closed, Form, Met, Verdict};
+use crate::words::{DischargeEntry, DischargeRuleName, HANDED_ON, ProofPrinter, entry};
+use linewright_algebra::closed::{Closed, DischargeMethod, Form, Verdict};
 use linewright_algebra::machine::{COMPLETES, of_machine, of_promise};
 use linewright_algebra::proof::{Circle, Claim, Proof, prove};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::source::Span;
-use linewright_language::contract::machine::{Machine, Promised};
+use linewright_language::contract::machine::{Machine, RefinedContract};
 use linewright_solver::game::{Budget, Limit, Limits, RuleKind};
-use linewright_station::composition::{By, Composition};
+use linewright_station::composition::{Composition, Discharger};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Where a machine works.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
-    /// In a plant, which gives its signals the values that its file says.
+pub enum MachineContext {
+    /// In a plant, which gives its signals the values declared in its file.
     Alone,
-    /// In other machines only, which bind its signals, and are judged with it.
+    /// Only in other machines, which bind its signals; it is judged with them.
     Within,
 }
 
-/// What is known of a machine.
+/// Result of the proofs of a machine.
 #[derive(Debug, Default)]
-pub struct Proved {
-    /// How each assumption of a component is met, and each guarantee of the machine.
+pub struct MachineProof {
+    /// How each assumption of a component and each guarantee of the machine is met.
     pub discharges: Vec<DischargeEntry>,
-    /// What its controllers do together.
+    /// Result of the closed composition of its controllers.
     pub closed: Option<ClosedEntry>,
-    /// The contracts that it is said to refine.
+    /// Contracts that it is declared to refine.
     pub refines: Vec<RefinesEntry>,
-    /// What is wrong.
+    /// Problems found.
     pub findings: Vec<Diagnostic>,
 }
 
-/// What the controllers of a machine do together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+/// Verdict on the closed composition of a machine's controllers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClosedVerdict {
-    /// All that is to be shown of them.
+    /// They meet all obligations.
     Holds,
-    /// A run breaks something.
+    /// A run violates an obligation.
     Broken,
-    /// A controller that went in as its contract leaves something undecided.
+    /// A controller represented by its contract leaves something undecided.
     Open,
     /// A limit was reached.
     GaveUp,
 }
 
-/// Whether a machine keeps a contract that it is said to refine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+/// Whether a machine keeps a contract that it is declared to refine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RefinementVerdict {
-    /// It does.
+    /// The machine keeps it.
     Refined,
-    /// A run shows that it does not.
+    /// A run violates it.
     Broken,
     /// A limit was reached.
     GaveUp,
 }
 
-/// The closed composition: all components are their controllers.
-#[derive(Debug, Serialize)]
+/// The closed composition: each component is its controller.
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct ClosedEntry {
-    /// What they do together.
+    /// Verdict on it.
     pub verdict: ClosedVerdict,
-    /// How many states can be reached: values of all wires, the tables' states, and what is
-    /// remembered of operations.
+    /// Number of reachable states: values of all wires, states of the tables, and the memory of
+    /// operations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub states: Option<u64>,
     /// How each component took part.
@@ -81,35 +82,39 @@ pub struct ClosedEntry {
 }
 
 /// How a component took part in the closed composition.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct TakenEntry {
-    /// The component.
+    /// Name of the component.
     pub name: String,
-    /// As what.
+    /// Form in which it took part.
     #[serde(rename = "as")]
     pub form: Form,
 }
 
-/// A contract that a machine is said to refine.
-#[derive(Debug, Serialize)]
+/// A contract that a machine is declared to refine.
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct RefinesEntry {
-    /// The contract.
+    /// Name of the contract.
     pub contract: String,
     /// Whether it is kept.
     pub verdict: RefinementVerdict,
-    /// Where the components' contracts do not show it, what the controllers do.
+    /// Verdict of the closed composition, if the components' contracts do not show it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closed: Option<ClosedVerdict>,
     /// How each assumption of a component and each guarantee of the contract is met.
     pub discharges: Vec<DischargeEntry>,
 }
 
-/// Proves what is to be shown of a machine: of all controllers that keep the contracts, and of
-/// those that there are, since what no contract implies may still hold of them.
-pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) -> Proved {
+/// Proves the obligations of a machine: for all controllers that keep the contracts, and for the
+/// actual controllers, which may meet obligations that no contract implies.
+pub fn proved(
+    controlled: &ControlledMachine<'_>,
+    standing: MachineContext,
+    limits: &Limits,
+) -> MachineProof {
     let limits = &limits.within(Budget::MACHINE);
-    let mut result = Proved::default();
-    // An inner machine is known by what it promises; that it keeps the promise is shown first.
+    let mut result = MachineProof::default();
+    // An inner machine is represented by its promises; that it keeps them is proved first.
     within("proving what inner machines promise", || {
         layers::promises(controlled.machine, limits, &mut result.findings);
     });
@@ -121,7 +126,8 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
         closed.decide(&bounded(limits))
     });
     result.closed = Some(closed_entry(&closed, &decided));
-    // Of what is too large for that, the coordinator's states are walked, with all else left free.
+    // If the composition is too large, only the coordinator's states are walked and everything else
+    // is left free.
     let walked = match &decided {
         Err(_) if !is_layered(controlled) => controlled::compose(controlled),
         _ => Composition::default(),
@@ -141,12 +147,12 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
     match prove(&system, &claim, limits) {
         Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
         Err(limit) => {
-            // What the controllers show is then all that there is.
+            // Then the controllers show nothing more than this.
             let limited = undecided(machine.span, &machine.name, limit);
             if let Some(verdict) = both.verdict {
                 let met = verdict.met.iter().map(|(at, met)| both.shown(*at, *met));
                 result.discharges = met.collect();
-                both.told_open(verdict, &[], &mut result.findings);
+                both.report_open(verdict, &[], &mut result.findings);
                 if !verdict.undecided.is_empty() {
                     result.findings.push(limited);
                 }
@@ -161,10 +167,10 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
         }
     }
     if let Ok(verdict) = &decided {
-        // The proof knows inner machines by their promises, the controllers are those of all
+        // The proof represents inner machines by their promises; the controllers are those of all
         // layers.
         if is_layered(controlled) {
-            both.told_open(verdict, &[], &mut result.findings);
+            both.report_open(verdict, &[], &mut result.findings);
         }
         let operations = closed::operations(&closed, verdict, standing);
         result.findings.extend(operations);
@@ -186,8 +192,8 @@ pub fn proved(controlled: &Controlled<'_>, standing: Standing, limits: &Limits) 
     result
 }
 
-/// Says that the controllers were not put together because the command came to a limit, where
-/// nothing has said so yet.
+/// Reports that the controllers were not composed because the command reached a limit, unless that
+/// was already reported.
 fn cut_short(
     span: Span,
     machine: &Machine,
@@ -202,27 +208,27 @@ fn cut_short(
     }
 }
 
-/// Whether there are machines in a machine, which its proof knows by what they promise.
-fn is_layered(controlled: &Controlled<'_>) -> bool {
+/// Whether the machine has inner machines, which its proof represents by their promises.
+fn is_layered(controlled: &ControlledMachine<'_>) -> bool {
     controlled.machine.layers.abstracted.is_some()
 }
 
-/// A proof from contracts, and what the controllers show.
+/// A proof from contracts, combined with what the controllers show.
 struct Both<'a> {
     printer: ProofPrinter<'a>,
     span: Span,
-    /// The machine as the proof looks at it.
+    /// The machine as seen by the proof.
     machine: &'a Machine,
     closed: &'a Closed<'a>,
-    /// What they show of the same formulas; `None` where a limit was reached, and for machines of
-    /// machines.
+    /// Verdict of the controllers on the same formulas; `None` if a limit was reached, and for
+    /// machines of machines.
     verdict: Option<&'a Verdict>,
-    /// What the coordinator's states show then.
+    /// In that case, what the coordinator's states show.
     walked: &'a Composition,
 }
 
 impl Both<'_> {
-    /// The table of what is met, and the findings of what is not.
+    /// Returns the table of met obligations, and adds findings for the others.
     fn merged(&self, mut proof: Proof, findings: &mut Vec<Diagnostic>) -> Vec<DischargeEntry> {
         let mut entries: Vec<(FormulaRef, DischargeEntry)> = Vec::new();
         entries.extend(
@@ -232,7 +238,7 @@ impl Both<'_> {
                 .map(|d| (d.what, entry(self.printer, d))),
         );
         if let Some(verdict) = self.verdict.filter(|_| proof.loops.is_empty()) {
-            // Of a component that is stuck it is told why, and nothing else.
+            // For a stuck component, only the cause is reported.
             let is_stuck = |part: Option<usize>| {
                 let mut stuck = verdict.stuck.iter();
                 stuck.any(|s| Some(s.component) == part)
@@ -249,8 +255,8 @@ impl Both<'_> {
                 .into_iter()
                 .partition(|c: &Circle| c.assumptions.iter().any(is_met));
             proof.circles = circles;
-            self.told_resolved(resolved, findings);
-            self.told_open(verdict, &members(&proof), findings);
+            self.report_resolved(resolved, findings);
+            self.report_open(verdict, &members(&proof), findings);
             let settled =
                 |at: FormulaRef| verdict.is_met(at).is_some() || verdict.is_open(at).is_some();
             proof.open.retain(|o| !settled(o.what));
@@ -262,13 +268,13 @@ impl Both<'_> {
             entries.extend(shown);
         }
         entries.sort_by_key(|(at, _)| (at.part.unwrap_or(usize::MAX), at.kind, at.index));
-        self.told_unsettled(&mut proof, findings);
+        self.report_unsettled(&mut proof, findings);
         entries.into_iter().map(|(_, e)| e).collect()
     }
 
-    /// What the contracts do not show, and the coordinator's states do. They show an assumption as
-    /// far as all others are kept, and that requests complete where nothing is wrong with an
-    /// operation.
+    /// Obligations that the coordinator's states show and the contracts do not: assumptions,
+    /// provided that all others are kept, and completion of requests, provided that nothing is
+    /// wrong with an operation.
     fn by_the_walk(&self, proof: &Proof) -> Vec<(FormulaRef, DischargeEntry)> {
         let sound = self
             .walked
@@ -280,22 +286,22 @@ impl Both<'_> {
             let name = &self.printer.formula(at).name;
             let owner = self.printer.owner(at);
             let mut walked = self.walked.discharges.iter();
-            let known =
-                walked.any(|d| d.component == owner && d.assumption == *name && d.by != By::Line);
+            let known = walked
+                .any(|d| d.component == owner && d.assumption == *name && d.by != Discharger::Line);
             (sound && known) || (complete && at.part.is_none() && name == COMPLETES)
         };
         let open = proof.open.iter().filter(|o| shows(o.what));
         open.map(|o| {
-            let mut shown = self.shown(o.what, Met::Held);
+            let mut shown = self.shown(o.what, DischargeMethod::Held);
             "the coordinator's reachable states".clone_into(&mut shown.by);
             (o.what, shown)
         })
         .collect()
     }
 
-    /// What the controllers themselves break.
-    fn told_open(&self, verdict: &Verdict, but: &[FormulaRef], findings: &mut Vec<Diagnostic>) {
-        // Of requests it is told operation by operation, and of a circle as one.
+    /// Reports what the controllers themselves violate.
+    fn report_open(&self, verdict: &Verdict, but: &[FormulaRef], findings: &mut Vec<Diagnostic>) {
+        // Requests are reported per operation, and a circle as one finding.
         let open = verdict.open.iter();
         let open =
             open.filter(|o| !closed::is_completion(self.closed, o) && !but.contains(&o.what));
@@ -303,10 +309,10 @@ impl Both<'_> {
         findings.extend(verdict.stuck.iter().map(|s| closed::stuck(self.closed, s)));
     }
 
-    /// What the contracts do not show, and the controllers neither show nor break.
-    fn told_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
+    /// Reports what the contracts do not show and the controllers neither show nor violate.
+    fn report_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
         let circular = members(proof);
-        // A circle is one finding, and not one for each of its members as well.
+        // A circle is one finding, without extra findings for its members.
         proof.open.retain(|o| !circular.contains(&o.what));
         for mut finding in found::of_proof(self.printer, proof, &|part| Some(self.at(part))) {
             let of_justice = proof.open.iter().any(|o| {
@@ -315,7 +321,7 @@ impl Both<'_> {
                     && o.what.part.is_some()
                     && finding.labels.iter().any(|l| l.0 == formula.span)
             });
-            // It may come true for a reason that nobody has written down.
+            // It may come true for a reason that no contract states.
             if of_justice && finding.code == codes::ASSUMPTION_OPEN {
                 finding.severity = Severity::Warning;
             }
@@ -323,8 +329,8 @@ impl Both<'_> {
         }
     }
 
-    /// Circles of contracts that the controllers get out of.
-    fn told_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
+    /// Reports circles of contracts that the controllers escape.
+    fn report_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
         let proof = Proof {
             circles,
             ..Proof::default()
@@ -337,31 +343,31 @@ impl Both<'_> {
         }
     }
 
-    /// Where a part stands in the text.
+    /// Place of a part in the text.
     fn at(&self, part: Option<usize>) -> Span {
         let component = part.and_then(|p| self.machine.components.get(p));
         component.map_or(self.span, |c| c.span)
     }
 
-    /// What only the controllers show.
-    fn shown(&self, at: FormulaRef, met: Met) -> DischargeEntry {
+    /// Entry for an obligation that only the controllers show.
+    fn shown(&self, at: FormulaRef, met: DischargeMethod) -> DischargeEntry {
         DischargeEntry {
             component: self.printer.owner(at).to_owned(),
             assumption: self.printer.formula(at).name.clone(),
             rule: match met {
-                Met::Held => MetBy::Controllers,
-                Met::Exported => MetBy::Exported,
+                DischargeMethod::Held => DischargeRuleName::Controllers,
+                DischargeMethod::Exported => DischargeRuleName::Exported,
             },
             turn: None,
             by: match met {
-                Met::Held => "all states that the controllers reach".to_owned(),
-                Met::Exported => HANDED_ON.to_owned(),
+                DischargeMethod::Held => "all states that the controllers reach".to_owned(),
+                DischargeMethod::Exported => HANDED_ON.to_owned(),
             },
         }
     }
 }
 
-/// The assumptions that stand in circles.
+/// Assumptions that are members of circles.
 fn members(proof: &Proof) -> Vec<FormulaRef> {
     let circles = proof.circles.iter();
     circles
@@ -369,7 +375,7 @@ fn members(proof: &Proof) -> Vec<FormulaRef> {
         .collect()
 }
 
-/// What the controllers do together, for the document.
+/// The closed composition as an entry of the document.
 fn closed_entry(closed: &Closed<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
     let components = closed.machine.components.iter().zip(&closed.taking);
     ClosedEntry {
@@ -402,12 +408,12 @@ fn closed_verdict(decided: &Result<Verdict, Limit>) -> ClosedVerdict {
     }
 }
 
-/// A contract that the machine is said to refine, over the wires of the proof and over those of all
-/// layers. Where the components' contracts do not show it, the controllers may.
+/// Checks a contract that the machine is declared to refine, over the wires of the proof and over
+/// those of all layers. If the components' contracts do not show it, the controllers may.
 fn refines(
-    controlled: &Controlled<'_>,
-    promised: &Promised,
-    flat: &Promised,
+    controlled: &ControlledMachine<'_>,
+    promised: &RefinedContract,
+    flat: &RefinedContract,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) -> RefinesEntry {

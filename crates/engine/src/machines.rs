@@ -1,8 +1,8 @@
-//! The controllers of machines: every component's contract with the arguments that the machine
-//! gives it.
+//! Synthesizes the controllers of machines: each component's contract with the arguments that the
+//! machine gives it.
 
 use super::pipeline::{CheckedContract, Jobs, Verdict};
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
 use linewright_language::contract::Library;
@@ -10,18 +10,18 @@ use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::{Machine, Role};
 use std::sync::Arc;
 
-/// A machine, and the job of each of its components.
+/// A machine and the jobs of its components.
 #[derive(Debug, Clone)]
-pub struct Planned<'a> {
+pub struct MachinePlan<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// One index into the jobs a component.
+    /// One job index per component.
     pub jobs: Vec<usize>,
 }
 
-impl<'a> Planned<'a> {
-    /// Adds a machine's components to the jobs. The coordinator's controller has to be a machine:
-    /// its states are walked when the composition is checked.
+impl<'a> MachinePlan<'a> {
+    /// Adds a machine's components to the jobs. The coordinator's controller must be a machine
+    /// (state by state): its states are walked when the composition is checked.
     pub fn new(machine: &'a Machine, jobs: &mut Jobs) -> Self {
         let components = machine.components.iter();
         Self {
@@ -35,7 +35,7 @@ impl<'a> Planned<'a> {
         }
     }
 
-    /// The verdict on all its components together.
+    /// Combined verdict on all its components.
     pub fn verdict(&self, checked: &[CheckedContract]) -> Verdict {
         self.jobs
             .iter()
@@ -43,8 +43,8 @@ impl<'a> Planned<'a> {
             .fold(Verdict::Realizable, Verdict::and)
     }
 
-    /// What is wrong with its components. What was found at a contract itself is told there, and
-    /// only pointed at here.
+    /// Findings about its components. What was found at a contract itself is reported there and
+    /// only referenced here.
     pub fn findings(&self, jobs: &Jobs, checked: &[CheckedContract]) -> Vec<Diagnostic> {
         let mut findings = Vec::new();
         for (component, index) in self.machine.components.iter().zip(&self.jobs) {
@@ -88,25 +88,25 @@ impl<'a> Planned<'a> {
     }
 
     /// The machine with its controllers, if every component has one.
-    pub fn controlled(&self, checked: &'a [CheckedContract]) -> Option<Controlled<'a>> {
+    pub fn controlled(&self, checked: &'a [CheckedContract]) -> Option<ControlledMachine<'a>> {
         let controllers = self.jobs.iter().map(|j| checked[*j].controller.as_ref());
-        Some(Controlled {
+        Some(ControlledMachine {
             machine: self.machine,
             controllers: controllers.collect::<Option<_>>()?,
         })
     }
 }
 
-/// Whether two machines are one declaration with the same arguments throughout: their libraries are
-/// the same. What a machine consists of is compared as it is written out, so that nothing in it is
-/// left out of the comparison.
+/// Whether two machines are one declaration with the same arguments throughout, so that their
+/// libraries are the same. Compares the complete structure as written out, so that nothing is
+/// missed.
 pub fn is_same(one: &Machine, other: &Machine) -> bool {
     std::ptr::eq(one, other)
         || (one.span == other.span && format!("{one:?}") == format!("{other:?}"))
 }
 
-/// Whether two machines are one declaration with the same arguments: their controllers are the
-/// same.
+/// Whether two machines are one declaration with the same arguments, so that their controllers are
+/// the same.
 pub fn is_alike(one: &Machine, other: &Machine) -> bool {
     let mut components = one.components.iter().zip(&other.components);
     one.span == other.span
@@ -114,8 +114,8 @@ pub fn is_alike(one: &Machine, other: &Machine) -> bool {
         && components.all(|(a, b)| a.specification == b.specification && a.bindings == b.bindings)
 }
 
-/// Whether what is judged of one machine holds of the other: they differ in times, powers, limits
-/// and defaults at most.
+/// Whether the judgement of one machine holds for the other: they differ at most in times, powers,
+/// limits and defaults.
 pub fn is_judged_alike(one: &Machine, other: &Machine) -> bool {
     let judged = |m: &Machine| {
         let text = format!(
@@ -127,7 +127,7 @@ pub fn is_judged_alike(one: &Machine, other: &Machine) -> bool {
     is_alike(one, other) && judged(one) == judged(other)
 }
 
-/// The machines of a line, each once, in the order of their first place in it.
+/// The machines of a line, each once, in the order of their first occurrence.
 pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
     let mut machines: Vec<&Arc<Machine>> = Vec::new();
     for node in &line.nodes {
@@ -145,23 +145,23 @@ pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
     machines
 }
 
-/// Whether the declaration of a machine is that of a machine within another one, however deep.
+/// Whether the declaration is that of an inner machine of `machine`, at any depth.
 pub fn contains(machine: &Machine, declared: Span) -> bool {
     let mut inner = machine.layers.inner.iter().map(|inner| &inner.machine);
     inner.any(|inner| inner.span == declared || contains(inner, declared))
 }
 
-/// Whether a machine only stands in other machines, and in no line by itself.
+/// Whether a machine occurs only in other machines, and in no line by itself.
 pub fn is_only_inner(machine: &Machine, library: &Library) -> bool {
     let stations = library.lines.iter().flat_map(of_line);
     !stations.into_iter().any(|m| m.span == machine.span)
         && library.machines.iter().any(|m| contains(m, machine.span))
 }
 
-/// The findings of machines whose controllers are needed: what is missing is an error, each
-/// contract is told once.
+/// Findings of machines whose controllers are needed: a missing controller is an error, and each
+/// contract is reported once.
 pub fn findings_where_needed(
-    planned: &[Planned<'_>],
+    planned: &[MachinePlan<'_>],
     jobs: &Jobs,
     checked: &[CheckedContract],
 ) -> Vec<Diagnostic> {
@@ -171,7 +171,7 @@ pub fn findings_where_needed(
     }
     for plan in planned {
         for finding in plan.findings(jobs, checked) {
-            // A component's own job was told above.
+            // A component's own job was already reported.
             let told = findings
                 .iter()
                 .any(|f| f.code == finding.code && f.span == finding.span);

@@ -1,5 +1,5 @@
-//! Writes results to files: under a temporary name first, then renamed, so that a killed run leaves
-//! no half file.
+//! Writes results to files: to a temporary name first, then renamed, so that a killed run leaves no
+//! partial file.
 
 use super::files;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -9,13 +9,12 @@ use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Writes a file, and makes its folder where that is missing. A link stays, and the file it leads
-/// to is written.
+/// Writes a file and creates its folder if necessary. A link is kept, and its target is written.
 ///
 /// # Errors
 /// The file cannot be written, is not a regular file (a device, a named pipe), or is one of the
-/// `sources` from which the command makes its result ([`Loaded::places`](files::Loaded::places)).
-/// What was there before is unchanged.
+/// `sources` of the command's result ([`LoadedFiles::places`](files::LoadedFiles::places)).
+/// Existing content is then unchanged.
 pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(), Box<Diagnostic>> {
     if std::fs::canonicalize(path).is_ok_and(|place| sources.contains(&place)) {
         let message = format!(
@@ -41,8 +40,8 @@ pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(),
     })
 }
 
-/// Writes a file that is not there; one that is and says the same is left, and one that says
-/// something else is kept: LW546.
+/// Writes a file that does not exist. An existing file with the same text is left alone; one with a
+/// different text is kept, with finding LW546.
 pub fn keep(path: &Path, text: &str, help: &str) -> Result<(), Box<Diagnostic>> {
     match disk::read(path) {
         Ok(old) if old == text.as_bytes() => Ok(()),
@@ -59,8 +58,8 @@ pub fn keep(path: &Path, text: &str, help: &str) -> Result<(), Box<Diagnostic>> 
     }
 }
 
-/// Writes a file of the user's anew, where a link to it leads and with the permissions that it has.
-/// One that may not be written is left as it is.
+/// Rewrites a user's file; follows links and keeps its permissions. A write-protected file is left
+/// unchanged.
 pub fn rewrite(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
     let written = std::fs::canonicalize(path).and_then(|target| {
         let permissions = std::fs::metadata(&target)?.permissions();
@@ -90,8 +89,8 @@ fn replace(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::R
     };
     std::fs::create_dir_all(folder)?;
     let mut builder = tempfile::Builder::new();
-    // A temporary file is private by default; a result is as readable as any other file the user
-    // makes.
+    // A temporary file is private by default; a result gets the permissions of an ordinary new
+    // file.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.prefix(".linewright-").tempfile_in(folder)?;

@@ -1,6 +1,6 @@
-//! Where to begin: files in; verdicts, station libraries and runs out.
+//! Entry point: files in; verdicts, station libraries and runs out.
 
-use crate::files::{self, Loaded, StandardLibrary};
+use crate::files::{self, LoadedFiles, StandardLibrary};
 use crate::libraries;
 use crate::machines;
 use crate::pipeline::{CheckedContract, Goal, Jobs, Settings};
@@ -16,15 +16,15 @@ use linewright_station::profile::Profile;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// What files declare, and how it is to be solved.
+/// Declarations of files, with the settings for solving them.
 #[derive(Debug, Default)]
 pub struct Project {
-    loaded: Loaded,
-    /// How to solve: without limits and without a cache, unless it is changed.
+    loaded: LoadedFiles,
+    /// Solver settings; by default no limits and no cache.
     pub settings: Settings,
 }
 
-/// Why something cannot be had: the errors among the findings, and what was found beside them.
+/// Errors that prevented a result, with the other findings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProjectError(pub Vec<Diagnostic>);
 
@@ -41,7 +41,7 @@ impl fmt::Display for ProjectError {
 impl std::error::Error for ProjectError {}
 
 impl ProjectError {
-    /// Nothing, unless there is an error among the findings.
+    /// Succeeds unless the findings contain an error.
     fn unless_sound(findings: Vec<Diagnostic>) -> Result<(), Self> {
         if has_errors(&findings) {
             Err(Self(findings))
@@ -52,11 +52,11 @@ impl ProjectError {
 }
 
 impl Project {
-    /// Reads a file, or every `.lw` file below a folder, and all that is imported; `import std...`
-    /// reads the bundled library.
+    /// Reads a file, or every `.lw` file below a folder, with all imports; `import std...` reads
+    /// the bundled library.
     ///
     /// # Errors
-    /// The findings, where one of them is an error.
+    /// Returns the findings if one of them is an error.
     pub fn open(path: &str) -> Result<Self, ProjectError> {
         let loaded = files::load(&[path.to_owned()], &StandardLibrary::default());
         ProjectError::unless_sound(loaded.findings.clone())?;
@@ -66,17 +66,17 @@ impl Project {
         })
     }
 
-    /// What the files declare, with what they import.
+    /// Declarations of the files and their imports.
     pub fn library(&self) -> &Library {
         &self.loaded.library
     }
 
-    /// What was found while the files were read: warnings and notes.
+    /// Warnings and notes from reading the files.
     pub fn findings(&self) -> &[Diagnostic] {
         &self.loaded.findings
     }
 
-    /// Solves every contract, in the order of the library: verdicts, controllers, findings.
+    /// Solves every contract in library order: verdicts, controllers, findings.
     pub fn check(&self) -> Vec<CheckedContract> {
         let mut jobs = Jobs::examining();
         let contracts = self.library().contracts.iter();
@@ -87,21 +87,21 @@ impl Project {
         indices.into_iter().map(|i| checked[i].clone()).collect()
     }
 
-    /// The machine of this name, if there is one.
+    /// Returns the machine with this name, if there is one.
     pub fn machine(&self, name: &str) -> Option<&Machine> {
         self.library().machines.iter().find(|m| m.name == name)
     }
 
-    /// The line of this name, if there is one.
+    /// Returns the line with this name, if there is one.
     pub fn line(&self, name: &str) -> Option<&Line> {
         self.library().lines.iter().find(|l| l.name == name)
     }
 
     /// Synthesizes a machine's controllers, judges it, and writes its station library for this
-    /// computer into a folder. Gives the files.
+    /// computer into a folder. Returns the files.
     ///
     /// # Errors
-    /// The findings, where one of them is an error.
+    /// Returns the findings if one of them is an error.
     pub fn build(&self, machine: &Machine, folder: &Path) -> Result<Vec<PathBuf>, ProjectError> {
         let synthesis = self.synthesize([machine])?;
         let toolchain = Toolchain::shipping().until(self.settings.limits.deadline);
@@ -115,11 +115,11 @@ impl Project {
         Ok(files)
     }
 
-    /// Synthesizes the controllers of a line's machines, judges these, builds their station
-    /// libraries into a folder, and runs the line.
+    /// Synthesizes and judges the controllers of a line's machines, builds their station libraries
+    /// into a folder, and runs the line.
     ///
     /// # Errors
-    /// The findings, where one of them is an error. What goes wrong in a run is in the run's
+    /// Returns the findings if one of them is an error. Problems during a run are in the run's
     /// findings.
     pub fn run(
         &self,

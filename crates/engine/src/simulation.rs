@@ -1,6 +1,6 @@
-//! A line in the bundled runner, with the station libraries that ship.
+//! Runs a line in the bundled runner, with the same station libraries that are shipped.
 
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use crate::libraries;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, NodeKind};
@@ -15,35 +15,35 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How a line is run.
+/// Options of a simulation.
 #[derive(Debug, Clone)]
 pub struct SimulationOptions {
-    /// When a run ends, and its seed; the deadline holds for compilers as well.
+    /// End conditions and seed of a run; the deadline also applies to compilers.
     pub options: Options,
-    /// How many runs, with the seeds that follow.
+    /// Number of runs, with consecutive seeds.
     pub replications: u32,
-    /// Compile the libraries even where they are there already.
+    /// Whether to compile libraries that exist already.
     pub rebuild: bool,
 }
 
-/// What the runs of a line came to.
+/// Results of all runs of a line.
 #[derive(Debug)]
 pub struct Run {
-    /// The runs, in the order of their seeds; there is at least one.
+    /// Traces of the runs in seed order; never empty.
     pub traces: Vec<Trace>,
-    /// Their figures together, and what went wrong in any of them.
+    /// Combined figures, and problems in any of the runs.
     pub replications: Replications,
-    /// Seconds of the clock for all runs.
+    /// Wall-clock seconds for all runs.
     pub seconds: f64,
 }
 
-/// Builds the libraries of a line's machines into a folder, loads them and runs the line.
+/// Builds the libraries of a line's machines into a folder, loads them, and runs the line.
 ///
 /// # Errors
-/// Findings, where a library cannot be built or loaded, or the runner refuses the line.
+/// Returns findings if a library cannot be built or loaded, or if the runner refuses the line.
 pub fn simulate(
     line: &Line,
-    machines: &[Controlled<'_>],
+    machines: &[ControlledMachine<'_>],
     folder: &Path,
     how: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
@@ -59,9 +59,9 @@ pub fn simulate(
     })
 }
 
-/// The libraries of the machines, in their order.
+/// Builds the libraries of the machines, in machine order.
 fn build(
-    machines: &[Controlled<'_>],
+    machines: &[ControlledMachine<'_>],
     folder: &Path,
     how: &SimulationOptions,
 ) -> Result<Vec<Arc<Library>>, Vec<Diagnostic>> {
@@ -77,7 +77,7 @@ fn build(
         match built.and_then(|b| Library::open(&b.path)) {
             Ok(library) => libraries.push(library),
             Err(error) => {
-                // A compiler that is missing is missing for every machine.
+                // If the compiler is missing, it is missing for every machine.
                 let finding = error.to_diagnostic();
                 if !findings.contains(&finding) {
                     findings.push(finding);
@@ -92,10 +92,10 @@ fn build(
     }
 }
 
-/// By node, an instance of its machine.
+/// For each node, an instance of its machine.
 fn instances(
     line: &Line,
-    machines: &[Controlled<'_>],
+    machines: &[ControlledMachine<'_>],
     libraries: &[Arc<Library>],
 ) -> Result<BTreeMap<usize, Box<dyn Controller>>, Vec<Diagnostic>> {
     let mut findings = Vec::new();

@@ -1,75 +1,76 @@
-//! What a verdict took, as `--stats` shows it.
+//! Effort for a verdict, as shown by `--stats`.
 
 use linewright_core::gr1::{Specification, VarId};
 use linewright_solver::game;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-/// What a verdict took.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// Effort for a verdict.
+#[derive(Debug, Clone, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each says one thing that is known of a solve"
 )]
 pub struct Statistics {
-    /// Whether this was read from the cache: then all that follows is of the run that put it there.
+    /// Whether this was read from the cache; then everything else refers to the run that stored it.
     pub cached: bool,
-    /// Whether the search began with the order of an earlier version of the contract.
+    /// Whether the search began with the variable order of an earlier version of the contract.
     pub known_order: bool,
     /// Whether the search began within the winning region of an earlier version of the contract.
     pub known_region: bool,
-    /// The kernel; empty when none was started.
+    /// Name of the kernel; empty if none was started.
     pub kernel: String,
-    /// Pairs of a current and a next bit.
+    /// Number of pairs of a current and a next bit.
     pub pairs: usize,
-    /// Whether the game is too large to be examined beside its verdict.
+    /// Whether the game is too large for checks beside its verdict.
     pub large: bool,
-    /// Seconds by phase.
+    /// Wall-clock seconds by phase.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<Seconds>,
-    /// The largest number of nodes that were kept at once.
+    /// Peak number of live nodes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peak_nodes: Option<u64>,
-    /// Steps of the fixpoints.
+    /// Iterations of the fixpoints.
     pub iterations: Iterations,
-    /// Controllable predecessors that were computed.
+    /// Number of controllable predecessors computed.
     pub predecessors: u64,
-    /// The variables from the top of the diagrams to their bottom at the start.
+    /// Variables from the top of the diagrams to the bottom, at the start.
     pub order_before: Vec<String>,
-    /// The same at the end.
+    /// Variables from top to bottom at the end.
     pub order_after: Vec<String>,
 }
 
-/// Seconds of the clock by phase.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+/// Wall-clock seconds by phase.
+#[derive(Debug, Clone, Copy, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 pub struct Seconds {
-    /// Formulas become functions.
+    /// Encoding formulas as BDDs.
     pub encode: f64,
-    /// Looking for an order.
+    /// Searching for a variable order.
     pub order: f64,
-    /// The winning region.
+    /// Computing the winning region.
     pub fixpoint: f64,
-    /// The controller, minimised.
+    /// Extracting and minimizing the controller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extract: Option<f64>,
-    /// Checking the controller.
+    /// Verifying the controller.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verify: Option<f64>,
 }
 
-/// Steps of the fixpoints.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Iterations of the nested fixpoints.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 pub struct Iterations {
-    /// Once a goal and round.
+    /// Outer iterations, one per goal and round.
     pub outer: u64,
-    /// Once an assumption and round.
+    /// Middle iterations, one per assumption and round.
     pub middle: u64,
-    /// The innermost ones.
+    /// Innermost iterations.
     pub inner: u64,
 }
 
 impl Statistics {
-    /// What the solver says.
+    /// Converts the solver's statistics.
     pub fn of_solver(solver: &game::Statistics, specification: &Specification) -> Self {
         let names = |order: &[VarId]| -> Vec<String> {
             let names = order.iter().map(|v| &specification.variable(*v).name);
@@ -99,7 +100,7 @@ impl Statistics {
         }
     }
 
-    /// With or without what is measured.
+    /// Keeps or removes measured times.
     #[must_use]
     pub fn timed(&self, timing: bool) -> Self {
         Self {
@@ -109,7 +110,7 @@ impl Statistics {
         }
     }
 
-    /// A block for a person.
+    /// Formats the statistics as a block of text.
     pub fn show(&self, name: &str) -> String {
         let mut text = format!("{name}\n");
         let mut line = |label: &str, value: String| {

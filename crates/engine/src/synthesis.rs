@@ -1,28 +1,28 @@
-//! The controllers of several machines, synthesized together and judged.
+//! Synthesizes the controllers of several machines together and judges them.
 
-use crate::controlled::Controlled;
+use crate::controlled::ControlledMachine;
 use crate::controller::ExtractionOptions;
 use crate::judgement;
-use crate::machines::{self, Planned};
+use crate::machines::{self, MachinePlan};
 use crate::pipeline::{CheckedContract, Jobs, Settings};
 use indicatif::ProgressBar;
 use linewright_core::diagnostics::{Diagnostic, Severity};
 use linewright_language::contract::machine::Machine;
 use linewright_language::order::Skills;
 
-/// Machines whose controllers were asked for.
+/// Machines whose controllers were requested.
 #[derive(Debug)]
 pub struct Synthesis<'a> {
-    planned: Vec<Planned<'a>>,
+    planned: Vec<MachinePlan<'a>>,
     jobs: Jobs,
     checked: Vec<CheckedContract>,
-    /// What is wrong with the skills that the machines call.
+    /// Findings about the skills that the machines call.
     skills: Vec<Diagnostic>,
 }
 
 impl<'a> Synthesis<'a> {
-    /// Synthesizes the controllers of these machines, each contract once, in parallel. `progress`
-    /// gets the number of contracts.
+    /// Synthesizes the controllers of these machines in parallel, each contract once. `progress`
+    /// receives the number of contracts.
     pub fn new(
         machines: impl IntoIterator<Item = &'a Machine>,
         settings: &Settings,
@@ -33,7 +33,7 @@ impl<'a> Synthesis<'a> {
             ..ExtractionOptions::default()
         });
         let machines = machines.into_iter();
-        let planned: Vec<_> = machines.map(|m| Planned::new(m, &mut jobs)).collect();
+        let planned: Vec<_> = machines.map(|m| MachinePlan::new(m, &mut jobs)).collect();
         let checked = jobs.run(settings, &progress(jobs.len()));
         let orders = planned.iter().flat_map(|p| &p.machine.orders);
         let mut skills: Vec<&Skills> = Vec::new();
@@ -53,8 +53,7 @@ impl<'a> Synthesis<'a> {
         }
     }
 
-    /// What was found about the contracts, where a controller that is missing is an error, and what
-    /// is wrong with the skills.
+    /// Findings about the contracts, where a missing controller is an error, and about the skills.
     pub fn findings(&self) -> Vec<Diagnostic> {
         let mut findings =
             machines::findings_where_needed(&self.planned, &self.jobs, &self.checked);
@@ -62,8 +61,8 @@ impl<'a> Synthesis<'a> {
         findings
     }
 
-    /// The machines that have all their controllers.
-    pub fn controlled(&self) -> impl Iterator<Item = Controlled<'_>> {
+    /// Machines with a complete set of controllers.
+    pub fn controlled(&self) -> impl Iterator<Item = ControlledMachine<'_>> {
         self.planned
             .iter()
             .filter_map(|p| p.controlled(&self.checked))
@@ -74,15 +73,19 @@ impl<'a> Synthesis<'a> {
         self.controlled().count() == self.planned.len()
     }
 
-    /// A machine that differs from one of these in numbers at most, with its controllers.
-    pub fn of(&self, machine: &Machine) -> Option<Controlled<'_>> {
+    /// Returns a machine that differs from one of these at most in numbers, with its controllers.
+    pub fn of(&self, machine: &Machine) -> Option<ControlledMachine<'_>> {
         let mut planned = self.planned.iter();
         let alike = planned.find(|p| machines::is_alike(p.machine, machine))?;
         alike.controlled(&self.checked)
     }
 
-    /// What is wrong with a machine as a whole.
-    pub fn judge(&self, controlled: &Controlled<'_>, settings: &Settings) -> Vec<Diagnostic> {
+    /// Findings about a machine as a whole.
+    pub fn judge(
+        &self,
+        controlled: &ControlledMachine<'_>,
+        settings: &Settings,
+    ) -> Vec<Diagnostic> {
         judgement::findings(controlled, &settings.limits, settings.cache.as_ref())
     }
 }

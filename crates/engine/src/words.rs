@@ -1,42 +1,43 @@
-//! Proofs in words: what an obligation rests on and how, what keeps it from being met, and the
-//! counterexample as a table.
+//! Proofs in words: what an obligation rests on and how, what prevents it, and the counterexample
+//! as a table.
 
 use crate::findings::list;
 use crate::findings::play::{Row, grid};
 use linewright_algebra::proof::{
-    Broken, Circle, Claim, Discharge, Discharged, Open, Proof, SameStepLoop,
+    Circle, Claim, Discharge, DischargeRule, Open, Proof, Refutation, SameStepLoop,
 };
 use linewright_algebra::replay;
 use linewright_algebra::system::{FormulaRef, System, formulas};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, VarId};
 use linewright_solver::game::{Lasso, RuleKind};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::{self, Write as _};
 
-/// A system, a claim about it, and how both are called.
+/// A system and a claim about it, with their names.
 #[derive(Debug, Clone, Copy)]
 pub struct ProofPrinter<'a> {
     /// The system.
     pub system: &'a System,
     /// The claim.
     pub claim: &'a Claim,
-    /// Whose formulas the claim's own are: the contract that is refined, or the machine.
+    /// Owner of the claim's own formulas: the name of the refined contract, or of the machine.
     pub whole: &'a str,
 }
 
 impl<'a> ProofPrinter<'a> {
-    /// The formula that is pointed at.
+    /// Returns the formula at a reference.
     pub fn formula(&self, at: FormulaRef) -> &'a Formula {
         replay::formula(self.system, self.claim, at)
     }
 
-    /// Whose it is.
+    /// Name of the formula's owner.
     pub fn owner(&self, at: FormulaRef) -> &'a str {
         at.part.map_or(self.whole, |p| &self.system.parts[p].name)
     }
 
-    /// `cell: pick_open`
+    /// Qualified name: `cell: pick_open`.
     pub fn name(&self, at: FormulaRef) -> String {
         let formula = &self.formula(at).name;
         match self.owner(at) {
@@ -45,7 +46,7 @@ impl<'a> ProofPrinter<'a> {
         }
     }
 
-    /// By what an obligation is met, in one line.
+    /// What meets an obligation, in one line.
     pub fn by(&self, discharge: &Discharge) -> String {
         let mut names: Vec<String> = Vec::new();
         for at in &discharge.by {
@@ -56,13 +57,13 @@ impl<'a> ProofPrinter<'a> {
         }
         let names = names.join(", ");
         match (discharge.rule, names.is_empty()) {
-            (Discharged::Exported, _) => "handed on: whoever uses it has to keep it".to_owned(),
+            (DischargeRule::Exported, _) => "handed on: whoever uses it has to keep it".to_owned(),
             (_, true) => "it cannot be broken".to_owned(),
             _ => names,
         }
     }
 
-    /// A table of discharges: what, how, by what.
+    /// A table of discharges: obligation, rule, and what meets it.
     pub fn table(&self, discharges: &[Discharge]) -> String {
         let names: Vec<String> = discharges.iter().map(|d| self.name(d.what)).collect();
         let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
@@ -76,7 +77,7 @@ impl<'a> ProofPrinter<'a> {
         text
     }
 
-    /// The same of a refinement, whose environment is that of the contract `given`.
+    /// Like `table`, for a refinement whose environment is that of the contract `given`.
     pub fn rests(&self, discharges: &[Discharge], given: &str) -> String {
         let names = discharges
             .iter()
@@ -102,7 +103,7 @@ impl<'a> ProofPrinter<'a> {
         text
     }
 
-    /// What keeps an assumption from being met, as far as it can be told from who sets what.
+    /// Why an assumption is not met, as far as the owners of the variables show it.
     pub fn reason(&self, open: &Open) -> String {
         let formula = self.formula(open.what);
         let Some(part) = open.what.part else {
@@ -156,7 +157,7 @@ impl<'a> ProofPrinter<'a> {
         }
     }
 
-    /// A guarantee of the form `a -> b` where the assumption needs `b -> a`.
+    /// Finds a guarantee of the form `a -> b` where the assumption needs `b -> a`.
     fn converse(&self, at: FormulaRef, assumed: &Formula) -> Option<String> {
         let (p, q) = implication(&assumed.expr)?;
         let parts = self.system.parts.iter().enumerate();
@@ -168,7 +169,7 @@ impl<'a> ProofPrinter<'a> {
                 let Some((a, b)) = implication(&guarantee.expr) else {
                     continue;
                 };
-                // b is what is assumed to lead to q, and q is among what leads to b.
+                // `b` is assumed to lead to `q`, and `q` is among the conjuncts that lead to `b`.
                 if *b == *p && a.conjuncts().iter().any(|c| same_truth(c, q)) {
                     return Some(format!("{}: {}", self.system.parts[i].name, guarantee.name));
                 }
@@ -177,12 +178,12 @@ impl<'a> ProofPrinter<'a> {
         None
     }
 
-    /// The counterexample as a table of the variables that matter, and how it ends.
+    /// The counterexample as a table of the relevant variables, with its ending.
     pub fn shown(&self, open: &Open) -> String {
         let shown = self.mentioned(open.what);
         let (steps, round) = match &open.why {
-            Broken::Trace(steps) => (steps.clone(), None),
-            Broken::Lasso(run) => (
+            Refutation::Trace(steps) => (steps.clone(), None),
+            Refutation::Lasso(run) => (
                 [run.prefix.clone(), run.cycle.clone()].concat(),
                 Some(run.prefix.len()),
             ),
@@ -201,8 +202,8 @@ impl<'a> ProofPrinter<'a> {
         steps_table(self.system, &shown, &steps) + &end
     }
 
-    /// The variables of a formula, and those of formulas about the same variables' settings that
-    /// mention few more.
+    /// Variables of a formula, and of formulas about the same variables' values that mention few
+    /// others.
     fn mentioned(&self, at: FormulaRef) -> Vec<VarId> {
         let mut found: BTreeSet<VarId> = BTreeSet::new();
         let mut add = |expr: &Expr| {
@@ -229,7 +230,7 @@ impl<'a> ProofPrinter<'a> {
         found.into_iter().filter(|v| !hidden(v)).collect()
     }
 
-    /// A circle of justice, and the change of pattern that breaks it.
+    /// Describes a circle of justice, and the change of pattern that breaks it.
     pub fn circle(&self, circle: &Circle) -> (String, String) {
         let members: Vec<String> = circle
             .assumptions
@@ -242,7 +243,7 @@ impl<'a> ProofPrinter<'a> {
             .map(|at| self.formula(*at).text.as_str())
             .collect();
         let message = format!(
-            "{} wait for one another: each comes true again and again only if the others do",
+            "{} depend on one another: each holds infinitely often only if the others do",
             list(&members)
         );
         let help = format!(
@@ -254,7 +255,7 @@ impl<'a> ProofPrinter<'a> {
         (message, help)
     }
 
-    /// A loop within a step.
+    /// Describes a loop within a step.
     pub fn same_step(&self, found: &SameStepLoop) -> (String, String) {
         let names: Vec<String> = found
             .variables
@@ -274,60 +275,60 @@ impl<'a> ProofPrinter<'a> {
         )
     }
 
-    /// The assumptions that were handed on.
+    /// Assumptions that are passed on to the caller.
     pub fn exported(&self, proof: &Proof) -> Vec<FormulaRef> {
         let exported = proof.discharges.iter();
         exported
-            .filter(|d| d.rule == Discharged::Exported)
+            .filter(|d| d.rule == DischargeRule::Exported)
             .map(|d| d.what)
             .collect()
     }
 }
 
-/// How an obligation is met, in a word or two.
-pub fn how(rule: Discharged) -> String {
+/// The rule that meets an obligation, in a word or two.
+pub fn how(rule: DischargeRule) -> String {
     match rule {
-        Discharged::Environment | Discharged::Exported => "environment".to_owned(),
-        Discharged::Induction => "step by step".to_owned(),
-        Discharged::Justice { turn } => format!("justice, turn {}", turn + 1),
+        DischargeRule::Environment | DischargeRule::Exported => "environment".to_owned(),
+        DischargeRule::Induction => "step by step".to_owned(),
+        DischargeRule::Justice { turn } => format!("justice, turn {}", turn + 1),
     }
 }
 
-/// The rule by which an obligation is met, for the documents.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+/// The rule that meets an obligation, for JSON documents.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum MetBy {
-    /// The whole assumes it of its environment.
+pub enum DischargeRuleName {
+    /// Assumed of the environment of the whole.
     Environment,
-    /// The whole hands it on to its caller.
+    /// Passed on to the caller of the whole.
     Exported,
-    /// By induction over time.
+    /// Induction over time.
     Induction,
-    /// In a turn of the proof of justice.
+    /// A turn of the proof of justice.
     Justice,
-    /// Only the synthesized controllers show it.
+    /// Shown only by the synthesized controllers.
     Controllers,
 }
 
-/// The word of the JSON documents.
-impl fmt::Display for MetBy {
+/// The name used in JSON documents.
+impl fmt::Display for DischargeRuleName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(f)
     }
 }
 
-impl From<Discharged> for MetBy {
-    fn from(rule: Discharged) -> Self {
+impl From<DischargeRule> for DischargeRuleName {
+    fn from(rule: DischargeRule) -> Self {
         match rule {
-            Discharged::Environment => Self::Environment,
-            Discharged::Exported => Self::Exported,
-            Discharged::Induction => Self::Induction,
-            Discharged::Justice { .. } => Self::Justice,
+            DischargeRule::Environment => Self::Environment,
+            DischargeRule::Exported => Self::Exported,
+            DischargeRule::Induction => Self::Induction,
+            DischargeRule::Justice { .. } => Self::Justice,
         }
     }
 }
 
-/// Steps as a table, a row a variable.
+/// Steps as a table, with a row per variable.
 pub fn steps_table(system: &System, shown: &[VarId], steps: &[Vec<i64>]) -> String {
     let rows = shown.iter().map(|v| {
         let variable = &system.variables[v.index()];
@@ -342,12 +343,12 @@ pub fn steps_table(system: &System, shown: &[VarId], steps: &[Vec<i64>]) -> Stri
         }
     });
     let mut rows: Vec<Row> = rows.collect();
-    // What comes from outside first; then part by part.
+    // Values from outside come first, then part by part.
     rows.sort_by_key(|r| r.side != "outside");
     grid(&rows, steps.len() - 1)
 }
 
-/// A lasso as a table, and where it goes on.
+/// A lasso as a table, with the step to which it returns.
 pub fn lasso_table(system: &System, run: &Lasso) -> String {
     let steps = [run.prefix.clone(), run.cycle.clone()].concat();
     let all: Vec<VarId> = (0..system.variables.len() as u32)
@@ -357,7 +358,7 @@ pub fn lasso_table(system: &System, run: &Lasso) -> String {
     steps_table(system, &all, &steps) + &lasso_end(run)
 }
 
-/// Where a lasso goes on.
+/// The step to which a lasso returns.
 pub fn lasso_end(run: &Lasso) -> String {
     let last = run.prefix.len() + run.cycle.len() - 1;
     if run.prefix.len() == last {
@@ -377,7 +378,7 @@ fn implication(expr: &Expr) -> Option<(&Expr, &Expr)> {
     }
 }
 
-/// `grip` and `grip = true` are the same.
+/// `grip` and `grip = true` are equivalent.
 fn same_truth(a: &Expr, b: &Expr) -> bool {
     fn plain(expr: &Expr) -> &Expr {
         match expr {
@@ -388,37 +389,38 @@ fn same_truth(a: &Expr, b: &Expr) -> bool {
     plain(a) == plain(b)
 }
 
-/// How an obligation is met, for the documents of `check`.
-#[derive(Debug, Serialize)]
+/// How an obligation is met, for the JSON documents of `check`.
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct DischargeEntry {
-    /// The component, or the machine or contract whose guarantee it is.
+    /// The component, or the machine or contract that guarantees it.
     pub component: String,
-    /// The assumption, or that guarantee.
+    /// The assumption or guarantee.
     pub assumption: String,
-    /// By which rule.
-    pub rule: MetBy,
-    /// Of justice: the turn, from 1.
+    /// The rule that meets it.
+    pub rule: DischargeRuleName,
+    /// For justice: the turn, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
     pub turn: Option<usize>,
-    /// By what.
+    /// What meets it.
     pub by: String,
 }
 
-/// Who meets what is handed on.
+/// Text naming what meets assumptions that are passed on.
 pub const HANDED_ON: &str = "the line, checked at every call";
 
-/// A discharge for the documents of `check`.
+/// A discharge as an entry of the JSON documents of `check`.
 pub fn entry(told: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
         component: told.owner(discharge.what).to_owned(),
         assumption: told.formula(discharge.what).name.clone(),
         rule: discharge.rule.into(),
         turn: match discharge.rule {
-            Discharged::Justice { turn } => Some(turn + 1),
+            DischargeRule::Justice { turn } => Some(turn + 1),
             _ => None,
         },
         by: match discharge.rule {
-            Discharged::Exported => HANDED_ON.to_owned(),
+            DischargeRule::Exported => HANDED_ON.to_owned(),
             _ => told.by(discharge),
         },
     }

@@ -1,41 +1,40 @@
-//! Work that has to end in time, on a thread that is left behind when it does not.
+//! Runs work that must end in time on a thread that is abandoned if it does not.
 //!
-//! The stages look at the deadline between the operations of a BDD kernel; a single operation
-//! cannot be interrupted, and may last minutes. So whoever waits here goes on shortly after the
-//! deadline, with what the work had reported until then. The thread goes on until the program ends,
-//! which is soon.
+//! The stages check the deadline between operations of the BDD kernel; a single operation cannot be
+//! interrupted and may take minutes. So the caller goes on shortly after the deadline with what the
+//! work had reported until then. The thread keeps running until the program ends, which is soon.
 
 use super::internal;
-use linewright_core::deadline::{Deadline, Late};
+use linewright_core::deadline::{Deadline, StopReason};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 #[cfg(test)]
 use std::time::Instant;
 
-/// How long the work may need to notice the deadline by itself, which gives the better answer.
+/// Time for the work to notice the deadline by itself, which gives the better answer.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// How often one looks at the deadline, which an interrupt ends early.
+/// Interval between checks of the deadline, which an interrupt brings forward.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Formulas nest as deep as their author likes, and so does what walks over them.
+/// Stack size in bytes. Formulas may nest arbitrarily deep, and so may the recursion over them.
 pub const STACK_BYTES: usize = 256 << 20;
 
-/// How work ended.
+/// Outcome of the work.
 #[derive(Debug)]
-pub enum Ended<P, R> {
-    /// With a result.
+pub enum Completion<P, R> {
+    /// Completed with a result.
     Done(R),
-    /// Nobody waits for it any longer. With it, the last thing that it reported.
-    Left(Late, Option<P>),
+    /// Abandoned, with the last thing that it reported.
+    Left(StopReason, Option<P>),
 }
 
-/// Runs `work` on a thread of its own. What it gives to the function that it is given is kept, in
-/// case that it is left.
+/// Runs `work` on its own thread. Values that it passes to its argument are kept in case it is
+/// abandoned.
 pub fn run<P, R>(
     deadline: Deadline,
     work: impl FnOnce(&dyn Fn(P)) -> R + Send + 'static,
-) -> Ended<P, R>
+) -> Completion<P, R>
 where
     P: Send + 'static,
     R: Send + 'static,
@@ -47,7 +46,7 @@ where
         let report = |partly: P| {
             let _ = sender.send(Err(partly));
         };
-        // A panic goes on to whoever waits, with its place.
+        // A panic is passed on to the waiting thread, with its location.
         let result = internal::within("", || work(&report));
         let _ = sender.send(Ok(result));
     });
@@ -56,11 +55,11 @@ where
     loop {
         let left = last.left().unwrap_or(LOOK);
         match receiver.recv_timeout(left.min(LOOK)) {
-            Ok(Ok(result)) => return Ended::Done(result),
+            Ok(Ok(result)) => return Completion::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(late) = last.check() {
-                    return Ended::Left(late, reported);
+                    return Completion::Left(late, reported);
                 }
             }
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
@@ -81,7 +80,7 @@ mod tests {
             report(1);
             2
         });
-        assert!(matches!(ended, Ended::Done(2)));
+        assert!(matches!(ended, Completion::Done(2)));
     }
 
     #[test]
@@ -93,7 +92,7 @@ mod tests {
             report(2);
             std::thread::sleep(Duration::from_mins(1));
         });
-        assert!(matches!(ended, Ended::Left(Late::Time, Some(2))));
+        assert!(matches!(ended, Completion::Left(StopReason::Time, Some(2))));
         assert!(begin.elapsed() < Duration::from_secs(10));
     }
 

@@ -15,7 +15,7 @@ use linewright_core::gr1::{
 use linewright_syntax::is_reserved;
 use std::fmt::Write as _;
 
-/// So many operands stand in one chain; the language's parser has a bound of its own.
+/// Maximum operands per chain; the language's parser has a bound of its own.
 const CHAIN: usize = 100;
 /// What nests deeper becomes a `define`.
 const DEEP: usize = 40;

@@ -7,7 +7,7 @@
 //! | transition | current values, next inputs | all |
 //! | goal | all | all |
 
-use super::terms::{Kind, MAX_DEPTH, Term, Terms, TooMuch};
+use super::terms::{Kind, MAX_DEPTH, Term, TermLimit, Terms};
 use linewright_core::diagnostics::{Code, Diagnostic, codes, nearest};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{
@@ -17,15 +17,15 @@ use linewright_core::source::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-/// A domain may have so many values, as in the language's own contracts.
+/// Maximum number of values of a domain, as in contracts.
 const MAX_DOMAIN: i64 = 1 << 20;
 /// Numbers in formulas are smaller than this.
 const MAX_NUMBER: i64 = 1 << 40;
-/// All formulas of a file may have so many operators and operands, written out, whatever its
+/// Maximum number of operators and operands of all expanded formulas of a file, whatever its
 /// length.
 const MIN_BUDGET: u64 = 4 << 20;
 
-/// For so many unknown names a similar one is looked for: that takes time, and nobody reads more.
+/// Maximum number of unknown names for which a similar name is searched, which takes time.
 const MAX_GUESSES: usize = 50;
 
 /// Which list a formula belongs to.
@@ -355,17 +355,17 @@ impl<'t> Names<'t> {
     pub fn tree(&mut self, term: Term, range: &Range<usize>) -> Option<Expr> {
         let size = self.terms.size(term);
         let tree = match self.terms.tree(term) {
-            Ok(_) if size > self.budget => Err(TooMuch::Large),
+            Ok(_) if size > self.budget => Err(TermLimit::Large),
             other => other,
         };
         let expr = match tree {
             Ok(expr) => expr,
             Err(why) => {
                 let message = match why {
-                    TooMuch::Deep => {
+                    TermLimit::Deep => {
                         format!("this formula nests more than {MAX_DEPTH} levels deep")
                     }
-                    TooMuch::Large => {
+                    TermLimit::Large => {
                         "this formula becomes too large once its memory cells are written out"
                             .to_owned()
                     }

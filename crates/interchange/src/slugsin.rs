@@ -142,7 +142,7 @@ fn declaration(names: &mut Names<'_>, owner: Owner, dialect: Dialect, line: Rang
         return;
     }
     let bad = if text.contains(char::is_whitespace) {
-        Some("a line declares one variable, without blanks in its name")
+        Some("a line declares one variable, without spaces in its name")
     } else if text.contains('\'') {
         Some("a variable's name has no prime")
     } else if prefix::is_operator(text) {

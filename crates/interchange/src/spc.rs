@@ -109,10 +109,10 @@ pub(super) fn read(names: &mut Names<'_>) -> bool {
     reach.is_some()
 }
 
-type Found<'a> = (Head, Range<usize>, &'a [Token]);
+type SectionTokens<'a> = (Head, Range<usize>, &'a [Token]);
 
 /// Cuts a file into its sections: head, place of the head, words of the body.
-fn sections<'a>(names: &mut Names<'_>, tokens: &'a [Token]) -> Vec<Found<'a>> {
+fn sections<'a>(names: &mut Names<'_>, tokens: &'a [Token]) -> Vec<SectionTokens<'a>> {
     let head_at = |names: &Names<'_>, i: usize| match (&tokens.get(i), tokens.get(i + 1)) {
         (Some((Word::Name, range)), Some((Word::Colon, _))) => head(&names.text[range.clone()]),
         _ => None,
@@ -164,7 +164,7 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
             names.syntax(
                 range.clone(),
                 format!("expected a variable, found `{found}`"),
-                "names are separated by blanks, a domain `[0,n]` stands behind its variable",
+                "names are separated by spaces, a domain `[0,n]` stands behind its variable",
             );
             // A domain that is written wrongly is said once.
             while body.get(i).is_some_and(|t| t.0 != Word::Name) {

@@ -39,7 +39,7 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
         names.syntax(
             place,
             format!("`{}` cannot be a variable's name", quoted(name)),
-            "a name has letters, digits, `_` and `.`, does not begin with a digit, and is no operator",
+            "a name has letters, digits, `_` and `.`, does not begin with a digit, and is not an operator",
         );
         return;
     }

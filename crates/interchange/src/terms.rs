@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Formulas may be so deep once chains are balanced: the depth that the language's own formulas may
 /// have.
 pub(super) const MAX_DEPTH: u32 = 500;
-/// A single formula may have so many operators and operands, written out.
+/// Maximum number of operators and operands of a single expanded formula.
 const MAX_SIZE: u64 = 1 << 20;
 
 /// What values a node has.
@@ -57,7 +57,7 @@ impl Node {
 
 /// Why a formula cannot be had as a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TooMuch {
+pub(super) enum TermLimit {
     Deep,
     Large,
 }
@@ -260,13 +260,13 @@ impl Terms {
     }
 
     /// The tree, if it is not too large.
-    pub fn tree(&self, term: Term) -> Result<Expr, TooMuch> {
+    pub fn tree(&self, term: Term) -> Result<Expr, TermLimit> {
         let node = self.node(term);
         if node.depth() > MAX_DEPTH {
-            return Err(TooMuch::Deep);
+            return Err(TermLimit::Deep);
         }
         if node.size > MAX_SIZE {
-            return Err(TooMuch::Large);
+            return Err(TermLimit::Large);
         }
         Ok(self.build(term))
     }

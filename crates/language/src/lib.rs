@@ -1,4 +1,4 @@
-//! What texts in Linewright's language mean: skill orders, and contracts, machines and lines with
+//! Meaning of texts in Linewright's language: skill orders, and contracts, machines and lines with
 //! their names resolved.
 
 pub mod contract;

@@ -1,8 +1,8 @@
-//! The event calendar: what will happen, in the order in which it will.
+//! Event calendar: future events in time order.
 //!
-//! A binary heap over one 128-bit key: the time, then a priority, then a running number. Simulated
+//! A binary heap with one 128-bit key: time, then priority, then a sequence number. Simulated
 //! seconds are never negative and never NaN, and the bit patterns of such numbers sort as the
-//! numbers do, so that the whole comparison is one of integers. The running number makes the order
+//! numbers do, so that the whole comparison is one of integers. The sequence number makes the order
 //! total: two events of one instant and priority happen in the order in which they were scheduled,
 //! on every platform.
 
@@ -22,11 +22,11 @@ struct Entry<E> {
     event: E,
 }
 
-/// How many bits of the key hold the running number; the eight above them hold the priority.
+/// Number of key bits for the sequence number; the eight bits above hold the priority.
 const NUMBER_BITS: u32 = 56;
 
 impl<E> Calendar<E> {
-    /// An empty calendar.
+    /// Creates an empty calendar.
     pub fn new() -> Self {
         Self {
             heap: BinaryHeap::new(),
@@ -34,9 +34,8 @@ impl<E> Calendar<E> {
         }
     }
 
-    /// Enters an event. Of two at the same time the one with the smaller priority comes first, and
-    /// of two with the same priority the one that was entered first. A time that is negative counts
-    /// as 0, and one that is not finite as the last of all times.
+    /// Adds an event. Events at the same time are ordered by priority, smallest first, then by
+    /// insertion. A negative time counts as 0, and one that is not finite as the latest time.
     pub fn schedule(&mut self, time: f64, priority: u8, event: E) {
         let time = if time.is_finite() {
             time.max(0.0) + 0.0
@@ -51,24 +50,24 @@ impl<E> Calendar<E> {
         });
     }
 
-    /// Takes the next event out, with its time.
+    /// Removes the next event and returns it with its time.
     pub fn take(&mut self) -> Option<(f64, E)> {
         self.heap
             .pop()
             .map(|entry| (time_of(entry.key), entry.event))
     }
 
-    /// The time of the next event.
+    /// Time of the next event.
     pub fn next_time(&self) -> Option<f64> {
         self.heap.peek().map(|entry| time_of(entry.key))
     }
 
-    /// How many events are entered.
+    /// Number of events.
     pub fn len(&self) -> usize {
         self.heap.len()
     }
 
-    /// Whether nothing is entered.
+    /// Whether there are no events.
     pub fn is_empty(&self) -> bool {
         self.heap.is_empty()
     }
@@ -84,7 +83,7 @@ fn time_of(key: u128) -> f64 {
     f64::from_bits((key >> 64) as u64)
 }
 
-// The standard heap gives its greatest element first, hence the order the other way round.
+// The standard heap returns its greatest element first, so the order is reversed.
 impl<E> Ord for Entry<E> {
     fn cmp(&self, other: &Self) -> Ordering {
         other.key.cmp(&self.key)

@@ -1,4 +1,4 @@
-//! Requirements: what is measured, and whether it is as it should be.
+//! Requirements: measured values, and whether they meet their bounds.
 
 use super::replicate::Estimate;
 use super::trace::{End, RequirementResult, Trace};
@@ -7,8 +7,8 @@ use linewright_language::contract::line::{Comparison, Line, Metric};
 
 const JOULES_PER_KWH: f64 = 3.6e6;
 
-/// A metric of a run, in its unit; `None` where there was nothing to measure: without a product
-/// there is no lead time.
+/// Value of a metric in a run, in its unit; `None` if there was nothing to measure: without a
+/// product there is no lead time.
 pub fn measure(metric: &Metric, trace: &Trace) -> Option<f64> {
     let of_products = matches!(
         metric,
@@ -55,7 +55,7 @@ fn words(comparison: Comparison) -> &'static str {
     }
 }
 
-/// What was measured, as the predicate of a sentence.
+/// The measured value as the predicate of a sentence.
 fn is(value: Option<f64>) -> String {
     match value {
         Some(value) => format!("is {}", thousandths(value)),
@@ -63,8 +63,8 @@ fn is(value: Option<f64>) -> String {
     }
 }
 
-/// Measures all requirements of a line in one run; each that does not hold is a finding. Of a run
-/// that was cut off none is judged.
+/// Checks all requirements of a line in one run; each that does not hold becomes a finding. A run
+/// that was cut off is not judged.
 pub(super) fn check(line: &Line, trace: &mut Trace) {
     if trace.end == End::GaveUp {
         return;
@@ -94,22 +94,22 @@ pub(super) fn check(line: &Line, trace: &mut Trace) {
     }
 }
 
-/// A requirement over several runs: it holds where it holds in every one.
+/// A requirement over several runs: it holds if it holds in every run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReplicatedRequirement {
-    /// Its name.
+    /// Name of the requirement.
     pub name: String,
-    /// In how many of the runs it holds.
+    /// Number of runs in which it holds.
     pub held_in: usize,
-    /// How many runs there were.
+    /// Number of runs.
     pub runs: usize,
-    /// What was measured, in the metric's unit, over the runs in which it could be; `None` where it
-    /// could be in none.
+    /// Measured value in the metric's unit, over the runs in which it could be measured; `None` if
+    /// there is no such run.
     pub value: Option<Estimate>,
-    /// The first run in which it could not be measured, or else the one that is furthest on the
-    /// wrong side of the bound, or nearest to it.
+    /// Index of the first run in which it could not be measured, or else of the run that violates
+    /// the bound most, or comes closest to it.
     pub worst: usize,
-    /// What was measured in that run.
+    /// Measured value in that run.
     pub worst_value: Option<f64>,
 }
 
@@ -120,7 +120,7 @@ impl ReplicatedRequirement {
     }
 }
 
-/// The requirements of a line over these runs.
+/// Evaluates the requirements of a line over these runs.
 pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> {
     let requirements = line.requirements.iter().enumerate();
     requirements
@@ -153,12 +153,12 @@ pub(super) fn over(line: &Line, traces: &[Trace]) -> Vec<ReplicatedRequirement> 
                 value: Estimate::of(&measured),
             }
         })
-        // A run that was cut off says nothing of them.
+        // Runs that were cut off are not counted.
         .filter(|result| result.runs > 0)
         .collect()
 }
 
-/// One finding for each requirement that does not hold in every one of several runs.
+/// One finding for each requirement that does not hold in all of several runs.
 pub(super) fn unmet(
     line: &Line,
     traces: &[Trace],
@@ -169,7 +169,7 @@ pub(super) fn unmet(
         let Some(worst) = traces.get(result.worst).filter(|_| !result.holds()) else {
             continue;
         };
-        // With a reason behind it, the seed comes first.
+        // If a reason follows, the seed comes first.
         let with_seed = match result.worst_value {
             Some(_) => format!("{} with seed {}", is(result.worst_value), worst.seed),
             None => format!("with seed {} it {}", worst.seed, is(None)),

@@ -1,34 +1,34 @@
 //! Seeded random numbers, the same on every platform and in every version.
 //!
-//! The generator is xoshiro256++ of Blackman and Vigna ("Scrambled linear pseudorandom number
-//! generators", 2021), seeded through their `SplitMix64`, as they recommend. It is forty lines, and
-//! a run must not change because a crate did; hence not from one.
+//! The generator is xoshiro256++ by Blackman and Vigna ("Scrambled linear pseudorandom number
+//! generators", 2021), seeded through their `SplitMix64`, as they recommend. It takes forty lines
+//! and is not taken from a crate, because a run must not change when a crate does.
 //!
-//! Everything random in a line has a [`Stream`] of its own, named by the run's seed, the purpose
-//! and the name of the node. A node more, or one more draw at one of them, leaves all others as
-//! they were (common random numbers), so that two variants of a line can be compared under one
-//! seed.
+//! Every random quantity in a line has its own [`Stream`], identified by the run's seed, the
+//! purpose and the name of the node. Adding a node, or one more draw at one of them, leaves all
+//! other streams unchanged (common random numbers), so that variants of a line can be compared
+//! under one seed.
 
-/// What a stream is for.
+/// Purpose of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// The times between a source's parts.
+    /// Times between a source's parts.
     Arrivals,
-    /// A station's breakdowns and repairs.
+    /// Breakdowns and repairs of a station.
     Failures,
-    /// The defects a station makes.
+    /// Defects made by a station.
     Defects,
-    /// Which lead times are kept in the sample for the percentiles.
+    /// Selection of lead times for the sample behind the percentiles.
     Sample,
 }
 
-/// One sequence of random numbers.
+/// A sequence of random numbers.
 #[derive(Debug, Clone)]
 pub struct Stream {
     state: [u64; 4],
 }
 
-/// The next number of `SplitMix64`.
+/// Returns the next number of `SplitMix64`.
 fn split_mix(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
@@ -38,7 +38,7 @@ fn split_mix(state: &mut u64) -> u64 {
 }
 
 impl Stream {
-    /// The stream of a run's seed, a purpose and a name.
+    /// The stream for a run's seed, a purpose and a name.
     pub fn new(seed: u64, purpose: Purpose, name: &str) -> Self {
         // FNV-1a over the name; SplitMix64 then mixes it with seed and purpose.
         let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
@@ -71,22 +71,22 @@ impl Stream {
         result
     }
 
-    /// A number from 0 up to but without 1, of 53 random bits.
+    /// A uniform number in [0, 1) from 53 random bits.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
-    /// An exponentially distributed number with this mean: never infinite, never negative.
+    /// An exponentially distributed number with this mean: finite and not negative.
     pub fn exponential(&mut self, mean: f64) -> f64 {
         -mean * (1.0 - self.unit()).ln()
     }
 
-    /// True with this probability.
+    /// Returns true with this probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }
 
-    /// One of `0..count`, each as likely; 0 where `count` is 0.
+    /// A uniform number in `0..count`; 0 if `count` is 0.
     pub fn below(&mut self, count: u64) -> u64 {
         // The upper half of a product with 64 random bits: its bias is below count / 2^64.
         ((u128::from(self.bits()) * u128::from(count)) >> 64) as u64

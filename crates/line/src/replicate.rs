@@ -1,43 +1,43 @@
-//! Replications: the same line under several seeds, and how sure the figures are.
+//! Replications: the same line under several seeds, with confidence intervals.
 
 use super::metric::{self, ReplicatedRequirement};
 use super::plant::Plant;
 use super::statistics::student_t;
 use super::trace::{End, Trace};
-use linewright_core::deadline::Late;
+use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, Metric};
 
-/// The figures of several runs.
+/// Figures over several runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replications {
-    /// The seeds, one a run.
+    /// Seeds, one per run.
     pub seeds: Vec<u64>,
-    /// Products an hour.
+    /// Products per hour.
     pub throughput_per_hour: Option<Estimate>,
     /// Seconds to the last product, over the runs that made one.
     pub makespan: Option<Estimate>,
-    /// Energy in all.
+    /// Total energy.
     pub energy_kwh: Option<Estimate>,
-    /// The line's requirements over all runs, in its order.
+    /// The line's requirements over all runs, in line order.
     pub requirements: Vec<ReplicatedRequirement>,
-    /// What went wrong in any of the runs, each finding once; one for each requirement that some
-    /// run does not keep.
+    /// Problems in any of the runs, each finding once, plus one for each requirement that some run
+    /// violates.
     pub findings: Vec<Diagnostic>,
 }
 
-/// A mean, with the half of its 95 % confidence interval by Student's t distribution.
+/// A mean with half the width of its 95 % confidence interval (Student's t distribution).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The mean of the runs.
+    /// Mean of the runs.
     pub mean: f64,
     /// The interval is `mean - half_width ..= mean + half_width`; `None` for a single run, which
-    /// says nothing about it.
+    /// allows no estimate.
     pub half_width: Option<f64>,
 }
 
 impl Estimate {
-    /// The estimate from independent values; `None` for none.
+    /// Estimates from independent values; `None` without values.
     pub fn of(values: &[f64]) -> Option<Self> {
         if values.is_empty() {
             return None;
@@ -54,10 +54,10 @@ impl Estimate {
 }
 
 impl Plant {
-    /// Runs the line `count` times (at least once), under the seed of the options and those that
-    /// follow it. Gives the traces in that order; their seeds, being mixed, are as independent as
-    /// any others. Once the deadline is past, no further run begins, and a finding says so; a run
-    /// that it cut off counts nowhere, unless it is the first.
+    /// Runs the line `count` times (at least once) with consecutive seeds, starting with that of
+    /// the options. Returns the traces in that order; seeds are mixed, so consecutive ones are as
+    /// independent as any others. Once the deadline is past, no further run begins, and a finding
+    /// says so; a run that it cut off is not counted, unless it is the first.
     pub fn replicate(&mut self, count: u64) -> (Vec<Trace>, Replications) {
         let first = self.seed();
         let count = count.max(1);
@@ -75,7 +75,7 @@ impl Plant {
         }
         let mut replications = Replications::of(self.line(), &traces);
         if done < count {
-            let late = self.late().unwrap_or(Late::Time);
+            let late = self.late().unwrap_or(StopReason::Time);
             let message = format!("{late}: {done} of {count} runs were over");
             replications.findings.push(
                 Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(format!(
@@ -89,7 +89,7 @@ impl Plant {
 }
 
 impl Replications {
-    /// The figures of these runs of a line.
+    /// Figures of these runs of a line.
     pub fn of(line: &Line, traces: &[Trace]) -> Self {
         let estimate = |metric: &Metric| {
             let measured = traces

@@ -1,9 +1,9 @@
-//! Counting while a line runs: where the time went, lead times, and confidence intervals.
+//! Statistics of a running line: time by activity, lead times, and confidence intervals.
 
 use super::random::{Purpose, Stream};
 use super::trace::{LeadTime, Shares};
 
-/// What a station is doing, as its time is booked.
+/// Activity of a station, as its time is booked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Activity {
     Busy,
@@ -31,20 +31,20 @@ impl Clock {
         }
     }
 
-    /// From `now` on it is this activity.
+    /// Switches to this activity at `now`.
     pub(super) fn switch(&mut self, now: f64, activity: Activity) {
         self.seconds[self.activity as usize] += now - self.since;
         self.since = now;
         self.activity = activity;
     }
 
-    /// The seconds booked up to the last switch.
+    /// Seconds booked up to the last switch.
     pub(super) fn seconds(&self, activity: Activity) -> f64 {
         self.seconds[activity as usize]
     }
 
-    /// The shares of all the time booked; `visited` says whether anything ever came. Without any
-    /// time it was all idle.
+    /// Shares of the total booked time; `visited` says whether any part ever came. If no time was
+    /// booked, all of it is idle.
     pub(super) fn shares(&self, visited: bool) -> Shares {
         let total: f64 = self.seconds.iter().sum();
         if total <= 0.0 {
@@ -70,11 +70,11 @@ impl Clock {
     }
 }
 
-/// So many lead times are kept for the percentiles; beyond, each is as likely as any other to be
-/// among the kept ones.
+/// Maximum number of lead times kept for the percentiles; beyond it, all are equally likely to be
+/// kept.
 const SAMPLE: usize = 1 << 17;
 
-/// Lead times: mean and greatest of all, percentiles of a bounded sample (Vitter's reservoir,
+/// Lead times: mean and maximum of all, percentiles of a bounded sample (Vitter's reservoir,
 /// algorithm R).
 #[derive(Debug)]
 pub(super) struct LeadTimes {
@@ -121,7 +121,7 @@ impl LeadTimes {
     }
 }
 
-/// The smallest value that at least this share of the sorted values does not exceed.
+/// The smallest value that at least this share of the sorted values does not exceed (nearest rank).
 fn nearest_rank(sorted: &[f64], share: f64) -> f64 {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted
@@ -130,7 +130,7 @@ fn nearest_rank(sorted: &[f64], share: f64) -> f64 {
         .unwrap_or(0.0)
 }
 
-/// The 97.5 % point of Student's t distribution: half of a 95 % interval in standard errors.
+/// The 97.5 % quantile of Student's t distribution: half of a 95 % interval in standard errors.
 pub(super) fn student_t(degrees: u64) -> f64 {
     const TABLE: [f64; 30] = [
         12.706_205, 4.302_653, 3.182_446, 2.776_445, 2.570_582, 2.446_912, 2.364_624, 2.306_004,

@@ -1,75 +1,76 @@
-//! What a run was: the narrow waist between the runner and everything that shows or checks a run.
+//! The result of a run: the only interface between the runner and everything that shows or checks a
+//! run.
 
 use linewright_core::diagnostics::Diagnostic;
 use linewright_station::ErrorCode;
 
-/// What happened in one run of a line.
+/// The result of one run of a line.
 #[derive(Debug, Clone)]
 pub struct Trace {
-    /// The seed.
+    /// Random seed.
     pub seed: u64,
-    /// Why it ended.
+    /// Why the run ended.
     pub end: End,
-    /// Simulated seconds from the start to the end.
+    /// Simulated seconds from start to end.
     pub seconds: f64,
-    /// Events that were taken from the calendar.
+    /// Number of events processed.
     pub events: u64,
-    /// End products in a sink that does not reject, or in a store.
+    /// Number of end products in a sink that does not reject, or in a store.
     pub products: u64,
-    /// Those of them that are in a store.
+    /// Number of those that are in a store.
     pub stored: u64,
-    /// The time of the last end product; 0 where there is none.
+    /// Time of the last end product in seconds; 0 if there is none.
     pub makespan: f64,
-    /// End products an hour of simulated time.
+    /// End products per hour of simulated time.
     pub throughput_per_hour: f64,
-    /// Mobile units of all types.
+    /// Counts of mobile units of all types.
     pub parts: PartCounts,
-    /// From a product's first part to its end.
+    /// Time from entry of a product's first part to its completion.
     pub lead_time: LeadTime,
-    /// Joules of all stations and conveyors.
+    /// Energy of all stations and conveyors in joules.
     pub joules: f64,
-    /// One entry a station, in the line's order.
+    /// One entry per station, in line order.
     pub stations: Vec<StationStatistics>,
-    /// One entry a conveyor, in the line's order.
+    /// One entry per conveyor, in line order.
     pub conveyors: Vec<ConveyorStatistics>,
-    /// One entry a machine, in the order of its first instance.
+    /// One entry per machine, in the order of its first instance.
     pub machines: Vec<MachineStatistics>,
     /// The station (an index into `stations`) with the greatest share of busy, setup and failed
     /// time.
     pub bottleneck: Option<usize>,
-    /// Rejected parts by type, in the line's order; types without any are left out.
+    /// Rejected parts by type, in line order; types without any are omitted.
     pub rejects: Vec<Reject>,
-    /// The first [`MAX_VIOLATIONS`] violations, in the order of time.
+    /// The first [`MAX_VIOLATIONS`] violations, in time order.
     pub violations: Vec<Violation>,
-    /// How many there were in all.
+    /// Total number of violations.
     pub violation_count: u64,
-    /// The line's requirements, checked; none of a run that was cut off (`End::GaveUp`).
+    /// Results of the line's requirements; empty for a run that was cut off (`End::GaveUp`).
     pub requirements: Vec<RequirementResult>,
-    /// Everything that went wrong, as findings.
+    /// All problems, as findings.
     pub findings: Vec<Diagnostic>,
-    /// Every movement, where [`Options::log`](super::Options::log) asks for it.
+    /// Every movement, if [`Options::log`](super::Options::log) is set.
     pub log: Vec<LogEntry>,
 }
 
-/// So many violations are kept one by one; later ones are only counted.
+/// Maximum number of violations that are stored; later ones are only counted.
 pub const MAX_VIOLATIONS: usize = 1000;
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum End {
-    /// The products that were wanted are made.
+    /// The wanted products are made.
     Products,
-    /// The time is over.
+    /// The simulated time has passed.
     Time,
     /// The line can no longer advance, or makes no progress.
     Blocked,
     /// A conveyor's controller lost or doubled a part.
     PartLost,
-    /// The deadline of the real clock was reached.
+    /// The wall-clock deadline was reached.
     GaveUp,
 }
 
-/// Mobile units of all types: `entered = finished + rejected + consumed + in_progress`.
+/// Counts of mobile units of all types: `entered = finished + rejected + consumed + in_progress`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PartCounts {
     /// Left a source or a store's stock, or were made by joining.
@@ -84,165 +85,164 @@ pub struct PartCounts {
     pub in_progress: u64,
 }
 
-/// Seconds from the moment at which the first of a product's parts entered the line to its end. All
-/// 0 without products.
+/// Seconds from the entry of a product's first part to its completion. All 0 without products.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LeadTime {
-    /// The mean of all products.
+    /// Mean over all products.
     pub mean: f64,
-    /// Half of the products took no longer (nearest rank; from a sample where there are very many).
+    /// Median (nearest rank; from a sample if there are very many).
     pub p50: f64,
-    /// Ninety-five in a hundred took no longer, likewise.
+    /// 95th percentile, likewise.
     pub p95: f64,
-    /// The longest of all.
+    /// Maximum.
     pub max: f64,
 }
 
-/// How a station spent its time: shares from 0 to 1 that sum to 1.
+/// Shares of a station's time: from 0 to 1, sum 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shares {
-    /// At work on a part.
+    /// In work on a part.
     pub busy: f64,
-    /// Free, but nothing to work on has come.
+    /// Free, but no part to work on has come.
     pub starved: f64,
     /// Finished with a part that finds no room.
     pub blocked: f64,
-    /// Broken down or under repair, off shift too.
+    /// Broken down or under repair, including off shift.
     pub failed: f64,
-    /// Off shift; all the waiting of a station that no part ever came to.
+    /// Off shift; also all the waiting of a station that no part ever reached.
     pub idle: f64,
-    /// Being set up for another part type.
+    /// In setup for another part type.
     pub setup: f64,
 }
 
 impl Shares {
-    /// The share in which the station held the line up by itself: busy, setup and failed.
+    /// The share in which the station itself was the constraint: busy, setup and failed.
     pub fn engaged(&self) -> f64 {
         self.busy + self.setup + self.failed
     }
 }
 
-/// A station's figures.
+/// Figures of a station.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StationStatistics {
-    /// The node.
+    /// Index of the node.
     pub node: usize,
-    /// Its name.
+    /// Name of the node.
     pub name: String,
-    /// Its machine's name.
+    /// Name of the machine.
     pub machine: String,
-    /// Parts whose service ended.
+    /// Number of parts whose service ended.
     pub processed: u64,
-    /// How the time was spent.
+    /// Shares of its time.
     pub shares: Shares,
-    /// Seconds at work.
+    /// Seconds in work.
     pub busy_seconds: f64,
-    /// Joules: those of the services, and the idle power outside them.
+    /// Energy in joules: services, plus idle power outside them.
     pub joules: f64,
 }
 
-/// A conveyor's figures.
+/// Figures of a conveyor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConveyorStatistics {
-    /// The node.
+    /// Index of the node.
     pub node: usize,
-    /// Its name.
+    /// Name of the node.
     pub name: String,
-    /// Its machine's name, where a contract moves it.
+    /// Name of its machine, if a contract moves it.
     pub machine: Option<String>,
-    /// Parts that left it at its end.
+    /// Number of parts that left it at its end.
     pub carried: u64,
     /// Seconds in which something moved on it.
     pub moving_seconds: f64,
-    /// Joules.
+    /// Energy in joules.
     pub joules: f64,
 }
 
-/// The figures of all instances of a machine.
+/// Figures of all instances of a machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineStatistics {
-    /// The machine's name.
+    /// Name of the machine.
     pub name: String,
-    /// Seconds at work, of all its instances together.
+    /// Seconds in work, summed over its instances.
     pub busy_seconds: f64,
-    /// Joules of all its instances.
+    /// Energy of its instances in joules.
     pub joules: f64,
 }
 
 /// Rejected parts of one type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reject {
-    /// The part type.
+    /// Index of the part type.
     pub part: usize,
-    /// How many.
+    /// Number of rejected parts.
     pub count: u64,
-    /// How many new ones were ordered for them.
+    /// Number of new parts ordered for them.
     pub reordered: u64,
 }
 
-/// A rule that was broken while the line ran.
+/// A violation of a rule during the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
-    /// When, in simulated seconds.
+    /// Time in simulated seconds.
     pub time: f64,
-    /// At which node.
+    /// Index of the node.
     pub node: usize,
-    /// The part that was worked on and its type; none for a conveyor.
+    /// Number and type of the part in work; `None` for a conveyor.
     pub part: Option<(u64, usize)>,
-    /// What the library answered.
+    /// Error code of the library.
     pub code: ErrorCode,
-    /// The rule, component first: `turn: gripped`.
+    /// The violated rule, component first: `turn: gripped`.
     pub rule: Option<String>,
-    /// The library's whole text.
+    /// Complete message of the library.
     pub message: String,
 }
 
-/// A requirement of the line and what it came to.
+/// A requirement of the line and its result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequirementResult {
-    /// Its name.
+    /// Name of the requirement.
     pub name: String,
     /// Whether it holds.
     pub holds: bool,
-    /// What was measured, in the metric's unit; `None` where there was nothing to measure.
+    /// Measured value in the metric's unit; `None` if there was nothing to measure.
     pub value: Option<f64>,
 }
 
-/// One movement.
+/// A log entry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogEntry {
-    /// When.
+    /// Time in simulated seconds.
     pub time: f64,
-    /// At which node.
+    /// Index of the node.
     pub node: usize,
-    /// The part's number and type; none for breakdowns and repairs.
+    /// Number and type of the part; `None` for breakdowns and repairs.
     pub part: Option<(u64, usize)>,
     /// What happened.
-    pub what: What,
+    pub what: EventKind,
 }
 
-/// What happened to a part or node.
+/// Event at a part or node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum What {
-    /// It entered the line here.
+pub enum EventKind {
+    /// The part entered the line here.
     Entered,
-    /// It came to this node.
+    /// The part arrived at this node.
     Arrived,
-    /// It became part of another one.
+    /// The part became a component of another one.
     Consumed,
-    /// The station began to set up for it.
+    /// The station began setup for the part.
     SetupStarted,
-    /// Its service began.
+    /// Service of the part began.
     Started,
-    /// Its service ended.
+    /// Service of the part ended.
     Ended,
-    /// It left this node for the next.
+    /// The part left this node for the next.
     Left,
-    /// It was seen on this place of the belt.
+    /// The part was seen at this place of the belt.
     Place(u32),
-    /// It left the line as it should.
+    /// The part left the line as finished.
     Finished,
-    /// It left the line as scrap.
+    /// The part left the line as scrap.
     Rejected,
     /// The station broke down.
     Failed,

@@ -5,15 +5,15 @@ use std::fmt;
 
 /// Why something was not decided.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Undecided {
-    /// The reason, to be read after a colon.
+pub struct UndecidedReason {
+    /// The reason, phrased to follow a colon.
     pub why: String,
     /// The limit that was reached, if that is the reason.
     pub limit: Option<Limit>,
 }
 
-impl Undecided {
-    /// A reason that lies in the line.
+impl UndecidedReason {
+    /// Creates a reason that lies in the line itself.
     pub fn because(why: impl Into<String>) -> Self {
         Self {
             why: why.into(),
@@ -21,14 +21,13 @@ impl Undecided {
         }
     }
 
-    /// Whether the command came to a limit that it was given; otherwise the answer is the same
-    /// wherever the question is asked.
+    /// Whether a limit of the command was reached; otherwise the answer never changes.
     pub fn is_of_command(&self) -> bool {
         self.limit.is_some_and(Limit::is_of_command)
     }
 }
 
-impl From<Limit> for Undecided {
+impl From<Limit> for UndecidedReason {
     fn from(limit: Limit) -> Self {
         Self {
             why: limit.to_string(),
@@ -37,7 +36,7 @@ impl From<Limit> for Undecided {
     }
 }
 
-impl fmt::Display for Undecided {
+impl fmt::Display for UndecidedReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.why)
     }

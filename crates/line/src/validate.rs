@@ -1,7 +1,8 @@
-//! What must be true of a line before it runs, so that nothing in the runner can be out of range.
+//! Checks what must hold of a line before it runs, so that no index in the runner can be out of
+//! range.
 //!
-//! The resolver gives the user better messages for most of this, and earlier; a line that it has
-//! passed gets none here.
+//! The resolver reports most of this earlier and with better messages; a line that it accepts gets
+//! no findings here.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
@@ -9,8 +10,8 @@ use linewright_language::contract::is_duration;
 use linewright_language::contract::line::{Belt, InitialValue, Line, Node, NodeKind, Supply, Task};
 use linewright_language::contract::machine::{Machine, RealExpr};
 
-/// Everything that keeps the runner from running this line. `has_controller` says whether there is
-/// one for a node.
+/// Returns everything that prevents the runner from running this line. `has_controller` says
+/// whether a node has a controller.
 pub(super) fn validate(line: &Line, has_controller: impl Fn(usize) -> bool) -> Vec<Diagnostic> {
     let mut check = Check {
         line,
@@ -106,7 +107,7 @@ impl Check<'_> {
                 });
                 if let Supply::Every { seconds, .. } = supply {
                     self.require(is_duration(*seconds), node.span, || {
-                        format!("{name} makes a part every {seconds} seconds, which is no duration")
+                        format!("{name} makes a part every {seconds} seconds, which is not a valid duration")
                     });
                 }
             }
@@ -139,7 +140,7 @@ impl Check<'_> {
                 });
                 self.require(is_duration(*setup_seconds), node.span, || {
                     format!(
-                        "the setup of {name} takes {setup_seconds} seconds, which is no duration"
+                        "the setup of {name} takes {setup_seconds} seconds, which is not a valid duration"
                     )
                 });
                 if let Some(f) = failures {
@@ -271,7 +272,7 @@ fn fits(expression: &RealExpr, properties: usize) -> bool {
     }
 }
 
-/// Whether a belt's wires exist where they should.
+/// Whether a belt's wires exist where they are needed.
 fn belt_fits(belt: &Belt, places: u32) -> bool {
     let plant = belt.machine.plant.len();
     let wires = belt.machine.wire_count();

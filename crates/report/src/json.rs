@@ -1,13 +1,16 @@
 //! A run as a JSON document of the schema `linewright/run/1`.
 //!
-//! Seconds and rates have six places after the point, energies nine. Shares have six, and are
-//! rounded so that they still sum to 1.
+//! Seconds and rates have six decimal places, energies nine. Shares have six and are rounded so
+//! that they still sum to 1.
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
 use linewright_line::trace::{End, Shares};
 use linewright_line::{Estimate, Replications, Trace};
 use serde_json::{Value, json};
+
+/// The JSON Schema of the document, beside the definition of a finding.
+pub const RUN_SCHEMA: &str = include_str!("run.schema.json");
 
 /// The document of a run. `wall_seconds` is left out where there is none (`--no-timing`);
 /// `replications` is there where several seeds were run: it has its figures, the requirements are
@@ -176,7 +179,7 @@ fn replicated(replications: &Replications) -> Value {
     })
 }
 
-/// An estimate with its interval; `null` where nothing could be measured.
+/// An estimate with its interval; `null` if nothing was measured.
 fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
     let estimate = estimate?;
     Some(json!({
@@ -186,7 +189,7 @@ fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
     }))
 }
 
-/// The end of an interval, on this side of the mean.
+/// The end of an interval on the side of the mean given by `sign`; `None` without an interval.
 fn bound(estimate: Estimate, sign: f64, places: i32) -> Option<f64> {
     estimate
         .half_width
@@ -208,7 +211,7 @@ fn kwh(joules: f64) -> f64 {
     round(joules / JOULES_PER_KWH, 9)
 }
 
-/// So many places after the point; never minus zero.
+/// Rounds to `places` decimal places; never returns minus zero.
 fn round(value: f64, places: i32) -> f64 {
     let scale = 10_f64.powi(places);
     let rounded = (value * scale).round() / scale;
@@ -219,7 +222,7 @@ fn round(value: f64, places: i32) -> f64 {
     }
 }
 
-/// Shares with six places that sum to 1: the greatest takes what rounding the others left over.
+/// Shares with six decimal places that sum to 1: the largest share absorbs the rounding error.
 fn rounded(shares: &Shares) -> Shares {
     let mut millionths = [
         shares.busy,

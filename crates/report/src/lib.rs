@@ -1,4 +1,4 @@
-//! What a run was, for people ([`table()`]) and for programs ([`json()`]).
+//! Formats a run for people ([`table()`]) and for programs ([`json()`]).
 //!
 //! Both show the same [`Trace`](linewright_line::Trace) and add nothing to it. Figures are rounded
 //! to fixed places, so that the same run gives the same bytes; the one measured figure, the wall
@@ -7,7 +7,7 @@
 mod json;
 mod table;
 
-pub use json::json;
+pub use json::{RUN_SCHEMA, json};
 pub use table::table;
 
 const JOULES_PER_KWH: f64 = 3.6e6;

@@ -1,4 +1,4 @@
-//! A run as text for a terminal of a hundred columns.
+//! A run as text for a terminal 100 columns wide.
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line, Metric};
@@ -7,7 +7,7 @@ use linewright_line::{Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-/// The whole text, with a line break at its end.
+/// Returns the whole text, ending with a line break.
 pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) -> String {
     let mut out = String::new();
     summary(&mut out, line, trace);
@@ -58,7 +58,7 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
         row(
             "lead time",
             format!(
-                "mean {}, half within {}, 95 % within {}, longest {}",
+                "mean {}, median {}, 95th percentile {}, maximum {}",
                 clock(t.mean),
                 clock(t.p50),
                 clock(t.p95),
@@ -253,7 +253,7 @@ fn requirements_of_all(out: &mut String, line: &Line, replications: &Replication
     );
 }
 
-/// What the line's requirement of this number asks for.
+/// What requirement number `index` of the line demands.
 fn asked_for(line: &Line, index: usize) -> String {
     line.requirements.get(index).map_or(String::new(), |r| {
         format!(
@@ -280,14 +280,14 @@ fn replicated(out: &mut String, replications: &Replications) {
     columns(out, &[&title, "mean", "from", "to"], &rows);
 }
 
-/// A mean and the ends of its interval, each `-` where there is none.
+/// A mean and the ends of its interval; `-` for each that does not exist.
 fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
     let half = estimate.and_then(|e| e.half_width);
     let bound = |sign: f64| Some(estimate?.mean + sign * half?);
     [estimate.map(|e| e.mean), bound(-1.0), bound(1.0)].map(|value| measured(value, places))
 }
 
-/// A number, or `-` where nothing could be measured.
+/// A number, or `-` if nothing was measured.
 fn measured(value: Option<f64>, places: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.places$}"))
 }
@@ -322,13 +322,14 @@ fn sign(comparison: Comparison) -> &'static str {
     }
 }
 
-/// Columns of a terminal.
+/// Terminal width in columns.
 const TERMINAL: usize = 100;
-/// The headings of columns of text; all others but the first hold numbers, and go to the right.
+/// Headings of text columns. Apart from the first column, all others hold numbers and are
+/// right-aligned.
 const TEXTS: [&str; 3] = ["machine", "verdict", "asked for"];
 
-/// A table with a blank line above; nothing without rows. Long names are cut only where the rows
-/// would not fit otherwise.
+/// A table preceded by a blank line; empty if there are no rows. Long names are cut only if the
+/// rows would not fit otherwise.
 fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     if rows.is_empty() {
         return;
@@ -373,7 +374,7 @@ fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     }
 }
 
-/// A text of at most so many characters.
+/// Cuts a text to at most `widest` characters.
 fn cut(text: &str, widest: usize) -> Cow<'_, str> {
     if text.chars().count() <= widest {
         return text.into();

@@ -4,7 +4,7 @@
 //! gr1::Specification ─encode→ symbolic ─solve→ game::Outcome ─extract→ mealy::Machine (verified)
 //! ```
 
-// Tests of inner parts share files with those from outside, which name the whole library.
+// Unit tests share files with integration tests, which name the whole library.
 #[cfg(test)]
 extern crate self as linewright;
 #[cfg(test)]

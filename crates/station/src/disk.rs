@@ -1,21 +1,21 @@
-//! Reading files, and only files: whoever reads a named pipe or a terminal may wait for ever.
+//! Reads regular files only: reading a named pipe or a terminal might never end.
 
 use std::io::{Error, ErrorKind, Result};
 use std::path::Path;
 
-/// The bytes of a regular file.
+/// Reads a regular file.
 ///
 /// # Errors
-/// As [`std::fs::read`], and when the path leads to something else: the error says what it is.
+/// Returns the error of [`std::fs::read`], or an error that describes what else the path leads to.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     is_regular(path)?;
     std::fs::read(path)
 }
 
-/// Whether a path leads to a regular file.
+/// Checks that a path leads to a regular file.
 ///
 /// # Errors
-/// What is there instead.
+/// Returns a description of what is there instead.
 pub fn is_regular(path: &Path) -> Result<()> {
     let kind = std::fs::metadata(path)?.file_type();
     if kind.is_file() {
@@ -28,7 +28,7 @@ pub fn is_regular(path: &Path) -> Result<()> {
     Err(Error::other(format!("it is {what}, and no regular file")))
 }
 
-/// What is neither a file nor a folder.
+/// Names a file type other than file and folder.
 #[cfg(unix)]
 fn special(kind: std::fs::FileType) -> &'static str {
     use std::os::unix::fs::FileTypeExt as _;

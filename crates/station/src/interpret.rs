@@ -1,16 +1,17 @@
-//! A machine run in this process: the meaning of a station library, written for clarity.
+//! Interprets a machine in this process: the reference semantics of a station library, written for
+//! clarity.
 //!
 //! The emitted C does the same with tables (`ffi/step.c`), and is tested against this. Both check
-//! in the same order, so that they answer with the same error where several could be given:
+//! in the same order, so that they return the same error if several apply:
 //!
 //! 1. the domains of the plant's wires, in order;
-//! 2. Moore components put their outputs on their wires;
-//! 3. the Mealy components in order, each one: inputs bound, their domains, assumptions (initial
+//! 2. Moore components write their outputs to their wires;
+//! 3. the Mealy components in order, for each: inputs bound, their domains, assumptions (initial
 //!    ones in step 0, safety in a later one, then invariants), the transition, outputs, guarantees
 //!    likewise;
 //! 4. the Moore components in order, the coordinator among them, likewise.
 //!
-//! Only when all have answered does the machine advance, so that an error changes nothing.
+//! The machine advances only after all have answered, so that an error changes nothing.
 
 use super::messages::Party;
 use super::{CallError, Controller, Service};
@@ -22,10 +23,10 @@ use linewright_solver::mealy;
 use linewright_solver::mealy::functions::Functions;
 use std::sync::Arc;
 
-/// A property must be so near an integer to be one.
+/// Maximum distance of a property from an integer to count as one.
 const INTEGER_TOLERANCE: f64 = 1e-9;
 
-/// A machine run in this process.
+/// A machine interpreted in this process.
 #[derive(Debug, Clone)]
 pub struct Interpreter {
     machine: Arc<Machine>,
@@ -33,29 +34,29 @@ pub struct Interpreter {
     state: State,
 }
 
-/// Everything that a step changes: what an instance remembers from call to call.
+/// The mutable state of an instance between calls.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct State {
     /// Whether step 0 has been made.
     started: bool,
-    /// Each component's state, or the goal that its functions pursue; `None` before step 0.
+    /// Each component's state, or the goal pursued by its functions; `None` before step 0.
     places: Vec<Option<usize>>,
-    /// Each component's variables in the last step, in the order of its specification.
+    /// Each component's variables in the last step, in specification order.
     values: Vec<Vec<i64>>,
-    /// The wires in the last step; zeros before step 0.
+    /// Wires in the last step; zeros before step 0.
     wires: Vec<i64>,
 }
 
-/// The value of an expression without next values.
+/// Value of an expression without next values.
 fn now(expr: &linewright_core::gr1::Expr, values: &[i64]) -> i64 {
     eval::eval(expr, values, &[])
 }
 
 impl Interpreter {
-    /// A machine with the controller of each of its components, in order.
+    /// Prepares a machine with the controller of each of its components, in order.
     ///
     /// # Panics
-    /// When they do not belong together.
+    /// Panics if they do not belong together.
     pub fn new(machine: Arc<Machine>, controllers: Arc<Vec<mealy::Controller>>) -> Self {
         super::assert_fit(&machine, &controllers);
         let state = State::new(&machine);
@@ -66,7 +67,7 @@ impl Interpreter {
         }
     }
 
-    /// What the step with these plant wires would put on all wires, or its error. Changes nothing.
+    /// Computes all wires of the step with these plant wires, or its error. Changes nothing.
     pub fn peek(&self, plant: &[i64]) -> Result<Vec<i64>, CallError> {
         self.advance(&self.state, plant).map(|next| next.wires)
     }
@@ -113,7 +114,7 @@ impl Interpreter {
         Ok(after)
     }
 
-    /// One component: its inputs, its assumptions, its answer, its guarantees.
+    /// Steps one component: its inputs, assumptions, answer and guarantees.
     fn answer(&self, c: usize, before: &State, after: &mut State) -> Result<(), CallError> {
         let component = &self.machine.components[c];
         let specification = &*component.specification;
@@ -162,9 +163,9 @@ impl Interpreter {
         Ok(())
     }
 
-    /// The signals that a component's functions ask for: the values of the step before, and the
-    /// inputs of this one as far as they are known. That is all they keep in mind beside the goal
-    /// they pursue.
+    /// The signals read by a component's functions: the values of the previous step, and the inputs
+    /// of this one as far as they are known. Apart from the pursued goal, this is their only
+    /// memory.
     fn signals(
         &self,
         c: usize,
@@ -193,7 +194,7 @@ impl Interpreter {
         signals
     }
 
-    /// Puts a component's outputs on its wires and among its values.
+    /// Stores a component's outputs in its wires and its values.
     fn put(&self, c: usize, output: &[i64], state: &mut State) {
         let first = self.machine.first_wire(c);
         let specification = &self.machine.components[c].specification;
@@ -203,7 +204,7 @@ impl Interpreter {
         }
     }
 
-    /// The plant's wires of every step of an operation; those of signals are put in later.
+    /// The plant's wires in every step of an operation; those of signals are filled in later.
     fn abstract_properties(
         &self,
         from: &State,
@@ -236,12 +237,12 @@ impl Interpreter {
         Ok(plant)
     }
 
-    /// The machine that is run.
+    /// The interpreted machine.
     pub fn machine(&self) -> &Machine {
         &self.machine
     }
 
-    /// The same controllers in a machine that differs in its limits only.
+    /// Uses the same controllers in a machine that differs only in its limits.
     #[must_use]
     pub fn with_machine(&self, machine: Machine) -> Self {
         Self::new(Arc::new(machine), Arc::clone(&self.controllers))
@@ -252,12 +253,12 @@ impl Interpreter {
         State::new(&self.machine)
     }
 
-    /// Runs an operation from this state; gives the state at its end, the new values of the
-    /// properties, and what it took.
+    /// Runs an operation from this state; returns the final state, the new values of the
+    /// properties, and duration, energy and steps.
     ///
     /// # Errors
-    /// What the library would answer. The instance then stays in the state `from`, except after
-    /// [`super::ErrorCode::Limit`], where it is in its initial state.
+    /// Returns the library's error. The instance then stays in the state `from`, except after
+    /// [`super::ErrorCode::Limit`], which resets it to its initial state.
     pub fn perform(
         &self,
         from: &State,
@@ -370,23 +371,23 @@ impl State {
     }
 }
 
-/// What of a state can make a difference to later calls. Two states that agree in that answer every
+/// The part of a state that can affect later calls. Two states that agree in it answer every
 /// sequence of calls alike.
 #[derive(Debug, Clone)]
 pub struct Relevance {
-    /// By component, its variables whose last values are read again.
+    /// By component, whether the last value of each variable is read again.
     values: Vec<Vec<bool>>,
     wires: Vec<bool>,
 }
 
 impl Relevance {
-    /// What a machine with these controllers reads of the step before a call.
+    /// Determines what a machine with these controllers reads of the step before a call.
     pub fn of(interpreter: &Interpreter) -> Self {
         let machine = &*interpreter.machine;
         let components = machine.components.iter().zip(&*interpreter.controllers);
         let values = components.map(|(component, controller)| {
             let specification = &component.specification;
-            // Functions read the values of the step before as they are.
+            // Functions read all values of the previous step.
             let all = controller.machine().is_none();
             let mut read = vec![all; specification.variables.len()];
             let sides = [&specification.assumptions, &specification.guarantees];
@@ -424,7 +425,7 @@ impl Relevance {
         }
     }
 
-    /// The state with zeros for all that makes no difference.
+    /// Replaces all irrelevant values of the state by zeros.
     pub fn reduce(&self, mut state: State) -> State {
         for (values, read) in state.values.iter_mut().zip(&self.values) {
             for (value, _) in values.iter_mut().zip(read).filter(|(_, read)| !**read) {
@@ -443,7 +444,7 @@ impl Relevance {
     }
 }
 
-/// The first formula of one side that does not hold in this step.
+/// The first formula of one side that is violated in this step.
 fn first_broken<'a>(
     side: &'a Side,
     started: bool,
@@ -466,16 +467,16 @@ fn first_broken<'a>(
     })
 }
 
-/// Sums up time, energy and the silence of justice assumptions while an operation runs.
+/// Sums up time and energy, and tracks unmet justice assumptions, while an operation runs.
 struct Meter<'a> {
     machine: &'a Machine,
     properties: &'a [f64],
     wires_at_start: &'a [i64],
     service: Service,
-    /// Which components were active in the step before.
+    /// Components that were active in the previous step.
     running: Vec<bool>,
-    /// Every justice assumption with the step, from 1, in which it last held; 0 is "not in this
-    /// operation".
+    /// Each justice assumption with the step, counted from 1, in which it last held; 0 means "not
+    /// in this operation".
     justice: Vec<(usize, &'a Formula, u64)>,
 }
 
@@ -495,8 +496,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Takes account of one step. All actions work at the same time, so the step takes as long as
-    /// the slowest.
+    /// Accounts for one step. All actions work at the same time, so the step takes as long as the
+    /// slowest.
     fn charge(&mut self, before: &State, after: &State) -> Result<(), CallError> {
         self.service.steps += 1;
         for (c, formula, held) in &mut self.justice {
@@ -538,8 +539,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// What an active step takes; `first` says whether it begins an execution. An action without a
-    /// time of its own takes the machine's time a step.
+    /// Duration of an active step; `first` says whether it begins an execution. An action without a
+    /// declared time takes the machine's time per step.
     fn seconds(&self, component: &Component, first: bool) -> Result<f64, CallError> {
         let expr = match &component.time {
             None => return Ok(self.machine.step_seconds),
@@ -554,8 +555,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// The justice assumption that has not held for longest, the last among equals (an action
-    /// rather than the coordinator that waits for it), and for how many steps.
+    /// The justice assumption that has not held for longest, and for how many steps. Among equals
+    /// the last: an action rather than the coordinator that waits for it.
     fn longest_silence(&self) -> Option<(&'a Component, &'a Formula, u64)> {
         let (c, formula, held) = self.justice.iter().rev().min_by_key(|(_, _, held)| *held)?;
         let component = &self.machine.components[*c];

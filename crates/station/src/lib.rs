@@ -1,7 +1,6 @@
-//! Station libraries: the C that is emitted, the toolchain that compiles it, and the loader that
-//! calls it.
+//! Station libraries: the emitted C, the toolchain that compiles it, and the loader that calls it.
 //!
-//! Two things implement [`Controller`]: `load::Instance`, a compiled library called through its
+//! [`Controller`] has two implementations: `load::Instance`, a compiled library called through its
 //! exports, and `interpret::Interpreter`, the same machine in this process, against which the
 //! library is tested.
 //!
@@ -26,7 +25,7 @@ pub mod structured_text;
 mod template;
 pub mod toolchain;
 
-use linewright_core::deadline::Late;
+use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::mealy;
@@ -34,11 +33,11 @@ pub use package::{Package, file_stem, is_device};
 use std::path::PathBuf;
 pub use toolchain::Toolchain;
 
-/// The codes that a station library answers with; the same numbers as in `ffi/station.h`.
+/// Error codes of a station library; the same numbers as in `ffi/station.h`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(i32)]
 pub enum ErrorCode {
-    /// A handle that was never given, or is no longer valid.
+    /// A handle that was never issued, or is no longer valid.
     Handle = -1,
     /// A null pointer, a wrong tag, or a wrong count.
     Argument = -2,
@@ -56,50 +55,51 @@ pub enum ErrorCode {
     Memory = -8,
     /// A fault of this program.
     Internal = -9,
-    /// A skill was called against an order, by the machine or by whoever calls it.
+    /// A skill was called against an order, by the machine or by its caller.
     Order = -10,
 }
 
-/// An error that a controller answered with. The controller is as it was before the call, except
-/// after `Limit`, where it has been reset.
+/// An error returned by a controller. The controller is as it was before the call, except after
+/// `Limit`, where it has been reset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct CallError {
-    /// The code.
+    /// Error code.
     pub code: ErrorCode,
-    /// The rule's name, component first, for `Assumption`, `Guarantee` and `Order`:
+    /// Name of the rule, component first, for `Assumption`, `Guarantee` and `Order`:
     /// `turn: gripped`.
     pub rule: Option<String>,
-    /// The whole text of `last_error`.
+    /// Complete text of `last_error`.
     pub message: String,
 }
 
-/// What an operation took.
+/// Cost of an operation.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Service {
     /// Duration in seconds.
     pub seconds: f64,
     /// Energy in joules.
     pub joules: f64,
-    /// How many steps the controller made.
+    /// Number of controller steps.
     pub steps: u64,
 }
 
 /// One running instance of a machine.
 pub trait Controller {
-    /// Runs an operation (an index into the machine's operations) to its end, at one instant.
-    /// `values` are those of the machine's properties, in order; the new ones are written back.
+    /// Runs an operation (an index into the machine's operations) to its end at one simulated
+    /// instant. `values` are those of the machine's properties, in order; the new ones are written
+    /// back.
     fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError>;
 
-    /// Makes one step. `plant` are the plant's wires; `outputs` gets all components' wires.
+    /// Makes one step. `plant` holds the plant's wires; `outputs` receives all components' wires.
     fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError>;
 
-    /// Back to before step 0.
+    /// Resets the instance to before step 0.
     fn reset(&mut self);
 }
 
 impl ErrorCode {
-    /// The code of a number that a library answered with.
+    /// Converts a number returned by a library to an error code.
     pub fn from_number(number: i32) -> Option<Self> {
         [
             Self::Handle,
@@ -118,72 +118,72 @@ impl ErrorCode {
     }
 }
 
-/// What can go wrong around station libraries.
+/// Errors concerning station libraries.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// There is no C compiler of that name, or it compiles nothing.
+    /// No C compiler of that name exists, or it cannot compile anything.
     #[error("the C compiler `{command}` cannot be used: {cause}")]
     CompilerMissing {
-        /// What was to be started.
+        /// The command that was to be started.
         command: String,
-        /// Why it was not.
+        /// Reason of the failure.
         cause: String,
     },
-    /// There is no C compiler for 64-bit Windows.
+    /// No C compiler for 64-bit Windows was found.
     #[error("no C compiler for 64-bit Windows was found on this computer")]
     CrossCompilerMissing,
-    /// There is no Microsoft compiler.
+    /// No Microsoft compiler was found.
     #[error("Microsoft's C compiler was not found on this computer")]
     MsvcMissing,
-    /// The C compiler gave an error.
+    /// The C compiler reported an error.
     #[error("the C compiler `{command}` failed on the library of `{machine}`:\n{stderr}")]
     CompilerFailed {
-        /// What was started.
+        /// The command that was started.
         command: String,
-        /// The machine.
+        /// Name of the machine.
         machine: String,
-        /// What it printed.
+        /// Output of the compiler.
         stderr: String,
     },
-    /// The compiler was ended, or not started any more.
+    /// The compiler was terminated, or not started any more.
     #[error("the library of `{machine}` was not built: {late}")]
     GivenUp {
-        /// The machine.
+        /// Name of the machine.
         machine: String,
-        /// Why.
-        late: Late,
+        /// Time limit or interrupt.
+        late: StopReason,
     },
-    /// A library is not what was built.
+    /// A library differs from what was built.
     #[error("the station library {} is damaged: {reason}", path.display())]
     LibraryDamaged {
-        /// The library.
+        /// Path of the library.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Kind of damage.
         reason: String,
     },
-    /// A library speaks another layout of `UF_Value` than the runner.
+    /// A library uses another layout of `UF_Value` than the runner.
     #[error("the station library {} is built with {profile}, whose layout of UF_Value is not the one that the bundled runner passes", path.display())]
     ProfileForeign {
-        /// The library.
+        /// Path of the library.
         path: PathBuf,
-        /// Its profile.
+        /// Name of its profile.
         profile: String,
     },
     /// Something could not be written.
     #[error("{} cannot be written: {cause}", path.display())]
     Unwritable {
-        /// What.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Why.
+        /// Cause reported by the system.
         cause: std::io::Error,
     },
-    /// A call was answered with an error.
+    /// A call returned an error.
     #[error(transparent)]
     Call(#[from] CallError),
 }
 
 impl Error {
-    /// The finding of this error, with the next step.
+    /// Converts the error to a finding that includes the next step.
     pub fn to_diagnostic(&self) -> Diagnostic {
         let (code, help) = match self {
             Self::CompilerMissing { .. } => (
@@ -205,10 +205,10 @@ impl Error {
             Self::GivenUp { late, .. } => (
                 codes::GAVE_UP,
                 match late {
-                    Late::Time => {
+                    StopReason::Time => {
                         "give it more time with --timeout SECONDS; what was built is kept"
                     }
-                    Late::Interrupt => "run it again; what was built is kept",
+                    StopReason::Interrupt => "run it again; what was built is kept",
                 },
             ),
             Self::LibraryDamaged { .. } => {
@@ -231,7 +231,7 @@ impl Error {
     }
 }
 
-/// Panics when the controllers are not those of the machine's components: a fault of this program.
+/// Panics if the controllers are not those of the machine's components: an internal error.
 fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     let fit = |c: &linewright_language::contract::machine::Component, k: &mealy::Controller| {
         let specification = &c.specification;
@@ -257,7 +257,7 @@ fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     }
 }
 
-/// Whether everything that a machine's transitions refer to exists. That of functions is checked
+/// Whether everything that a machine's transitions refer to exists. For functions, this is checked
 /// with their certificate.
 fn is_closed(m: &mealy::Machine) -> bool {
     let mut transitions = m.initial.iter().chain(m.states.iter().flatten());

@@ -1,11 +1,11 @@
-//! Loading station libraries and calling them.
+//! Loads station libraries and calls them.
 //!
 //! An operation is called through the exports that Plant Simulation calls (`instantiate`,
-//! `simulate`, `get_real`, `deinstantiate`), so that what runs in the bundled runner is what ships;
-//! a single step, which Plant Simulation has no use for, goes through `lw_step`. Arguments are
-//! passed in the assumed layout of `UF_Value`, whatever Plant Simulation's may be; a library that
-//! is built with another one is refused. A library is compared with its manifest before it is
-//! loaded: loading a truncated one would end this process.
+//! `simulate`, `get_real`, `deinstantiate`), so that the bundled runner runs what ships. A single
+//! step, which Plant Simulation does not use, goes through `lw_step`. Arguments are passed in the
+//! assumed layout of `UF_Value`, whatever Plant Simulation's may be; a library built with another
+//! layout is refused. A library is compared with its manifest before it is loaded: loading a
+//! truncated one would kill this process.
 
 use super::profile::Profile;
 use super::toolchain::Manifest;
@@ -15,7 +15,7 @@ use std::ffi::{CStr, CString, c_char, c_int};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// `UF_Value` of the default profile, as `ffi/uf_value.h` declares it.
+/// `UF_Value` of the default profile, as declared in `ffi/uf_value.h`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 struct UfValue {
@@ -35,7 +35,7 @@ const TAG_INTEGER: c_int = 1;
 const TAG_REAL: c_int = 2;
 const TAG_STRING: c_int = 3;
 
-/// What an export answered with.
+/// Value returned by an export.
 enum Answer {
     Integer(i32),
     Real(f64),
@@ -125,7 +125,7 @@ impl Library {
             path: path.to_owned(),
             reason,
         };
-        // A path without a folder would be looked for among the system's libraries.
+        // The system would search its library folders for a path without a folder.
         let absolute = std::path::absolute(path).map_err(|e| damaged(e.to_string()))?;
         #[expect(unsafe_code, reason = "the loader of station libraries")]
         // SAFETY: the file is byte for byte what our compiler run made of our own C, which has no
@@ -133,10 +133,10 @@ impl Library {
         let library =
             unsafe { libloading::Library::new(absolute) }.map_err(|e| damaged(e.to_string()))?;
         let library = Self::bind(path, library).map_err(damaged)?;
-        // Nothing but its description has been called yet, and that takes no `UF_Value`.
+        // So far only its description has been called, which takes no `UF_Value`.
         let profile = &library.description["profile"];
-        let own = Profile::assumed().describe();
-        if profile["layout"] != own["layout"] {
+        let own = serde_json::json!(Profile::assumed().layout);
+        if profile["layout"] != own {
             return Err(Error::ProfileForeign {
                 path: path.to_owned(),
                 profile: format!("profile {}", profile["name"]),
@@ -192,7 +192,7 @@ impl Library {
         }
     }
 
-    /// Where it was loaded from.
+    /// Path that it was loaded from.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -202,7 +202,7 @@ impl Library {
         &self.description
     }
 
-    /// A new instance, before its step 0.
+    /// Creates an instance, before its step 0.
     pub fn instance(self: &Arc<Self>) -> Result<Instance, CallError> {
         let handle = match call(self.instantiate, &mut []) {
             Answer::Integer(handle) if handle > 0 => handle,
@@ -216,7 +216,7 @@ impl Library {
         })
     }
 
-    /// The error behind a negative code.
+    /// The error for a negative code.
     fn error(&self, handle: i32, number: i32) -> CallError {
         let Some(code) = ErrorCode::from_number(number) else {
             return unexpected("a call");
@@ -230,7 +230,7 @@ impl Library {
     }
 }
 
-/// Calls an export. `arguments` are as many as it takes.
+/// Calls an export. `arguments` must have the number that it takes.
 fn call(export: Export, arguments: &mut [UfValue]) -> Answer {
     let mut answer = UfValue::NOTHING;
     #[expect(unsafe_code, reason = "the loader of station libraries")]
@@ -246,7 +246,7 @@ fn call(export: Export, arguments: &mut [UfValue]) -> Answer {
 fn text(export: TextExport, handle: i32) -> String {
     let mut buffer = vec![0_u8; 1024];
     #[expect(unsafe_code, reason = "the loader of station libraries")]
-    // SAFETY: the export writes at most as many bytes as it is told, the last of them a zero.
+    // SAFETY: the export writes at most the given number of bytes, the last one a zero.
     unsafe {
         export(handle, buffer.as_mut_ptr().cast(), buffer.len());
     }
@@ -254,7 +254,7 @@ fn text(export: TextExport, handle: i32) -> String {
     String::from_utf8_lossy(&buffer[..length]).into_owned()
 }
 
-/// What an instance asks for after an operation, from the description.
+/// Names of the results that an instance reads after an operation, from the description.
 fn result_names(description: &Value) -> Result<Vec<CString>, String> {
     let properties = description["properties"]
         .as_array()
@@ -275,7 +275,7 @@ fn unexpected(what: &str) -> CallError {
     }
 }
 
-/// One running instance of a loaded library; it ends with this value.
+/// A running instance of a loaded library; dropping it ends the instance.
 pub struct Instance {
     library: Arc<Library>,
     handle: i32,
@@ -297,23 +297,23 @@ impl std::fmt::Debug for Instance {
 }
 
 impl Instance {
-    /// The number by which the library knows it.
+    /// Handle of the instance in the library.
     pub fn handle(&self) -> i32 {
         self.handle
     }
 
-    /// The library it is one of.
+    /// Library of the instance.
     pub fn library(&self) -> &Arc<Library> {
         &self.library
     }
 
-    /// Calls `simulate` with an operation and the values of all properties: gives the duration in
-    /// seconds, and leaves the other results in the library.
+    /// Calls `simulate` with an operation and the values of all properties. Returns the duration in
+    /// seconds and leaves the other results in the library.
     pub fn serve(&mut self, operation: usize, values: &[f64]) -> Result<f64, CallError> {
         let Ok(index) = i32::try_from(operation) else {
             return Err(CallError::operation(operation));
         };
-        // The export is not told how many values there are.
+        // The export does not receive the number of values.
         if values.len() + 2 != self.library.results.len() {
             return Err(CallError::value_count());
         }
@@ -364,7 +364,7 @@ impl Controller for Instance {
             return Err(CallError::output_count());
         }
         #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: both slices are as long as is said, which the library checks against its own
+        // SAFETY: both slices have the given lengths, which the library checks against its own
         // counts. The library takes a null pointer for "no outputs" only where there are none to
         // give.
         let code = unsafe {

@@ -1,8 +1,7 @@
-//! What a controller says when something is wrong: one wording for the emitted C and for the
-//! interpreter.
+//! Messages of a controller: one wording for the emitted C and for the interpreter.
 //!
-//! Texts about formulas are fixed when the machine is emitted; those that hold a value are put
-//! together by `ffi/step.c` from the same pieces.
+//! Texts about formulas are fixed when the machine is emitted; those with a value are assembled by
+//! `ffi/step.c` from the same pieces.
 
 use super::{CallError, ErrorCode};
 use linewright_core::gr1::Formula;
@@ -12,22 +11,22 @@ use linewright_language::contract::machine::{
 use linewright_language::contract::{LONGEST_SECONDS, is_energy};
 use linewright_language::order::lower::{AT_FIRST, rule_of};
 
-/// A formula's text is cut to so many characters in a message.
+/// Maximum number of characters of a formula in a message.
 const LONGEST_TEXT: usize = 200;
 
-/// Who has to keep a formula.
+/// The party that has to keep a formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Party {
     /// The plant: an assumption.
     Plant,
     /// The machine: a guarantee.
     Machine,
-    /// Whoever calls skills, within the machine or from outside: an order.
+    /// The caller of skills, within the machine or outside: an order.
     Caller,
 }
 
 impl Party {
-    /// Who has to keep what a component assumes.
+    /// The party that has to keep a component's assumptions.
     pub fn of_assumptions(component: &Component) -> Self {
         match component.role {
             Role::Watch => Self::Caller,
@@ -36,7 +35,7 @@ impl Party {
     }
 }
 
-/// A rule's name, component first: `turn: gripped`. An order is called the same in every step.
+/// A rule's name, component first: `turn: gripped`. An order has the same name in every step.
 pub fn rule(component: &Component, formula: &Formula) -> String {
     let name = match component.role {
         Role::Watch => of_all_steps(&formula.name),
@@ -77,8 +76,8 @@ pub fn silent(component: &Component, formula: &Formula) -> String {
     )
 }
 
-/// What a component assumes, as it is spoken of: ``the assumption `gripped` of `turn` `` or
-/// ``the order `trays` ``.
+/// Description of a component's assumption: ``the assumption `gripped` of `turn` `` or ``the
+/// order `trays` ``.
 pub fn assumed(component: &Component, formula: &Formula) -> String {
     match Party::of_assumptions(component) {
         Party::Caller => order(formula),
@@ -88,7 +87,7 @@ pub fn assumed(component: &Component, formula: &Formula) -> String {
     }
 }
 
-/// ``the order `trays` (R-7)``; what is no declared order has a name that speaks for itself.
+/// ``the order `trays` (R-7)``; a rule that is no declared order has a self-explanatory name.
 fn order(formula: &Formula) -> String {
     let requirement = formula.requirement.as_deref();
     match rule_of(&formula.name) {
@@ -120,7 +119,8 @@ fn cut(text: &str) -> String {
     }
 }
 
-/// How a failed property abstraction begins: ``property `angle`: plant input `cell` ``.
+/// Beginning of a message about a failed property abstraction: ``property `angle`: plant input
+/// `cell` ``.
 pub fn about_abstraction(machine: &Machine, input: &PlantInput) -> String {
     let mut names: Vec<&str> = Vec::new();
     if let PlantSource::Property(expr) = &input.source {
@@ -157,10 +157,10 @@ fn for_each_property(expr: &RealExpr, visit: &mut impl FnMut(usize)) {
     }
 }
 
-/// A number with up to six decimals, without zeros at the end; the same text as `lw_say_real` in
-/// the C runtime.
+/// A number with up to six decimals, without trailing zeros; the same text as `lw_say_real` in the
+/// C runtime.
 fn real(value: f64) -> String {
-    // Written this way round so that it refuses what is not a number.
+    // Written in this form so that it also rejects NaN.
     if value.is_nan() || value.abs() >= 1e12 {
         return "out of range".to_owned();
     }
@@ -248,8 +248,8 @@ impl CallError {
         )
     }
 
-    /// A component that answers first has no outputs where it is: a verified table has a row for
-    /// all inputs that keep the assumptions, so none do.
+    /// A component that moves first and has no outputs here: a verified table has a row for all
+    /// inputs that keep the assumptions, so none do.
     pub(super) fn no_legal_inputs(component: &str) -> Self {
         Self::plain(
             ErrorCode::Assumption,
@@ -290,7 +290,7 @@ impl CallError {
         )
     }
 
-    /// What an operation of a line took, if a run cannot measure that.
+    /// Duration and energy of an operation of a line, if a run cannot measure them.
     pub fn unmeasured(seconds: f64, joules: f64) -> Option<Self> {
         let sound = (0.0..=LONGEST_SECONDS).contains(&seconds) && is_energy(joules);
         (!sound).then(|| {
@@ -315,7 +315,7 @@ impl CallError {
         )
     }
 
-    /// `longest` is the justice assumption that has not held for longest, and for how many steps.
+    /// `longest` is the justice assumption that has not held for longest, and the number of steps.
     pub(super) fn limit(
         operation: &str,
         steps: u64,
@@ -333,6 +333,14 @@ impl CallError {
                 ),
             },
         }
+    }
+}
+
+/// A number of actions in words.
+pub fn actions(count: usize) -> String {
+    match count {
+        1 => "1 action".to_owned(),
+        _ => format!("{count} actions"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! A station library before it is compiled: the C files, and the name they get.
+//! A station library before compilation: the C files and their names.
 
 use super::profile::{Profile, header};
 use super::{Error, emit};
@@ -23,18 +23,18 @@ pub const SUPPORT: [(&str, &str); 6] = [
 /// The C of one machine, or of the probe.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Package {
-    /// The machine's name.
+    /// Name of the machine.
     pub name: String,
-    /// The machine's name as a file's: `AssemblyCell` is `assembly_cell`.
+    /// Name of the machine in file names: `AssemblyCell` is `assembly_cell`.
     pub stem: String,
     /// The C file to compile; it includes the others.
     pub c_source: String,
     support: Vec<(&'static str, String)>,
-    /// What `station_describe` returns.
+    /// Text returned by `station_describe`.
     pub description: String,
-    /// Of everything that decides how the machine behaves, 64 hexadecimal digits.
+    /// Hash of everything that determines the machine's behavior, 64 hexadecimal digits.
     pub contract_hash: String,
-    /// Of all files that are compiled, 64 hexadecimal digits.
+    /// Hash of all compiled files, 64 hexadecimal digits.
     pub hash: String,
 }
 
@@ -42,15 +42,15 @@ impl Package {
     /// Emits a machine with the controller of each of its components, in order.
     ///
     /// # Panics
-    /// When they do not belong together.
+    /// Panics if they do not belong together.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Self {
         Self::emit_with(machine, controllers, &Profile::assumed())
     }
 
-    /// The same for a layout of `UF_Value` other than the assumed one.
+    /// Like `emit`, for a layout of `UF_Value` other than the assumed one.
     ///
     /// # Panics
-    /// When machine and controllers do not belong together.
+    /// Panics if machine and controllers do not belong together.
     pub fn emit_with(
         machine: &Machine,
         controllers: &[mealy::Controller],
@@ -69,7 +69,7 @@ impl Package {
         }
     }
 
-    /// A package of these files, of which the first is compiled.
+    /// Creates a package of these files; the first one is compiled.
     pub(super) fn of_files(
         name: &str,
         stem: &str,
@@ -79,7 +79,7 @@ impl Package {
         let mut hash = Sha256::new();
         let files = support.iter().map(|(name, text)| (*name, text.as_str()));
         for (name, text) in std::iter::once(("", c_source.as_str())).chain(files) {
-            // Lengths keep two lists of files with the same joined text apart.
+            // Lengths distinguish two lists of files with the same joined text.
             hash.update(format!("{name}:{}\n", text.len()));
             hash.update(text);
         }
@@ -104,7 +104,7 @@ impl Package {
         std::iter::once(own).chain(support).collect()
     }
 
-    /// Writes all files into a folder, and gives the path of the one to compile.
+    /// Writes all files into a folder, and returns the path of the one to compile.
     pub fn write_source(&self, folder: &Path) -> Result<PathBuf, Error> {
         create_folder(folder)?;
         for (name, text) in self.files() {
@@ -114,7 +114,7 @@ impl Package {
     }
 }
 
-/// The files that a machine's own includes: those of [`SUPPORT`], and the layout of `UF_Value`.
+/// Files included by a machine's own file: those of [`SUPPORT`], and the layout of `UF_Value`.
 pub fn support(profile: &Profile) -> Vec<(&'static str, String)> {
     let fixed = SUPPORT
         .iter()
@@ -122,7 +122,7 @@ pub fn support(profile: &Profile) -> Vec<(&'static str, String)> {
     fixed.chain([(header::NAME, profile.to_header())]).collect()
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parents.
 pub(super) fn create_folder(folder: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|cause| Error::Unwritable {
         path: folder.to_owned(),
@@ -130,7 +130,8 @@ pub(super) fn create_folder(folder: &Path) -> Result<(), Error> {
     })
 }
 
-/// Writes a file under a temporary name and renames it, so that a killed run leaves no half file.
+/// Writes a file under a temporary name and renames it, so that a killed run leaves no partial
+/// file.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let unwritable = |cause| Error::Unwritable {
         path: path.to_owned(),
@@ -147,7 +148,7 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Temporary files are their owner's alone; what is kept is like any other file.
+/// Temporary files are readable only by their owner; a result gets ordinary permissions.
 #[cfg(unix)]
 fn make_readable(file: &std::fs::File) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -159,7 +160,7 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Whether Windows keeps a name for a device, whatever ending stands behind it.
+/// Whether Windows reserves a name for a device, with any extension.
 pub fn is_device(stem: &str) -> bool {
     let stem = stem.to_ascii_lowercase();
     let numbered = ["com", "lpt"].iter().any(|device| {
@@ -169,8 +170,8 @@ pub fn is_device(stem: &str) -> bool {
     numbered || ["con", "prn", "aux", "nul"].contains(&stem.as_str())
 }
 
-/// A machine's name as a file's: `AssemblyCell` and `assembly cell` are `assembly_cell`; what is no
-/// letter or digit of ASCII becomes `_`.
+/// A machine's name as a file name: `AssemblyCell` and `assembly cell` are `assembly_cell`;
+/// anything but ASCII letters and digits becomes `_`.
 pub fn file_stem(name: &str) -> String {
     let mut stem = String::new();
     let mut after_lower = false;
@@ -185,11 +186,11 @@ pub fn file_stem(name: &str) -> String {
             '_'
         });
     }
-    // A name in C as well: units of FMI are called so.
+    // Must also be a C name: units of FMI use it.
     if !stem.starts_with(|c: char| c.is_ascii_alphabetic()) {
         stem.insert_str(0, "m_");
     }
-    // Not the name of a file that comes with a package.
+    // Must differ from the files that come with a package.
     let mut names = SUPPORT
         .iter()
         .map(|(n, _)| *n)

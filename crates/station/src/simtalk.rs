@@ -1,14 +1,14 @@
-//! The SimTalk 2 text that calls a station library from Plant Simulation, and the page that says
-//! how to import it.
+//! The SimTalk 2 text that calls a station library from Plant Simulation, and the page with import
+//! instructions.
 //!
-//! What is public of SimTalk is little: `loadLibrary`, `callLibrary`, `freeLibrary`, `@` for the
-//! part, `?` for the station, and `?.Failed := true` (Spellini et al. 2021, Listing 2). The text
-//! uses no other built-in than it must, and names those that are assumed. Unlike that listing it
-//! loads the library once, when the model starts, makes one instance for each station, passes every
-//! argument that an export reads, and looks at every negative code.
+//! Little of SimTalk is public: `loadLibrary`, `callLibrary`, `freeLibrary`, `@` for the part, `?`
+//! for the station, and `?.Failed := true` (Spellini et al. 2021, Listing 2). The text uses as few
+//! other built-ins as possible, and lists those that are assumed. Unlike that listing it loads the
+//! library once, when the model starts, makes one instance per station, passes every argument that
+//! an export reads, and checks for every negative code.
 //!
-//! Names that the user has to create begin with `LW_`, so that they meet no attribute that a
-//! station or part already has.
+//! Names that the user has to create begin with `LW_`, so that they do not clash with an existing
+//! attribute of a station or part.
 
 use super::package::Package;
 use super::probe::Value;
@@ -20,31 +20,31 @@ use linewright_language::contract::machine::{Machine, PropertyKind};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// The texts of one machine.
+/// Texts for one machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Texts {
     /// The methods.
     pub methods: String,
-    /// The page on importing them, in Markdown.
+    /// The page with import instructions, in Markdown.
     pub page: String,
 }
 
-/// How the texts' file names end, behind the library's name without its ending.
+/// Endings of the texts' file names, after the library's name without extension.
 pub const ENDINGS: [&str; 2] = [".simtalk.txt", ".import.md"];
 
-/// What the texts stand beside.
+/// Form of the library that the texts accompany.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LibraryForm<'a> {
-    /// A library of this file name, and a folder with its C source.
+    /// A compiled library, and a folder with its C source.
     Library {
-        /// The library.
+        /// File name of the library.
         library: &'a str,
-        /// The folder.
+        /// Name of the folder.
         source: &'a str,
     },
-    /// The C source, which is yet to be compiled into a library of this file name.
+    /// The C source, which the user compiles into the library.
     Source {
-        /// The library.
+        /// File name of the library.
         library: &'a str,
     },
 }
@@ -57,7 +57,7 @@ impl<'a> LibraryForm<'a> {
     }
 }
 
-/// A value as SimTalk writes it.
+/// A value in SimTalk.
 pub fn literal(value: &Value) -> String {
     match value {
         Value::Integer(i) => i.to_string(),
@@ -67,7 +67,7 @@ pub fn literal(value: &Value) -> String {
     }
 }
 
-/// A text in quotes; a quote within it would end it, and names of contracts hold none.
+/// A text in quotes. A quote would end it, but names of contracts contain none.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "'"))
 }
@@ -94,20 +94,20 @@ pub fn texts(
     }
 }
 
-/// The names that the user creates.
+/// Names that the user creates.
 struct Names {
-    /// `AssemblyCell`, as part of a name.
+    /// The machine's name as part of a name: `AssemblyCell`.
     machine: String,
     /// The variable that holds the library's handle.
     library: String,
-    /// One attribute a property.
+    /// Attributes, one per property.
     attributes: Vec<String>,
 }
 
 impl Names {
     fn of(machine: &Machine) -> Self {
         let own = plain(&machine.name);
-        // SimTalk does not tell `A` from `a`.
+        // SimTalk does not distinguish `A` from `a`.
         let mut taken: BTreeSet<String> = ["lw_handle", "lw_operation", "lw_energy"]
             .map(str::to_owned)
             .into();
@@ -129,7 +129,7 @@ impl Names {
     }
 }
 
-/// Letters, digits and single underscores of ASCII: `heights[2]` is `heights_2`.
+/// Reduced to ASCII letters, digits and single underscores: `heights[2]` is `heights_2`.
 fn plain(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
@@ -163,7 +163,7 @@ struct Methods<'a> {
     page: String,
     operations: String,
     properties: Vec<Property<'a>>,
-    /// Those that an operation writes.
+    /// Properties that an operation writes.
     written: Vec<Property<'a>>,
 }
 
@@ -175,18 +175,18 @@ struct Page<'a> {
     library_file: &'a str,
     methods: String,
     source: &'a str,
-    /// The folder of the source beside a compiled library.
+    /// Folder of the source beside a compiled library.
     source_folder: Option<&'a str>,
-    /// What compiles the source by hand.
+    /// Commands that compile the source manually.
     commands: [String; 2],
     profile: String,
     verified: bool,
-    /// The type of a handle.
+    /// SimTalk type of a handle.
     handle: &'static str,
     operations: String,
     parameters: Vec<AttributeRow<'a>>,
     part_properties: Vec<AttributeRow<'a>>,
-    /// The number of the step behind the attributes.
+    /// Number of the step after the attributes.
     step: usize,
     contract_hash: &'a str,
 }
@@ -199,7 +199,7 @@ struct Property<'a> {
     attribute: &'a str,
     name: &'a str,
     unit: &'a str,
-    /// The name of its result, in quotes.
+    /// Name of its result, in quotes.
     result: String,
 }
 
@@ -208,9 +208,9 @@ struct Property<'a> {
 struct AttributeRow<'a> {
     attribute: &'a str,
     name: &'a str,
-    /// `, in mm`, or nothing.
+    /// `, in mm`, or empty.
     unit: String,
-    /// `, 0..3`, or nothing.
+    /// `, 0..3`, or empty.
     values: String,
     default: String,
 }
@@ -289,7 +289,7 @@ impl Writer<'_> {
         )
     }
 
-    /// A kind's attributes.
+    /// Attributes of properties of a kind.
     fn attributes(&self, kind: PropertyKind) -> Vec<AttributeRow<'_>> {
         let properties = self
             .machine
@@ -314,7 +314,7 @@ impl Writer<'_> {
     }
 }
 
-/// The values of a property, as the numbers that pass.
+/// Values of a property as the numbers passed.
 fn numbers(domain: &Domain) -> String {
     match domain {
         Domain::Bool => "0 false, 1 true".to_owned(),
@@ -327,7 +327,7 @@ fn numbers(domain: &Domain) -> String {
     }
 }
 
-/// Who has a property.
+/// Owner of a property in SimTalk.
 fn holder(kind: PropertyKind) -> &'static str {
     match kind {
         PropertyKind::Part => "@",
@@ -335,17 +335,17 @@ fn holder(kind: PropertyKind) -> &'static str {
     }
 }
 
-/// The library's name without its ending.
+/// The library's name without extension.
 pub fn stem(library: &str) -> &str {
     library.rsplit_once('.').map_or(library, |(stem, _)| stem)
 }
 
-/// The file of the methods for a library's file name.
+/// File name of the methods for a library's file name.
 pub fn methods_name(library: &str) -> String {
     format!("{}{}", stem(library), ENDINGS[0])
 }
 
-/// The file of the page for a library's file name.
+/// File name of the page for a library's file name.
 pub fn page_name(library: &str) -> String {
     format!("{}{}", stem(library), ENDINGS[1])
 }

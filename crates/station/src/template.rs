@@ -1,14 +1,14 @@
-//! The templates of emitted text: files in `templates/` that read like what they produce, filled by
+//! Templates of emitted text: files in `templates/` that resemble their output, filled by
 //! `minijinja`.
 //!
-//! - `@{name}` stands for a field. A field of several lines has no end of line at its end.
-//! - A line that begins with `@ ` is a statement and leaves no line behind: `@ for row in rows`,
-//!   `@ if several`, `@ endif`.
+//! - `@{name}` is replaced by a field. A field of several lines does not end with a line break.
+//! - A line that begins with `@ ` is a statement and leaves no line in the output:
+//!   `@ for row in rows`, `@ if several`, `@ endif`.
 //! - `@% if several %@` is a statement within a line.
 //!
-//! None of these has a meaning in C, Structured Text, HTML or Markdown; in SimTalk, `@` comes
-//! before a dot. Values are never read as templates themselves, so that no name in a contract can
-//! add a field.
+//! None of these has a meaning in C, Structured Text, HTML or Markdown; in SimTalk, `@` is followed
+//! by a dot. Values are never interpreted as templates, so that no name in a contract can add a
+//! field.
 //!
 //! A row of a list takes about a microsecond. So the longest tables, those of functions, are fields
 //! of many lines.
@@ -32,7 +32,7 @@ static ENVIRONMENT: LazyLock<Environment<'static>> = LazyLock::new(|| {
     environment
 });
 
-/// An environment of our syntax, without filters or functions, that refuses undefined names and
+/// An environment with this syntax, without filters or functions; it rejects undefined names and
 /// escapes nothing.
 fn environment() -> Environment<'static> {
     let syntax = SyntaxConfig::builder()
@@ -49,11 +49,11 @@ fn environment() -> Environment<'static> {
     environment
 }
 
-/// A template of `templates/`, filled with the fields of a structure.
+/// Fills a template of `templates/` with the fields of a structure.
 ///
 /// # Panics
-/// If there is no such template, if it has a mistake, or if it names a field that is not there.
-/// With debug assertions also if a field is there and not named.
+/// Panics if the template does not exist, has an error, or names a missing field. With debug
+/// assertions, also if a field is never used.
 pub(crate) fn render(name: &str, fields: impl Serialize) -> String {
     fill(&ENVIRONMENT, name, fields)
 }

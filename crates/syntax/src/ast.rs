@@ -1,4 +1,4 @@
-//! Syntax trees: what was written, with its places, and nothing that has to be looked up.
+//! Syntax trees: the text as written, with its places, and without any name lookup.
 
 mod skills;
 
@@ -9,22 +9,22 @@ pub use skills::{
 
 use linewright_core::source::Span;
 
-/// A word and where it stands.
+/// A word and its place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Name {
-    /// The word.
+    /// Text of the word.
     pub text: String,
-    /// Where it stands.
+    /// Place of the word.
     pub span: Span,
 }
 
-/// A whole file.
+/// A file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct File {
-    /// Its items, in order.
+    /// Items, in order.
     pub items: Vec<Item>,
-    /// Where they and the items within them stand, each before those within it, all in the order in
-    /// which they were written.
+    /// Places of the items and the items within them, in source order; outer items come before
+    /// inner ones.
     pub places: Vec<Span>,
 }
 
@@ -52,40 +52,40 @@ pub enum Item {
 /// `import "a.lw"` or `import std.handling.turn`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Import {
-    /// The path in quotes, or the dotted name.
+    /// Path in quotes, or dotted name.
     pub path: String,
-    /// Whether it was a dotted name.
+    /// Whether the path was a dotted name.
     pub dotted: bool,
-    /// Where the path stands.
+    /// Place of the path.
     pub span: Span,
 }
 
 /// `type Command = {none, turn}`
 #[derive(Debug, Clone, PartialEq)]
 pub struct TypeDecl {
-    /// Its name.
+    /// Name of the type.
     pub name: Name,
-    /// What it stands for.
+    /// Definition of the type.
     pub domain: Domain,
 }
 
 /// `const PLAN: array[2] of Command = [pick, turn]`
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConstDecl {
-    /// Its name.
+    /// Name of the constant.
     pub name: Name,
-    /// Its type, where it was written.
+    /// Declared type, if any.
     pub domain: Option<Domain>,
-    /// Its value.
+    /// Value of the constant.
     pub value: Expr,
 }
 
-/// A type as it was written.
+/// A type as written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Domain {
-    /// What it is.
+    /// Kind of type.
     pub kind: DomainKind,
-    /// Where it stands.
+    /// Place of the type.
     pub span: Span,
 }
 
@@ -94,7 +94,7 @@ pub struct Domain {
 pub enum DomainKind {
     /// `{none, turn}`
     Labels(Vec<Name>),
-    /// `0..n-1`; the unit is one written behind the range, `0..(n-1) mm`.
+    /// `0..n-1`; the unit is one written after the range, `0..(n-1) mm`.
     Range(Expr, Expr, Option<String>),
     /// `record {x: 0..3, y: 0..3}`
     Record(Vec<(Name, Domain)>),
@@ -109,66 +109,66 @@ pub enum DomainKind {
 /// `cells: 2..360 = 8`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Its name.
+    /// Name of the parameter.
     pub name: Name,
-    /// Its type.
+    /// Type of the parameter.
     pub domain: Domain,
-    /// Its default.
+    /// Default value.
     pub default: Option<Expr>,
 }
 
 /// `cells = 8`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Argument {
-    /// The parameter's name.
+    /// Name of the parameter.
     pub name: Name,
-    /// Its value.
+    /// Value for the parameter.
     pub value: Expr,
 }
 
 /// `define near(a, b) = abs(a - b) <= 1`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Define {
-    /// Its name.
+    /// Name of the define.
     pub name: Name,
-    /// What it is asked of; empty for a mere name.
+    /// Formal parameters; empty for a plain name.
     pub formals: Vec<Formal>,
-    /// What it stands for.
+    /// Expression that replaces it.
     pub value: Expr,
 }
 
 /// `i: 0..3`, or `i` alone
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formal {
-    /// Its name.
+    /// Name of the formal parameter.
     pub name: Name,
-    /// Its type, where it was written.
+    /// Declared type, if any.
     pub domain: Option<Domain>,
 }
 
 /// `counter waited: 0..20 counts requested resets done`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Counter {
-    /// Its name.
+    /// Name of the counter.
     pub name: Name,
-    /// Its values.
+    /// Range of values.
     pub domain: Domain,
-    /// The steps that are counted.
+    /// Condition for counting a step.
     pub counts: Expr,
-    /// The steps after which it begins anew.
+    /// Condition for a restart.
     pub resets: Option<Expr>,
 }
 
-/// What stands before the brace of a contract or machine.
+/// The part of a contract or machine before the brace.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
-    /// The doc comment, slashes removed.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// The name.
+    /// Name of the contract or machine.
     pub name: Name,
-    /// The parameters.
+    /// Declared parameters.
     pub parameters: Vec<Parameter>,
-    /// The codes after `implements`.
+    /// Codes after `implements`.
     pub codes: Vec<Name>,
 }
 
@@ -179,11 +179,11 @@ pub struct Contract {
     pub header: Header,
     /// Whether it was declared `moore`.
     pub moore: bool,
-    /// What stands within.
+    /// Items within the braces.
     pub items: Vec<ContractItem>,
 }
 
-/// Whose variables a declaration introduces.
+/// Owner of the variables in a declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ownership {
     /// `input`
@@ -199,11 +199,11 @@ pub enum Ownership {
 pub enum ContractItem {
     /// `input a, b: T`
     Variables {
-        /// Whose they are.
+        /// Owner of the variables.
         ownership: Ownership,
-        /// Their names.
+        /// Names of the variables.
         names: Vec<Name>,
-        /// Their type.
+        /// Type of the variables.
         domain: Domain,
     },
     /// `define a = e`
@@ -214,11 +214,11 @@ pub enum ContractItem {
     Formula {
         /// `true` for `guarantee`.
         guarantee: bool,
-        /// Its name.
+        /// Name of the formula.
         name: Option<Name>,
-        /// Its requirement.
+        /// Requirement that it belongs to.
         requirement: Option<String>,
-        /// The formula.
+        /// Asserted formula.
         expr: Expr,
     },
     /// `type ...` within a contract.
@@ -230,15 +230,14 @@ pub enum ContractItem {
 /// An expression or formula.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expr {
-    /// What it is.
+    /// Kind of expression.
     pub kind: ExprKind,
-    /// Where it stands.
+    /// Place of the expression.
     pub span: Span,
 }
 
 impl Expr {
-    /// The expressions directly within, in the order in which they stand; those of a quantifier's
-    /// type are left out.
+    /// Returns the direct subexpressions in source order, except those of a quantifier's type.
     pub fn children(&self) -> Vec<&Self> {
         match &self.kind {
             ExprKind::Unknown
@@ -267,7 +266,7 @@ impl Expr {
         }
     }
 
-    /// Calls `visit` with every dotted name that occurs, and with those that are called.
+    /// Calls `visit` with every dotted name that occurs, including those that are called.
     pub fn for_each_path<'a>(&'a self, visit: &mut impl FnMut(&'a [Name])) {
         let mut open = vec![self];
         while let Some(e) = open.pop() {
@@ -284,13 +283,14 @@ impl Expr {
 /// The kinds of expressions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
-    /// What could not be read: the parser has said why, and nothing is concluded from it.
+    /// An expression that could not be read. The parser has reported it; later stages conclude
+    /// nothing from it.
     Unknown,
     /// `true`
     Bool(bool),
     /// `17`
     Int(i64),
-    /// `0.5 m`: the number, and its unit or nothing.
+    /// `0.5 m`: the number, and its unit or an empty string.
     Quantity(f64, String),
     /// `cell.command`
     Path(Vec<Name>),
@@ -306,7 +306,7 @@ pub enum ExprKind {
     Not(Box<Expr>),
     /// `-e`
     Neg(Box<Expr>),
-    /// Two operands.
+    /// An operator with two operands.
     Binary(BinaryOp, Box<Expr>, Box<Expr>),
     /// `if c then a else b`
     If(Box<Expr>, Box<Expr>, Box<Expr>),
@@ -328,16 +328,16 @@ pub enum ExprKind {
     Past(PastOp, Box<Expr>, Option<Box<Expr>>),
     /// `a since b`
     Since(Box<Expr>, Box<Expr>),
-    /// `a until b`, `a unless b`, `a release b`: outside GR(1), whatever stands in it.
+    /// `a until b`, `a unless b`, `a release b`: never GR(1), whatever its operands.
     Until(UntilOp, Box<Expr>, Box<Expr>),
     /// `s responds to p`, `never p after q`
     Pattern(Pattern),
 }
 
-/// An operator that looks back.
+/// A past operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PastOp {
-    /// In the step before.
+    /// In the previous step.
     Previous,
     /// In this step or an earlier one.
     Once,
@@ -346,7 +346,7 @@ pub enum PastOp {
 }
 
 impl PastOp {
-    /// The operator's word.
+    /// Returns the keyword.
     pub fn word(self) -> &'static str {
         match self {
             Self::Previous => "previous",
@@ -356,19 +356,19 @@ impl PastOp {
     }
 }
 
-/// An operator of linear temporal logic that joins two formulas.
+/// A binary operator of linear temporal logic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UntilOp {
-    /// `p until q`: p up to a q, which comes.
+    /// `p until q`: p holds until q does, and q must occur.
     Strong,
-    /// `p unless q`, `p W q`: the same, or p for ever.
+    /// `p unless q`, `p W q`: p holds until q does, or for ever.
     Weak,
-    /// `p release q`, `p R q`: q up to and including the first p, or for ever.
+    /// `p release q`, `p R q`: q holds up to and including the first p, or for ever.
     Release,
 }
 
 impl UntilOp {
-    /// The operator's word.
+    /// Returns the keyword.
     pub fn word(self) -> &'static str {
         match self {
             Self::Strong => "until",
@@ -382,15 +382,15 @@ impl UntilOp {
 /// Specifications, 1999).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
-    /// What shall hold.
+    /// Condition on the steps of the scope.
     pub kind: PatternKind,
-    /// Within so many steps.
+    /// Maximum number of steps.
     pub bound: Option<Box<Expr>>,
-    /// Where.
+    /// Part of the run to which it applies.
     pub scope: Scope,
 }
 
-/// What a pattern asks for.
+/// Condition of a pattern.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PatternKind {
     /// `never p`
@@ -406,7 +406,7 @@ pub enum PatternKind {
 }
 
 impl PatternKind {
-    /// The pattern with a bound and a scope.
+    /// Returns the pattern with a bound and a scope.
     pub fn in_scope(self, bound: Option<Box<Expr>>, scope: Scope) -> Pattern {
         Pattern {
             kind: self,
@@ -416,23 +416,23 @@ impl PatternKind {
     }
 }
 
-/// The part of a run in which a pattern is asked for.
+/// The part of a run to which a pattern applies.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scope {
-    /// All of it.
+    /// The whole run.
     Globally,
     /// `before r`: up to the first step with r, if there is one.
     Before(Box<Expr>),
-    /// `after q`: from the first step with q on.
+    /// `after q`: from the first step with q.
     After(Box<Expr>),
-    /// `between q and r`: from each q up to the r after it, where there is one.
+    /// `between q and r`: from each q up to the next r, if there is one.
     Between(Box<Expr>, Box<Expr>),
-    /// `after q until r`: the same, and also where no r follows.
+    /// `after q until r`: the same, and also if no r follows.
     AfterUntil(Box<Expr>, Box<Expr>),
 }
 
 impl Pattern {
-    /// The expressions directly within, in the order in which they stand.
+    /// Returns the direct subexpressions in source order.
     pub fn children(&self) -> Vec<&Expr> {
         let mut list: Vec<&Expr> = match &self.kind {
             PatternKind::Absence(p) | PatternKind::Existence(p) | PatternKind::Universality(p) => {
@@ -450,7 +450,7 @@ impl Pattern {
     }
 }
 
-/// Operators with two operands.
+/// A binary operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum BinaryOp {
@@ -473,7 +473,7 @@ pub enum BinaryOp {
 }
 
 impl BinaryOp {
-    /// The operator's word or sign.
+    /// Returns the operator's keyword or symbol.
     pub fn sign(self) -> &'static str {
         match self {
             Self::Iff => "<->",
@@ -496,18 +496,18 @@ impl BinaryOp {
     }
 }
 
-/// What is done with the values of a quantified expression.
+/// How the values of a quantified expression are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantifier {
-    /// All hold.
+    /// All values are true.
     Forall,
-    /// One holds.
+    /// At least one value is true.
     Exists,
-    /// How many hold.
+    /// Number of true values.
     Count,
-    /// Their sum.
+    /// Sum of the values.
     Sum,
-    /// All of them, as an array.
+    /// Array of all values.
     Array,
 }
 
@@ -516,20 +516,20 @@ pub enum Quantifier {
 pub struct Machine {
     /// Name, parameters, codes.
     pub header: Header,
-    /// What stands within.
+    /// Items within the braces.
     pub items: Vec<MachineItem>,
 }
 
 /// A declaration `name: T = e`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Typed {
-    /// The doc comment.
+pub struct TypedDecl {
+    /// Doc comment without slashes.
     pub doc: String,
-    /// The name.
+    /// Declared name.
     pub name: Name,
-    /// The type.
+    /// Declared type.
     pub domain: Domain,
-    /// The values; none, one, or a script's many.
+    /// Values: none, one, or several for a script.
     pub values: Vec<Expr>,
 }
 
@@ -547,46 +547,46 @@ pub enum MachineItem {
     /// `failures mtbf 8 h mttr 5 min`
     Failures(Expr, Expr),
     /// `property ...`
-    Property(Typed),
+    Property(TypedDecl),
     /// `parameter ...`
-    Parameter(Typed),
+    Parameter(TypedDecl),
     /// `signal ...`
-    Signal(Typed),
+    Signal(TypedDecl),
     /// `abstract ...`
-    Abstract(Typed),
+    Abstract(TypedDecl),
     /// `coordinator ...`, `action ...` or `machine name: ...`
     Component(Component),
     /// `operation ...`
     Operation {
-        /// Its name.
+        /// Name of the operation.
         name: Name,
-        /// The codes after `implements`.
+        /// Codes after `implements`.
         codes: Vec<Name>,
-        /// Its actions, each with the inputs that the operation sets.
-        sequence: Vec<Performed>,
+        /// Actions, each with the inputs that the operation sets.
+        sequence: Vec<OperationCall>,
     },
     /// `done e`
     Done(Expr),
     /// `write p = e` or `write p[i] = e`
     Write {
-        /// The property.
+        /// Name of the property.
         name: Name,
-        /// The element of an array.
+        /// Index of an array element.
         index: Option<Expr>,
-        /// The value.
+        /// Value to write.
         value: Expr,
     },
     /// `skills Set at level { ... }`
     Skills(SkillCalls),
-    /// `refines Contract(...) { ... }`: a component that is called like its contract.
+    /// `refines Contract(...) { ... }`: a component named after its contract.
     Refines(Component),
     /// `guarantee ...`
     Guarantee {
-        /// Its name.
+        /// Name of the formula.
         name: Option<Name>,
-        /// Its requirement.
+        /// Requirement that it belongs to.
         requirement: Option<String>,
-        /// The formula.
+        /// Guaranteed formula.
         expr: Expr,
     },
     /// `const ...`
@@ -595,47 +595,47 @@ pub enum MachineItem {
     Type(TypeDecl),
 }
 
-/// What a component is in its machine.
+/// Role of a component in its machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// `coordinator ...`
     Coordinator,
     /// `action ...`
     Action,
-    /// `machine ...`: a machine within the machine.
+    /// `machine ...`: an inner machine.
     Machine,
 }
 
 /// `action turn: Turn(cells = 8) when ... { ... }`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Component {
-    /// What it is.
+    /// Role in the machine.
     pub place: Place,
-    /// Its name.
+    /// Name of the component.
     pub name: Name,
-    /// The contract's name, or the machine's.
+    /// Name of the contract or inner machine.
     pub contract: Name,
-    /// The contract's arguments, or the machine's.
+    /// Arguments of the contract or inner machine.
     pub arguments: Vec<Argument>,
-    /// When it is active.
+    /// Condition under which it is active.
     pub when: Option<Expr>,
-    /// `time e`, and whether it was `per step`.
+    /// `time e`, and whether `per step` was given.
     pub time: Option<(Expr, bool)>,
     /// `power e`
     pub power: Option<Expr>,
     /// `input = e`, `input[2] = e`
     pub bindings: Vec<Binding>,
-    /// Whether something within could not be understood; it was reported.
+    /// Whether some part could not be parsed; this was reported.
     pub broken: bool,
 }
 
 impl Component {
-    /// Whether it is a coordinator.
+    /// Returns whether the component is a coordinator.
     pub fn is_coordinator(&self) -> bool {
         self.place == Place::Coordinator
     }
 
-    /// Whether it is a machine within the machine.
+    /// Returns whether the component is an inner machine.
     pub fn is_machine(&self) -> bool {
         self.place == Place::Machine
     }
@@ -643,43 +643,43 @@ impl Component {
 
 /// `move_a(tx = 1)`
 #[derive(Debug, Clone, PartialEq)]
-pub struct Performed {
-    /// What is done; dotted for an operation of a machine within the machine.
+pub struct OperationCall {
+    /// Action or operation; dotted for an operation of an inner machine.
     pub name: Name,
-    /// What it is given.
+    /// Arguments.
     pub arguments: Vec<Argument>,
 }
 
 /// `command = cell.command`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Binding {
-    /// The input; dotted for a member of a record.
+    /// Name of the input; dotted for a member of a record.
     pub name: Name,
-    /// The element of an array.
+    /// Index of an array element.
     pub index: Option<i64>,
-    /// The member of an array's element, dotted where it lies deeper.
+    /// Member of an array's element; dotted if nested.
     pub member: Option<Name>,
-    /// What it is bound to.
+    /// Expression that it is bound to.
     pub value: Expr,
 }
 
 /// `line ...`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// The name.
+    /// Name of the line.
     pub name: Name,
-    /// What stands within.
+    /// Items within the braces.
     pub items: Vec<LineItem>,
 }
 
 /// `2 Brick`
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Counted {
-    /// How many.
+pub struct PartCount {
+    /// Number of pieces.
     pub count: u64,
-    /// Of what.
+    /// Name of what is counted.
     pub name: Name,
 }
 
@@ -688,98 +688,98 @@ pub struct Counted {
 pub enum LineItem {
     /// `part ...`
     Part {
-        /// Its name.
+        /// Name of the part type.
         name: Name,
-        /// What it is joined from.
-        bill: Vec<Counted>,
-        /// What it carries.
-        properties: Vec<Typed>,
+        /// Bill of materials.
+        bill: Vec<PartCount>,
+        /// Properties of each part.
+        properties: Vec<TypedDecl>,
     },
     /// `product P`
     Product(Name),
     /// `source ...`
     Source {
-        /// Its name.
+        /// Name of the source.
         name: Name,
-        /// The part type.
+        /// Part type that it makes.
         part: Name,
-        /// When it makes them.
+        /// When it makes parts.
         supply: Supply,
-        /// `, at most N in the line`.
+        /// Maximum number in the line, from `, at most N in the line`.
         most: Option<u64>,
     },
     /// `store ...`
     Store {
-        /// Its name.
+        /// Name of the store.
         name: Name,
-        /// What is in it at the start.
-        stock: Vec<Counted>,
+        /// Stock at the start.
+        stock: Vec<PartCount>,
     },
     /// `sink ...`
     Sink {
-        /// Its name.
+        /// Name of the sink.
         name: Name,
         /// Whether it takes scrap.
         rejects: bool,
-        /// The source that makes replacements.
+        /// Source that makes replacements.
         reorder: Option<Name>,
     },
     /// `buffer ...`
     Buffer {
-        /// Its name.
+        /// Name of the buffer.
         name: Name,
-        /// How many parts fit.
+        /// Capacity in parts.
         capacity: u64,
     },
     /// `conveyor ...`
     Conveyor {
-        /// Its name.
+        /// Name of the conveyor.
         name: Name,
-        /// Its machine, with arguments.
+        /// Machine with arguments, if any.
         machine: Option<(Name, Vec<Argument>)>,
-        /// `places`, `pitch`, `speed` and `power`.
+        /// Options `places`, `pitch`, `speed` and `power`.
         options: Vec<(Name, Expr)>,
     },
     /// `station ...`
     Station {
-        /// Its name.
+        /// Name of the station.
         name: Name,
-        /// Its machine.
+        /// Name of the machine.
         machine: Name,
-        /// The machine's arguments.
+        /// Arguments of the machine.
         arguments: Vec<Argument>,
-        /// What stands within.
+        /// Items within the braces.
         items: Vec<StationItem>,
     },
     /// `route ...`
     Route {
-        /// The part type.
+        /// Part type.
         part: Name,
-        /// The places it goes through.
+        /// Places along the route, in order.
         stops: Vec<Name>,
-        /// When.
+        /// Condition for taking the route.
         when: Option<Expr>,
     },
     /// `requirement ...`
     Requirement {
-        /// Its name.
+        /// Name of the requirement.
         name: Name,
-        /// What is measured.
+        /// Metric that is measured.
         metric: Name,
-        /// Of which station.
+        /// Station that the metric is about.
         of: Option<Name>,
-        /// How it is compared.
+        /// Comparison operator.
         op: BinaryOp,
-        /// With what.
+        /// Bound of the metric.
         bound: Expr,
-        /// Whether `per hour` followed.
+        /// Whether the bound is `per hour`.
         per_hour: bool,
-        /// The whole of it.
+        /// Place of the whole requirement.
         span: Span,
     },
     /// `shift a to b`
     Shift(Expr, Expr),
-    /// `limit e`, and whether it was `products`.
+    /// `limit e`, and whether its unit is `products`.
     Limit(Expr, bool),
     /// `const ...`
     Const(ConstDecl),
@@ -792,11 +792,11 @@ pub enum Supply {
     OnOrder,
     /// `every [random] e [limit n]`
     Every {
-        /// Seconds between two.
+        /// Time between two parts.
         seconds: Expr,
-        /// Exponentially distributed.
+        /// Whether the time is exponentially distributed.
         random: bool,
-        /// How many in all.
+        /// Maximum number of parts in total.
         limit: Option<u64>,
     },
 }
@@ -806,9 +806,9 @@ pub enum Supply {
 pub enum StationItem {
     /// `perform a, b(x = 1) on P`
     Perform {
-        /// The operations.
-        operations: Vec<Performed>,
-        /// The part type.
+        /// Operations, in order.
+        operations: Vec<OperationCall>,
+        /// Part type.
         part: Name,
     },
     /// `setup e`
@@ -817,13 +817,13 @@ pub enum StationItem {
     Failures(Expr, Expr),
     /// `defect on P probability p: one of x becomes e`
     Defect {
-        /// The part type.
+        /// Part type.
         part: Name,
-        /// How likely.
+        /// Probability of the defect.
         probability: Expr,
-        /// The property.
+        /// Affected property.
         property: Name,
-        /// The value it gets.
+        /// New value.
         value: Expr,
     },
 }

@@ -1,4 +1,4 @@
-//! How tight an expression binds, the loosest first.
+//! Binding strength of expressions, from loosest to tightest.
 
 use super::ast::BinaryOp;
 
@@ -16,7 +16,7 @@ pub const PRODUCT: u8 = 10;
 pub const SIGNED: u8 = 11;
 pub const POSTFIX: u8 = 12;
 
-/// How tight something with this operator binds.
+/// Returns the binding strength of an operator.
 pub fn of(op: BinaryOp) -> u8 {
     match op {
         BinaryOp::Iff => IFF,

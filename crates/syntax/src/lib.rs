@@ -1,7 +1,7 @@
 //! The contract language: grammar, syntax trees, parser.
 //!
-//! [`parse`] gives a tree and a list of findings; it never fails and never panics. What the names
-//! mean is settled in the crate `language`.
+//! [`parse`] returns a tree and a list of findings; it never fails and never panics. The crate
+//! `language` resolves the names.
 
 pub mod ast;
 mod binds;

@@ -1,36 +1,36 @@
-//! A first look at a file's brackets, comments and quotes, before the grammar sees it.
+//! A scan of a file's brackets, comments and quotes before the grammar sees it.
 //!
 //! The grammar recovers from mistakes within an item, but not from a brace that is never closed:
-//! everything after it would be part of one broken item (and looking for its end again and again
-//! takes exponential time). This scan finds the brace, says so, and hands on a *mended copy* in
-//! which blanks before the next contract, machine or line have become the missing `}`. The copy has
-//! every other byte where it was, so places in it are places in the file.
+//! everything after it would be part of one broken item (and searching for its end repeatedly takes
+//! exponential time). This scan finds the brace, reports it, and returns a *mended copy* in which
+//! blanks before the next contract, machine or line are replaced by the missing `}`. All other
+//! bytes stay where they are, so places in the copy are places in the file.
 //!
-//! It also bounds how deep the grammar will recurse. The bound is safe because strings, comments
-//! and words are cut here exactly as the grammar cuts them, and because it only ever lets go of a
-//! prefix where no rule of the grammar could go on.
+//! It also bounds the grammar's recursion depth. The bound is safe because strings, comments and
+//! words are split exactly as in the grammar, and because a prefix is only dropped where no rule of
+//! the grammar could continue.
 
 use super::words::ends_expressions;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use std::ops::Range;
 
-/// What the scan found.
+/// Result of the scan.
 pub(super) struct Scan {
-    /// The text with its braces balanced, where they were not.
+    /// Text with balanced braces, if they were unbalanced.
     pub mended: Option<String>,
-    /// What it says about the file.
+    /// Findings about the file.
     pub findings: Vec<Diagnostic>,
-    /// Ranges of the file that were reported as a whole: the grammar's own words about them are
-    /// left out.
+    /// Ranges of the file that were reported as a whole: the grammar's own messages about them are
+    /// suppressed.
     pub silenced: Vec<Range<usize>>,
-    /// How deep the grammar recurses at most: open brackets and prefix words.
+    /// Maximum recursion depth of the grammar: open brackets and prefix words.
     pub depth: usize,
-    /// Where that is reached.
+    /// Offset where that depth is reached.
     pub deepest: usize,
 }
 
-/// Words that an expression may follow, so that the grammar recurses at each.
+/// Words that may precede an expression, so that the grammar recurses at each.
 const PREFIXES: &[&str] = &[
     "if",
     "always",
@@ -46,7 +46,7 @@ const PREFIXES: &[&str] = &[
     "historically",
 ];
 
-/// Words after which an expression goes on.
+/// Words after which an expression continues.
 const INFIX: &[&str] = &[
     "and", "or", "xor", "implies", "iff", "mod", "in", "then", "else", "of", "not", "next", "G",
     "F", "X", "O", "GF", "since", "precedes", "responds", "to", "within", "before", "between",
@@ -58,23 +58,23 @@ pub(super) const UNITS: &[&str] = &[
     "g",
 ];
 
-/// What stood before a word.
+/// What precedes a word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Before {
-    /// An operand has ended: a name, a closing bracket, a prime.
+    /// The end of an operand: a name, a closing bracket, a prime.
     Operand,
-    /// The same, and a unit may follow.
+    /// The end of a number, which a unit may follow.
     Number,
-    /// Something after which an expression goes on.
+    /// A position within an expression that is still to continue.
     Open,
 }
 
 struct Bracket {
     kind: u8,
     offset: usize,
-    /// Prefix words before it; they count again once it is closed.
+    /// Number of prefix words before it; they count again once it is closed.
     prefixes: usize,
-    /// Whether it opens a set of skills, in which no expression stands.
+    /// Whether it opens a set of skills, which contains no expressions.
     skills: bool,
 }
 
@@ -84,17 +84,17 @@ struct Scanner<'t> {
     stack: Vec<Bracket>,
     prefixes: usize,
     before: Before,
-    /// Where the last thing that is neither blank nor comment ended.
+    /// End of the last token that is neither blank nor comment.
     code_end: usize,
-    /// Whether only blanks and comments stand before this on its line.
+    /// Whether there are only blanks and comments before this on its line.
     line_start: bool,
-    /// Where the next set of skills has its brace.
+    /// Offset of the next skill set's brace.
     skills: Option<usize>,
     copy: Option<Vec<u8>>,
     scan: Scan,
 }
 
-/// Looks a file through.
+/// Scans a file.
 pub(super) fn scan(file: FileId, text: &str) -> Scan {
     let mut scanner = Scanner {
         file,
@@ -121,8 +121,8 @@ pub(super) fn scan(file: FileId, text: &str) -> Scan {
     scan
 }
 
-/// Whether this follows the word `machine` where a machine stands within another one:
-/// `left: PickUnit`, and not `PickUnit {`.
+/// Returns whether the text after the word `machine` makes it an inner machine: `left: PickUnit`,
+/// and not `PickUnit {`.
 pub fn is_component(rest: &str) -> bool {
     let name = rest.trim_start();
     let end = name
@@ -131,16 +131,17 @@ pub fn is_component(rest: &str) -> bool {
     end > 0 && name[end..].trim_start().starts_with(':')
 }
 
-/// Whether this follows a word that somebody takes for a name, `line -> left` or `line = c.a`: no
-/// declaration begins so, and the word is no name, but that is not for want of a brace.
+/// Returns whether the text after a word shows that it was meant as a name, as in `line -> left` or
+/// `line = c.a`. No declaration begins like this, and the word cannot be a name, but the cause is
+/// not a missing brace.
 fn is_meant_as_name(rest: &str) -> bool {
     let rest = rest.trim_start();
     rest.starts_with("->") || rest.starts_with([',', ';', '=', '}'])
 }
 
-/// How long the name and the blanks are between the word `skills`, which this follows, and the
-/// brace of a set of skills. Nothing but a set has a name between the two: no expression holds two
-/// names side by side.
+/// Returns the length of the name and the blanks between the word `skills` and the brace of a set
+/// of skills; the text begins after the word. Only a skill set has a name between the two: no
+/// expression contains two adjacent names.
 fn skills_head(rest: &str) -> Option<usize> {
     let name = rest.trim_start();
     let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
@@ -150,7 +151,7 @@ fn skills_head(rest: &str) -> Option<usize> {
     (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
 }
 
-/// Whether this follows the word `skills` where a set of skills is declared: `PickUnit {`, and a
+/// Returns whether the text after the word `skills` declares a set of skills: `PickUnit {`, and a
 /// component or an order within.
 pub fn is_skill_set(rest: &str) -> bool {
     let Some(brace) = skills_head(rest) else {
@@ -169,7 +170,7 @@ pub fn is_skill_set(rest: &str) -> bool {
     after.is_some_and(|after| !after.trim_start().starts_with('='))
 }
 
-/// Whether this follows the word `skills` where a set of skills begins outside of all braces.
+/// Returns whether a set of skills begins after the word `skills` outside of all braces.
 pub fn is_skills_head(rest: &str) -> bool {
     skills_head(rest).is_some()
 }
@@ -253,7 +254,7 @@ impl Scanner<'_> {
         if matches!(word, "component" | "order")
             && matches!(self.stack.as_slice(), [Bracket { skills: true, .. }])
         {
-            // What an order ends with may look as if it went on: `(Left Right)*`.
+            // The end of an order may look as if it continued: `(Left Right)*`.
             self.expression_ends();
         }
         let goes_on = INFIX.contains(&word)
@@ -294,7 +295,7 @@ impl Scanner<'_> {
             _ => b'{',
         };
         if kind == b'}' {
-            // A brace closes whatever stands open within it.
+            // A brace closes everything that is open within it.
             let Some(at) = self.stack.iter().rposition(|b| b.kind == opening) else {
                 return;
             };
@@ -349,7 +350,7 @@ impl Scanner<'_> {
         self.scan.silenced.push(line..end + 1);
     }
 
-    /// A word that only stands outside of braces, within braces.
+    /// Handles a word within braces that can only be outside of braces.
     fn missing_brace(&mut self, word: &str, offset: usize) {
         let blanks = self.text.as_bytes()[self.code_end..]
             .iter()
@@ -376,7 +377,7 @@ impl Scanner<'_> {
         self.scan.findings.push(finding);
     }
 
-    /// Braces that are open at the end of the file.
+    /// Closes the braces that are open at the end of the file.
     fn close_all(&mut self) {
         let open: Vec<usize> = self
             .stack

@@ -1,9 +1,8 @@
-//! From text to a syntax tree and findings.
+//! Parser: converts text to a syntax tree and findings.
 //!
-//! pest stops at the first mistake, so recovery is in the grammar: what does not match an item is
-//! taken by a `bad_*` rule up to the next item, and [`explain`] parses that piece once more with
-//! the rule that its first word asks for. The error of that second parse says what was expected
-//! where.
+//! pest stops at the first mistake, so recovery is in the grammar: text that matches no item is
+//! consumed by a `bad_*` rule up to the next item. [`explain`] then parses that piece again with
+//! the rule for its first word. The error of that second parse tells what was expected where.
 
 mod skills;
 
@@ -24,15 +23,15 @@ mod grammar {
 }
 pub(super) use grammar::{Grammar, Rule};
 
-/// Brackets, conditionals and prefixes within one item may nest so deep, which bounds the stack
-/// that parsing needs.
+/// Maximum nesting depth of brackets, conditionals and prefixes within one item; bounds the
+/// parser's stack.
 const MAX_DEPTH: usize = 200;
-/// So many levels fit the stack of any thread.
+/// Maximum depth that fits the stack of any thread.
 const SMALL_DEPTH: usize = 12;
-/// Enough for `MAX_DEPTH` levels of the grammar's recursion, with a margin.
+/// Stack size for `MAX_DEPTH` levels of the grammar's recursion, with a margin.
 const STACK_BYTES: usize = 256 << 20;
 
-/// Parses one file. What could not be understood is in the findings, the tree holds the rest.
+/// Parses one file. Text that could not be parsed is in the findings; the tree has the rest.
 pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     let scan = mend::scan(file, text);
     if scan.depth > MAX_DEPTH {
@@ -81,7 +80,7 @@ fn on_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Option<T> {
     })
 }
 
-/// The part of a span that lies within the text: a mended copy can be longer.
+/// Returns the part of a span within the text: a mended copy can be longer.
 fn within(span: Span, text: &str) -> Span {
     let boundary = |offset: u32| {
         let mut offset = (offset as usize).min(text.len());
@@ -103,7 +102,8 @@ fn too_deep(file: FileId, offset: usize) -> Diagnostic {
     .with_help("give the inner parts names with `define`, or use a constant array instead of a long `if ... else if`")
 }
 
-/// What is wrong with a piece that matched no item. `context` is the `bad_*` rule that took it.
+/// Explains what is wrong with a piece that matched no item. `context` is the `bad_*` rule that
+/// consumed it.
 pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) -> Diagnostic {
     let text = piece.trim_end();
     if let Some(finding) = skills::explain(file, start, text, context) {
@@ -225,16 +225,21 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     .with_help(help)
 }
 
-/// Whether a piece goes on where an expression has broken off, so that the expression is not what
+/// Returns whether a piece continues with an operator, so that the expression before it is not what
 /// was meant.
 pub(super) fn begins_with_operator(text: &str) -> bool {
     text.starts_with([
         ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',
     ]) || text.starts_with('/') && !text.starts_with("//") && !text.starts_with("/*")
-        || ["and", "or", "xor", "implies", "iff", "mod"].contains(&word_at(text).as_str())
+        || [
+            "and", "or", "xor", "implies", "iff", "mod", "since", "until", "unless", "precedes",
+            "responds", "within", "before", "between", "after",
+        ]
+        .contains(&word_at(text).as_str())
 }
 
-/// What the place that a `bad_*` rule stands for is called, and the words that begin an item in it.
+/// Returns the name of the context that a `bad_*` rule belongs to, and the words that begin an item
+/// in it.
 fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
     match context {
         Rule::bad_contract_item => (
@@ -307,7 +312,7 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
     }
 }
 
-/// Where the last thing that is neither blank nor comment ends.
+/// Returns the end of the last token that is neither blank nor comment.
 fn code_end(text: &str) -> usize {
     let (mut end, mut i) = (0, 0);
     while i < text.len() {
@@ -326,7 +331,7 @@ fn code_end(text: &str) -> usize {
     end
 }
 
-/// What stands behind the blanks and comments at the beginning of a text.
+/// Returns the text after the blanks and comments at its beginning.
 fn after_comments(text: &str) -> &str {
     let mut rest = text.trim_start();
     loop {
@@ -350,8 +355,8 @@ fn finding_of(
     let at = match error.location {
         InputLocation::Pos(p) | InputLocation::Span((p, _)) => p,
     };
-    // Point at the word that does not fit, not at the blanks and comments before it; at the end,
-    // right behind the last word.
+    // Points at the word that does not fit, not at the blanks and comments before it; at the end of
+    // the text, directly after the last word.
     let at = text.len() - after_comments(&text[at..]).len();
     let (at, word) = if at == text.len() {
         (code_end(text), String::new())
@@ -405,7 +410,7 @@ fn finding_of(
     }
 }
 
-/// The unit that a word that is none may stand for.
+/// Returns the unit that an invalid unit word may stand for.
 fn unit_meant(word: &str) -> Option<&'static str> {
     Some(match word.to_lowercase().as_str() {
         "sec" | "secs" | "second" | "seconds" => "s",
@@ -422,7 +427,7 @@ fn unit_meant(word: &str) -> Option<&'static str> {
     })
 }
 
-/// Words that take all that follows.
+/// Prefix words that apply to everything after them.
 const WIDE: &[&str] = &[
     "always",
     "eventually",
@@ -448,13 +453,13 @@ fn word_at(text: &str) -> String {
     }
 }
 
-/// The rules that could have matched, in words; several rules share one phrase.
+/// Describes the rules that could have matched; several rules share one phrase.
 fn expectations(rules: &[Rule]) -> String {
     let mut words: Vec<String> = Vec::new();
     for rule in rules {
-        // A keyword's rule is called `k_` and the word.
+        // The rule of a keyword is named `k_` and the word.
         let name = format!("{rule:?}");
-        // What follows an order only ends it.
+        // The next item of an order only ends it.
         if matches!(rule, Rule::k_component | Rule::k_order) && rules.contains(&Rule::EOI) {
             continue;
         }

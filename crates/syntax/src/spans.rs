@@ -1,17 +1,16 @@
-//! Trees without their places, for comparing what two texts mean.
+//! Trees without places, for comparing the meaning of two texts.
 
 mod skills;
 
 use super::ast::{
-    Argument, Component, ConstDecl, Contract, ContractItem, Counted, Counter, Define, Domain,
-    DomainKind, Expr, ExprKind, File, Header, Item, Line, LineItem, Machine, MachineItem, Name,
-    Performed, Scope, StationItem, Supply, TypeDecl, Typed,
+    Argument, Component, ConstDecl, Contract, ContractItem, Counter, Define, Domain, DomainKind,
+    Expr, ExprKind, File, Header, Item, Line, LineItem, Machine, MachineItem, Name, OperationCall,
+    PartCount, Scope, StationItem, Supply, TypeDecl, TypedDecl,
 };
 use linewright_core::source::Span;
 
 impl File {
-    /// The tree with all its spans empty, and no places: equal for two texts that say the same in
-    /// the same words.
+    /// Clears all spans and places: equal for two texts with the same content in the same words.
     #[must_use]
     pub fn without_spans(mut self) -> Self {
         self.places.clear();
@@ -50,14 +49,14 @@ fn arguments(list: &mut [Argument]) {
     }
 }
 
-fn performed(list: &mut [Performed]) {
+fn performed(list: &mut [OperationCall]) {
     for p in list {
         name(&mut p.name);
         arguments(&mut p.arguments);
     }
 }
 
-fn counted(list: &mut [Counted]) {
+fn counted(list: &mut [PartCount]) {
     names(list.iter_mut().map(|c| &mut c.name));
 }
 
@@ -88,7 +87,7 @@ fn counter(c: &mut Counter) {
     exprs(&mut c.resets);
 }
 
-fn typed(t: &mut Typed) {
+fn typed(t: &mut TypedDecl) {
     name(&mut t.name);
     domain(&mut t.domain);
     exprs(&mut t.values);

@@ -1,13 +1,13 @@
-//! The words of the language that cannot be names.
+//! Keywords of the language, which cannot be names.
 //!
-//! The grammar needs them as a rule of its own (`reserved` in `lw.pest`); everything else asks this
-//! table: messages of the parser, the first look at brackets, and whoever prints contracts.
+//! The grammar has its own rule for them (`reserved` in `lw.pest`); everything else uses this
+//! table: the parser's messages, the bracket scan, and the printers of contracts.
 //! `tests/language/words.rs` compares the two.
 
-/// The letters of temporal operators. Among skills they are names.
+/// Letters of temporal operators. In skill sets they can be names.
 const TEMPORAL_LETTERS: [&str; 5] = ["GF", "G", "F", "X", "O"];
 
-/// Words of expressions.
+/// Keywords of expressions.
 const EXPRESSION: [&str; 25] = [
     "always",
     "eventually",
@@ -36,7 +36,7 @@ const EXPRESSION: [&str; 25] = [
     "since",
 ];
 
-/// Words that begin an item; no expression can hold them.
+/// Keywords that begin an item; they never occur in an expression.
 const ITEMS: [&str; 13] = [
     "input",
     "output",
@@ -53,23 +53,23 @@ const ITEMS: [&str; 13] = [
     "const",
 ];
 
-/// Words that cannot be names.
+/// Returns the words that cannot be names.
 pub fn reserved() -> impl Iterator<Item = &'static str> {
     EXPRESSION.into_iter().chain(ITEMS).chain(TEMPORAL_LETTERS)
 }
 
-/// Whether a word cannot be a name.
+/// Returns whether a word cannot be a name.
 pub fn is_reserved(word: &str) -> bool {
     reserved().any(|reserved| reserved == word)
 }
 
-/// Whether a word cannot be a name among skills, where the letters of temporal operators mean
-/// nothing.
+/// Returns whether a word cannot be a name in a skill set, where the letters of temporal operators
+/// have no meaning.
 pub(super) fn is_reserved_among_skills(word: &str) -> bool {
     is_reserved(word) && !TEMPORAL_LETTERS.contains(&word)
 }
 
-/// Whether a word begins an item, so that no expression can hold it.
+/// Returns whether a word begins an item, so that it cannot occur in an expression.
 pub(super) fn ends_expressions(word: &str) -> bool {
     ITEMS.contains(&word)
 }

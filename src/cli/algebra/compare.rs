@@ -1,6 +1,6 @@
-//! Two states of a library: which contracts still keep what they promised.
+//! Compares two states of a library: which contracts still keep what they promised.
 
-use super::document::{self, Compared, Document, Fate, Semantics, Verdict};
+use super::document::{self, ContractComparison, Document, LibraryChange, Semantics, Verdict};
 use super::operand::Operand;
 use super::refine::{explain, of_question};
 use super::{Common, Outcome, tell};
@@ -11,13 +11,13 @@ use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 use crate::contract::Contract;
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors};
-use crate::engine::files::{self, Loaded, StandardLibrary};
+use crate::engine::files::{self, LoadedFiles, StandardLibrary};
 use crate::game::Limits;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The path of an operand that stands for all contracts in it: a folder, as far as the disk says.
+/// The path of an operand that stands for all contracts in it: a folder on disk.
 pub fn library(operand: &Operand) -> Option<String> {
     match operand {
         Operand::Contract {
@@ -85,14 +85,17 @@ pub fn run(
                     )
                     .with_help("keep it, or publish the change as one that is not compatible"),
                 );
-                entry(name, Fate::Removed)
+                entry(name, LibraryChange::Removed)
             }
-            _ => entry(name, Fate::Added),
+            _ => entry(name, LibraryChange::Added),
         };
-        gave_up |= compared.verdict == Fate::GaveUp;
+        gave_up |= compared.verdict == LibraryChange::GaveUp;
         let word = compared.verdict.to_string().replace('_', " ");
         let _ = writeln!(outcome.text, "{name:<width$}  {word}");
-        if matches!(compared.verdict, Fate::Broken | Fate::Removed) {
+        if matches!(
+            compared.verdict,
+            LibraryChange::Broken | LibraryChange::Removed
+        ) {
             outcome.document.verdict = Verdict::Broken;
         }
         outcome.document.contracts.push(compared);
@@ -105,8 +108,8 @@ pub fn run(
     })
 }
 
-fn entry(name: &str, verdict: Fate) -> Compared {
-    Compared {
+fn entry(name: &str, verdict: LibraryChange) -> ContractComparison {
+    ContractComparison {
         name: name.to_owned(),
         verdict,
         open: Vec::new(),
@@ -114,23 +117,23 @@ fn entry(name: &str, verdict: Fate) -> Compared {
 }
 
 /// The contracts of a folder by name.
-fn within<'a>(loaded: &'a Loaded, folder: &str) -> BTreeMap<String, &'a Contract> {
+fn within<'a>(loaded: &'a LoadedFiles, folder: &str) -> BTreeMap<String, &'a Contract> {
     let sources = &loaded.library.sources;
     let inside = |c: &&Contract| Path::new(&sources.file(c.span.file).name).starts_with(folder);
     let own = loaded.library.contracts.iter().filter(inside);
     own.map(|c| (c.name.clone(), c)).collect()
 }
 
-/// One contract of both.
+/// Compares a contract that both have.
 fn pair(
     name: &str,
     old: &Contract,
     new: &Contract,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
-) -> Compared {
+) -> ContractComparison {
     if alike(old, new) {
-        return entry(name, Fate::Same);
+        return entry(name, LibraryChange::Same);
     }
     let (was, is) = (format!("{name} (old)"), format!("{name} (new)"));
     let members = [(old, &was), (new, &is)].map(|(contract, called)| Member {
@@ -142,7 +145,7 @@ fn pair(
         Ok(system) => system,
         Err(mismatches) => {
             findings.extend(mismatches.iter().map(crate::engine::found::of_mismatch));
-            return entry(name, Fate::Broken);
+            return entry(name, LibraryChange::Broken);
         }
     };
     match refine(&system, 1, 0, limits) {
@@ -156,7 +159,7 @@ fn pair(
             .giving_up(limit.is_of_command());
             finding.severity = Severity::Warning;
             findings.push(finding);
-            entry(name, Fate::GaveUp)
+            entry(name, LibraryChange::GaveUp)
         }
         Ok(refinement) => {
             let (found, _) = explain(&refinement, &was, &is, &|_| Some(new.span));
@@ -164,9 +167,9 @@ fn pair(
             let mut compared = entry(
                 name,
                 if refinement.holds() {
-                    Fate::Refined
+                    LibraryChange::Refined
                 } else {
-                    Fate::Broken
+                    LibraryChange::Broken
                 },
             );
             for (question, whole) in [
@@ -184,7 +187,7 @@ fn pair(
     }
 }
 
-/// Whether two contracts say the same in the same words, wherever they stand.
+/// Whether two contracts have the same wording, wherever they are declared.
 fn alike(old: &Contract, new: &Contract) -> bool {
     let (a, b) = (&old.specification, &new.specification);
     let variables = |s: &crate::gr1::Specification| -> Vec<_> {

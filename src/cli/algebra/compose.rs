@@ -1,10 +1,10 @@
-//! Composition with its discharge table, one controller of all parts, and compatibility.
+//! Composition with its discharge table, a controller of all parts, and compatibility.
 
 use super::document::{self, Document, Semantics, Verdict};
 use super::{CompatArguments, ComposeArguments, Joined, Outcome, bring_together, gave_up, tell};
 use crate::algebra::compat::{Compatibility, compatible};
 use crate::algebra::join::Sharing;
-use crate::algebra::proof::{Broken, Claim, Exports, Proof, prove};
+use crate::algebra::proof::{Claim, Exports, Proof, Refutation, prove};
 use crate::algebra::system::{System, list};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
@@ -67,7 +67,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
     tell(outcome, &joined.loaded, options)
 }
 
-/// The table, what the whole assumes and guarantees, and the verdict in a sentence.
+/// The table, the assumptions and guarantees of the whole, and the verdict as a sentence.
 fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     let names: Vec<&str> = printer
         .system
@@ -102,8 +102,8 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
             },
             match proof.circles.len() {
                 0 => String::new(),
-                1 => "; 1 circle".to_owned(),
-                n => format!("; {n} circles"),
+                1 => "; 1 cycle".to_owned(),
+                n => format!("; {n} cycles"),
             },
             if synth {
                 ": there is no GR(1) contract of the whole, so nothing is synthesized."
@@ -115,8 +115,8 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     text
 }
 
-/// One contract of all parts, where every assumption is met or handed on: its assumptions are those
-/// that were handed on.
+/// One contract of all parts, if every assumption is met or passed on: its assumptions are those
+/// passed on.
 fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     let system = printer.system;
     let mut assumptions = Side::default();
@@ -165,7 +165,7 @@ fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     }
 }
 
-/// Assumptions that are handed on although the outside does not control what they constrain: no
+/// Assumptions that are passed on although the outside does not control what they constrain: no
 /// GR(1) contract of the whole can make them, since its environment gives the inputs of a step
 /// before it sees the outputs (the rule of [`Specification::assumptions`]).
 fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
@@ -209,13 +209,13 @@ fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnosti
     findings
 }
 
-/// Names in quotes, as a list.
+/// A list of quoted names.
 fn words<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let quoted: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     findings::list(&quoted)
 }
 
-/// A controller of the whole.
+/// Synthesizes a controller of the whole.
 fn synth(
     joined: &Joined,
     printer: ProofPrinter<'_>,
@@ -303,7 +303,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
             ),
         );
         match &play {
-            Some(Broken::Trace(steps)) => {
+            Some(Refutation::Trace(steps)) => {
                 outcome.document.counterexample = Some(document::trace(&joined.system, steps));
                 let shown = shown(&joined.system, steps);
                 let last = steps.len() - 1;
@@ -311,7 +311,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
                     "{shown}in step {last} nothing that could come from outside keeps the assumptions"
                 ));
             }
-            Some(Broken::Lasso(run)) => {
+            Some(Refutation::Lasso(run)) => {
                 outcome.document.counterexample = Some(document::lasso(&joined.system, run));
                 finding = finding.with_note(crate::engine::words::lasso_table(&joined.system, run));
             }

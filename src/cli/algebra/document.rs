@@ -1,112 +1,115 @@
-//! What the commands of the algebra print as JSON.
+//! JSON documents of the algebra commands.
 
-use crate::algebra::proof::{Broken, Discharge, Discharged, Open, Proof};
+use crate::algebra::proof::{Discharge, DischargeRule, Open, Proof, Refutation};
 use crate::algebra::system::{FormulaRef, System, formulas};
 use crate::diagnostics::json;
-use crate::engine::words::{MetBy, ProofPrinter};
+use crate::engine::words::{DischargeRuleName, ProofPrinter};
 use crate::game::Lasso;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Points at a formula.
-#[derive(Debug, Serialize)]
-pub struct Named {
-    /// The contract or component it belongs to.
+/// A reference to a formula.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct FormulaReference {
+    /// Contract or component that it belongs to.
     pub of: String,
-    /// Its name there.
+    /// Name of the formula.
     pub name: String,
-    /// Its text.
+    /// Text of the formula.
     pub text: String,
 }
 
 /// How an obligation is met.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct DischargeEntry {
-    /// What.
+    /// The obligation.
     #[serde(flatten)]
-    pub what: Named,
-    /// By which rule.
-    pub rule: MetBy,
-    /// Of justice: the turn, from 1.
+    pub what: FormulaReference,
+    /// The rule that meets it.
+    pub rule: DischargeRuleName,
+    /// For justice: the turn, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
     pub turn: Option<usize>,
-    /// On what it rests.
-    pub by: Vec<Named>,
+    /// Formulas on which it rests.
+    pub by: Vec<FormulaReference>,
 }
 
 /// An obligation that is not met.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct OpenEntry {
-    /// What.
+    /// The obligation.
     #[serde(flatten)]
-    pub what: Named,
-    /// Why.
+    pub what: FormulaReference,
+    /// Why it is not met.
     pub reason: String,
-    /// How it is broken.
+    /// A run that violates it.
     pub counterexample: Counterexample,
 }
 
-/// A counterexample, with a value for every variable by its name.
-#[derive(Debug, Serialize)]
+/// A counterexample with the values of all variables by name.
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Counterexample {
-    /// `trace`, whose last step breaks something, or `lasso`.
+    /// `trace`, whose last step is a violation, or `lasso`.
+    #[schemars(extend("enum" = ["trace", "lasso"]))]
     pub kind: &'static str,
-    /// The steps.
+    /// Steps in order.
     pub steps: Vec<BTreeMap<String, String>>,
-    /// Of a lasso: the step with which it goes on after the last one.
+    /// For a lasso: index of the step that follows the last one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<usize>,
 }
 
 /// A proof.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct ProofEntry {
-    /// What is met.
+    /// Obligations that are met.
     pub discharges: Vec<DischargeEntry>,
-    /// What is not.
+    /// Obligations that are not met.
     pub open: Vec<OpenEntry>,
     /// Justice assumptions that wait for one another.
-    pub circles: Vec<Vec<Named>>,
+    pub circles: Vec<Vec<FormulaReference>>,
     /// Variables that wait for one another within a step.
     pub loops: Vec<Vec<String>>,
 }
 
-/// One contract among those that a result is made of.
-#[derive(Debug, Serialize)]
+/// One of the contracts that a result is made of.
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Pair {
-    /// What it is called.
+    /// Name of the contract.
     pub name: String,
-    /// What it assumes.
+    /// Its assumptions.
     pub assumptions: Vec<Text>,
-    /// What it guarantees.
+    /// Its guarantees.
     pub guarantees: Vec<Text>,
 }
 
 /// A formula as it was written.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Text {
-    /// Its name.
+    /// Name of the formula.
     pub name: String,
-    /// Its text.
+    /// Text of the formula.
     pub text: String,
 }
 
 /// The answer of a command.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Every assumption of a part is met.
     Composed,
-    /// Some are not.
+    /// Some assumptions are not met.
     Open,
     /// Some environment keeps all assumptions.
     Compatible,
-    /// None does.
+    /// No environment does.
     Incompatible,
     /// What was promised is still kept.
     Refined,
-    /// It is not.
+    /// A promise is broken.
     Broken,
     /// A law of the algebra was proved for these operands.
     Proved,
@@ -114,8 +117,8 @@ pub enum Verdict {
     Refuted,
 }
 
-/// What two contracts are compared by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// Semantics of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Semantics {
     /// Safety first, step by step.
@@ -124,78 +127,94 @@ pub enum Semantics {
     Runs,
 }
 
-/// What became of a contract from one library to the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// Fate of a contract from one library to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Fate {
-    /// It says the same.
+pub enum LibraryChange {
+    /// Unchanged.
     Same,
     /// It promises at least as much, and assumes no more.
     Refined,
-    /// It does not.
+    /// It promises less, or assumes more.
     Broken,
-    /// It is new.
+    /// Only in the new library.
     Added,
-    /// It is gone.
+    /// Only in the old library.
     Removed,
     /// A limit was reached.
     GaveUp,
 }
 
-impl fmt::Display for Fate {
+impl fmt::Display for LibraryChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(f)
     }
 }
 
 /// The document of a command.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Document {
-    /// Which command's.
+    /// Schema with the command's name.
     pub schema: String,
-    /// What came out.
+    /// Answer of the command.
     pub verdict: Verdict,
-    /// Which semantics it was decided in.
+    /// Semantics of the decision.
     pub semantics: Semantics,
-    /// The contracts it is about.
+    /// Contracts concerned.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<Pair>,
-    /// Proofs, by what they show.
+    /// Proofs by what they show.
     #[serde(flatten)]
+    #[schemars(with = "Proofs")]
     pub proofs: BTreeMap<&'static str, ProofEntry>,
-    /// A run or play that shows why not, where it belongs to no single formula.
+    /// A run or play that shows why not, if it belongs to no single formula.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counterexample: Option<Counterexample>,
-    /// Contract by contract, of two libraries.
+    /// Comparison of two libraries, contract by contract.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub contracts: Vec<Compared>,
+    pub contracts: Vec<ContractComparison>,
     /// All findings.
     pub findings: Vec<json::Finding>,
 }
 
+/// The proofs that there can be, for the schema.
+#[derive(JsonSchema)]
+#[expect(dead_code, reason = "it only describes what `proofs` can hold")]
+struct Proofs {
+    /// Of `compose`, and of `refine` with several contracts.
+    #[schemars(skip_serializing_if = "Option::is_none")]
+    proof: Option<ProofEntry>,
+    /// Of `refine`: the assumptions of the old contract imply those of the new one.
+    #[schemars(skip_serializing_if = "Option::is_none")]
+    assumptions: Option<ProofEntry>,
+    /// Of `refine`: the guarantees of the new contract imply those of the old one.
+    #[schemars(skip_serializing_if = "Option::is_none")]
+    guarantees: Option<ProofEntry>,
+}
+
 /// What became of a contract from one library to the other.
-#[derive(Debug, Serialize)]
-pub struct Compared {
-    /// Its name.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct ContractComparison {
+    /// Name of the contract.
     pub name: String,
     /// What became of it.
-    pub verdict: Fate,
+    pub verdict: LibraryChange,
     /// What is not kept any more.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<OpenEntry>,
 }
 
-/// A formula by name.
-pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> Named {
+/// A formula with its name.
+pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> FormulaReference {
     let formula = printer.formula(at);
-    Named {
+    FormulaReference {
         of: printer.owner(at).to_owned(),
         name: formula.name.clone(),
         text: formula.text.clone(),
     }
 }
 
-/// A proof for other programs.
+/// A proof as JSON.
 pub fn proof(printer: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
     ProofEntry {
         discharges: proof
@@ -227,21 +246,21 @@ fn discharge(printer: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry
         what: named(printer, discharge.what),
         rule: discharge.rule.into(),
         turn: match discharge.rule {
-            Discharged::Justice { turn } => Some(turn + 1),
+            DischargeRule::Justice { turn } => Some(turn + 1),
             _ => None,
         },
         by: discharge.by.iter().map(|at| named(printer, *at)).collect(),
     }
 }
 
-/// An open obligation for other programs.
+/// An open obligation as JSON.
 pub fn open(printer: ProofPrinter<'_>, open: &Open) -> OpenEntry {
     OpenEntry {
         what: named(printer, open.what),
         reason: printer.reason(open),
         counterexample: match &open.why {
-            Broken::Trace(steps) => trace(printer.system, steps),
-            Broken::Lasso(run) => lasso(printer.system, run),
+            Refutation::Trace(steps) => trace(printer.system, steps),
+            Refutation::Lasso(run) => lasso(printer.system, run),
         },
     }
 }
@@ -273,7 +292,7 @@ fn values(system: &System, step: &[i64]) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// The contracts of a system, as they were written.
+/// The contracts of a system as written.
 pub fn pairs(system: &System) -> Vec<Pair> {
     let texts = |side| {
         let mut texts: Vec<Text> = Vec::new();

@@ -8,17 +8,42 @@ mod operand;
 mod refine;
 mod views;
 
+use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use super::schema::{Described, form};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::{Sharing, join};
 use crate::algebra::system::System;
 use crate::diagnostics::{Diagnostic, has_errors, json, sarif};
-use crate::engine::files::{self, Loaded, StandardLibrary};
+use crate::engine::files::{self, LoadedFiles, StandardLibrary};
 use crate::source::Span;
 use clap::Args;
 use document::Document;
 use operand::{Members, Operand, Operation, Rename};
+
+/// The documents of the commands: all have the same form.
+pub const DOCUMENTS: [Described; 6] = [
+    of_command(
+        "compose",
+        "Whether contracts discharge one another's assumptions",
+    ),
+    of_command(
+        "refine",
+        "Whether one contract, or a whole library, can stand in for another",
+    ),
+    of_command("compat", "Whether some environment fits contracts"),
+    of_command("conjoin", "Two viewpoints of one component as one contract"),
+    of_command(
+        "quotient",
+        "What is missing beside one contract to keep another",
+    ),
+    of_command("merge", "Requirements that hold at once"),
+];
+
+const fn of_command(name: &'static str, title: &'static str) -> Described {
+    Described::new(name, title, &[form::<Document>, form::<Failed>])
+}
 
 /// The arguments of `refine`.
 #[derive(Debug, Args)]
@@ -28,17 +53,17 @@ use operand::{Members, Operand, Operation, Rename};
 
     $ linewright refine cell.lw::Whole 'compose(cell.lw::Left, cell.lw::Right)'
 
-The first contract is what is promised, the second one what is to keep the promise: `refine OLD NEW` asks \
-whether NEW can stand wherever OLD was used. It may assume no more than OLD, and has to guarantee no less. \
-Of two folders every contract is compared with the one of its name; removed contracts count as broken.
+NEW refines OLD if it can be used wherever OLD was used: it assumes no more than OLD and \
+guarantees no less. For two folders, contracts with the same name are compared; a removed \
+contract counts as broken.
 
 A contract is a file, FILE::NAME where it declares several, a library name such as std.handling.turn, or \
 an expression: compose(A, B), conjoin(A, B), quotient(A, B), merge(A, B).")]
 pub struct RefineArguments {
-    /// What is promised: a contract, or a folder
+    /// Contract or folder to be refined
     #[arg(value_name = "OLD")]
     pub old: Operand,
-    /// What is to keep the promise: a contract, an expression, or a folder
+    /// Contract, expression or folder that refines it
     #[arg(value_name = "NEW")]
     pub new: Operand,
     /// What only one command needs
@@ -49,7 +74,7 @@ pub struct RefineArguments {
 /// What all commands of the algebra take.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// A port under another name, to wire contracts that call it differently (repeatable)
+    /// Rename a port, to wire contracts that use different names (repeatable)
     #[arg(long, value_name = "CONTRACT.PORT=NAME")]
     pub rename: Vec<Rename>,
 }
@@ -60,14 +85,15 @@ pub struct Common {
     linewright compose std.handling.turn std.handling.place
     linewright compose std.handling.turn std.handling.place --rename Turn.desired=cell
 
-Variables of the same name are one wire. For every assumption it is said what meets it: the environment, guarantees \
-of the others step by step, or their justice, in an order without circles. What speaks of \
-inputs from outside is handed on. An assumption that nothing meets is shown with a run that breaks it.")]
+Variables of the same name are one wire. For each assumption the proof names what discharges \
+it: guarantees of the others step by step, their justice in an order without circles, or the \
+environment. Assumptions about inputs from outside become assumptions of the composition. An \
+assumption that is not discharged is shown with a run that breaks it.")]
 pub struct ComposeArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]
     pub contracts: Vec<Operand>,
-    /// Synthesize one controller of all contracts together, and print it as JSON
+    /// Synthesize one controller of the composition, and print it as JSON
     #[arg(long)]
     pub synth: bool,
     /// What only one command needs
@@ -81,8 +107,9 @@ pub struct ComposeArguments {
     linewright compat std.handling.turn
     linewright compat std.handling.turn std.handling.place
 
-Contracts are compatible when some environment can keep what they assume, whatever they do within their \
-guarantees. It is a game with the roles swapped, safety first; where there is no such environment, a play shows why.")]
+Contracts are compatible if some environment can keep their assumptions, whatever the \
+components do within their guarantees. This is a game with swapped roles, safety first. If \
+there is no such environment, a play shows why.")]
 pub struct CompatArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]
@@ -97,7 +124,7 @@ pub struct CompatArguments {
 #[command(after_help = "Examples:
     linewright conjoin std.handling.turn std.handling.turn
 
-Two viewpoints of one component: whatever keeps the conjunction keeps both contracts.")]
+A component that satisfies the conjunction satisfies every contract.")]
 pub struct ConjoinArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 2..)]
@@ -112,7 +139,7 @@ pub struct ConjoinArguments {
 #[command(after_help = "Examples:
     linewright merge std.handling.turn std.handling.turn
 
-Requirements that hold at once: all assumptions together, and under them all guarantees.")]
+Merge contracts (requirements that hold at the same time): all assumptions together, and under them all guarantees.")]
 pub struct MergeArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 2..)]
@@ -127,12 +154,12 @@ pub struct MergeArguments {
 #[command(after_help = "Examples:
     linewright quotient std.handling.turn std.handling.turn
 
-What is missing: the weakest contract that, composed with EXISTING, refines WHOLE. It is proved by composing it back.")]
+The quotient is the weakest contract that, composed with EXISTING, refines WHOLE. The composition is checked.")]
 pub struct QuotientArguments {
-    /// What both together have to keep
+    /// Contract that both together must satisfy
     #[arg(value_name = "WHOLE")]
     pub whole: Operand,
-    /// What is there
+    /// Contract of the existing component
     #[arg(value_name = "EXISTING")]
     pub existing: Operand,
     /// What only one command needs
@@ -140,30 +167,30 @@ pub struct QuotientArguments {
     pub common: Common,
 }
 
-/// Operands read and brought together.
+/// Operands that were loaded and joined into one system.
 struct Joined {
-    loaded: Loaded,
+    loaded: LoadedFiles,
     system: System,
-    /// One expression an operand.
+    /// One expression per operand.
     sets: Vec<Sets>,
-    /// Where each part is declared.
+    /// Place of each part's declaration.
     spans: Vec<Span>,
 }
 
-/// What is printed at the end.
+/// Result of a command, before it is printed.
 struct Outcome {
     document: Document,
-    /// For people.
+    /// Text for people.
     text: String,
     findings: Vec<Diagnostic>,
 }
 
-/// Reads all that some operands name.
+/// Loads everything that some operands name.
 fn load(
     command: &str,
     operands: &[&Operand],
     options: &GlobalOptions,
-) -> anyhow::Result<Result<Loaded, ExitCode>> {
+) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
     let mut paths: Vec<String> = Vec::new();
     for operand in operands {
         for path in operand::paths(std::slice::from_ref(*operand)) {
@@ -186,8 +213,7 @@ fn load(
     Ok(Ok(loaded))
 }
 
-/// Reads operands and brings them together; what does not fit is printed, and the exit code given
-/// instead.
+/// Loads and joins operands; on failure, prints the findings and returns the exit code.
 fn bring_together(
     command: &str,
     operands: &[&Operand],
@@ -225,8 +251,12 @@ fn bring_together(
     }
 }
 
-/// Prints what came out, and gives the exit code.
-fn tell(outcome: Outcome, loaded: &Loaded, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+/// Prints the result and returns the exit code.
+fn tell(
+    outcome: Outcome,
+    loaded: &LoadedFiles,
+    options: &GlobalOptions,
+) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let sources = &loaded.library.sources;
     let Outcome {
@@ -247,11 +277,11 @@ fn tell(outcome: Outcome, loaded: &Loaded, options: &GlobalOptions) -> anyhow::R
     Ok(options.exit_code(&findings))
 }
 
-/// That a limit was reached before anything was known.
+/// Reports that a limit was reached before anything was known.
 fn gave_up(
     limit: crate::game::Limit,
     command: &str,
-    loaded: &Loaded,
+    loaded: &LoadedFiles,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let finding = Diagnostic::error(

@@ -1,4 +1,4 @@
-//! What the commands of the algebra work on: contracts by file and name, and expressions over them.
+//! Operands of the algebra commands: contracts by file and name, and expressions over them.
 //!
 //! ```text
 //! operand = [name "="] (operation "(" operand ("," operand)* ")" | path ["::" contract])
@@ -8,23 +8,23 @@ use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::Member;
 use crate::cli::select::Selection;
 use crate::contract::Contract;
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 
-/// An operand as it was written.
+/// An operand as written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Operand {
     /// One contract.
     Contract {
-        /// What it is called here; its own name where nothing is said.
+        /// Its alias; `None` for its own name.
         name: Option<String>,
-        /// Where it stands.
+        /// Where it is declared.
         selection: Selection,
     },
     /// A result of other operands.
     Result(Operation, Vec<Operand>),
 }
 
-/// The operations that make a contract of contracts.
+/// Operations on contracts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operation {
     /// ⊗
@@ -59,7 +59,7 @@ impl Operation {
         }
     }
 
-    /// The operation of several contracts, from left to right.
+    /// Applies the operation to several contracts from left to right.
     pub fn fold(self, operands: Vec<Sets>) -> Option<Sets> {
         operands.into_iter().reduce(|a, b| self.apply(&a, &b))
     }
@@ -106,7 +106,7 @@ fn is_name(text: &str) -> bool {
         && text.chars().all(|c| c.is_alphanumeric() || c == '_')
 }
 
-/// The parts between commas that stand in no inner parentheses.
+/// Splits at commas outside inner parentheses.
 fn parts(text: &str) -> Result<Vec<&str>, String> {
     let mut parts = Vec::new();
     let (mut depth, mut start) = (0usize, 0);
@@ -157,18 +157,18 @@ impl std::str::FromStr for Rename {
     }
 }
 
-/// The contracts of some operands, each once where it stands.
+/// The contracts of some operands, each place once.
 #[derive(Debug, Default)]
 pub struct Members<'a> {
-    /// In the order in which they stand.
+    /// Contracts in order of occurrence.
     pub list: Vec<Member<'a>>,
-    /// Where each is declared.
+    /// Declarations of the contracts.
     pub contracts: Vec<&'a Contract>,
 }
 
 impl<'a> Members<'a> {
-    /// The contracts of an operand, and it as an expression over them.
-    pub fn add(&mut self, operand: &Operand, loaded: &'a Loaded) -> anyhow::Result<Sets> {
+    /// Adds the contracts of an operand; returns it as an expression over them.
+    pub fn add(&mut self, operand: &Operand, loaded: &'a LoadedFiles) -> anyhow::Result<Sets> {
         match operand {
             Operand::Result(operation, operands) => {
                 let mut sets = Vec::new();
@@ -198,7 +198,7 @@ impl<'a> Members<'a> {
         }
     }
 
-    /// Gives ports other names.
+    /// Renames ports.
     pub fn rename(&mut self, renames: &[Rename]) -> anyhow::Result<()> {
         for rename in renames {
             let names: Vec<String> = self.list.iter().map(|m| m.name.clone()).collect();
@@ -230,8 +230,8 @@ pub fn paths(operands: &[Operand]) -> Vec<String> {
     found
 }
 
-/// The one contract that is meant.
-fn one<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<&'a Contract> {
+/// Finds the one contract that is meant.
+fn one<'a>(selection: &Selection, loaded: &'a LoadedFiles) -> anyhow::Result<&'a Contract> {
     let of_file: Vec<&Contract> = loaded
         .library
         .contracts
@@ -260,7 +260,7 @@ fn one<'a>(selection: &Selection, loaded: &'a Loaded) -> anyhow::Result<&'a Cont
     }
 }
 
-/// Whether a file of the library is the one that a path names: the same text, or a library name and
+/// Whether a file of the library is the one named by a path: the same text, or a library name and
 /// its place.
 fn same_file(file: &str, path: &str) -> bool {
     if file == path {

@@ -8,7 +8,7 @@ use crate::algebra::decide::Decider;
 use crate::algebra::join::Sharing;
 use crate::algebra::proof::{Claim, Exports, prove};
 use crate::algebra::refine::{Question, Refinement, refine};
-use crate::algebra::system::{Half, Part, System};
+use crate::algebra::system::{ContractSide, Part, System};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
@@ -95,7 +95,7 @@ fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     Ok(outcome)
 }
 
-/// A question and whose formulas its goal is made of.
+/// Builds a question, with the owner of its goal's formulas.
 pub fn of_question<'a>(question: &'a Question, whole: &'a str) -> ProofPrinter<'a> {
     ProofPrinter {
         system: &question.system,
@@ -177,15 +177,15 @@ pub fn explain(
     (findings, text)
 }
 
-/// A contract against a composition: under what it assumes the parts discharge one another's
-/// assumptions and keep what it guarantees.
+/// A contract against a composition: whether under its assumptions the parts discharge one
+/// another's assumptions and keep its guarantees.
 fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let (whole, parts) = joined.system.parts.split_first().expect("two operands");
     let mut system = System {
         variables: joined.system.variables.clone(),
         parts: parts.to_vec(),
     };
-    // What defines the whole's monitors is true, whoever keeps it.
+    // The definitions of the whole's monitors hold, whoever keeps them.
     if whole.definitions != Side::default() {
         system.parts.push(Part {
             assumptions: Side::default(),
@@ -236,7 +236,7 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
     Ok(outcome)
 }
 
-/// Any two expressions, as sets of runs.
+/// Compares two arbitrary expressions as sets of runs.
 fn sets(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let mut decider = Decider::new(&joined.system, &options.limits())?;
     let refutation = decider.refutation(&joined.sets[1], &joined.sets[0])?;
@@ -255,12 +255,12 @@ fn sets(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     Ok(outcome)
 }
 
-fn refuted(joined: &Joined, half: Half, shown: &str) -> Diagnostic {
+fn refuted(joined: &Joined, half: ContractSide, shown: &str) -> Diagnostic {
     let message = match half {
-        Half::Assumptions => {
+        ContractSide::Assumptions => {
             "it is not refined: an environment of the first may do this, and the second does not allow for it"
         }
-        Half::Guarantees => {
+        ContractSide::Guarantees => {
             "it is not refined: an implementation of the second may do this, and the first forbids it"
         }
     };
@@ -269,7 +269,7 @@ fn refuted(joined: &Joined, half: Half, shown: &str) -> Diagnostic {
         .with_help("add a guarantee that rules this run out, or promise less")
 }
 
-/// Whether one expression refines another; for what is proved on the way of other commands.
+/// Whether one expression refines another, for claims that other commands prove along the way.
 pub fn refutes(
     joined: &Joined,
     small: &Sets,

@@ -1,4 +1,5 @@
-//! Conjunction, quotient and merging: results that leave GR(1) in general, and stay what they are.
+//! Conjunction, quotient and merging: results that generally leave GR(1), and are kept as
+//! expressions.
 
 use super::document::{self, Document, Semantics, Verdict};
 use super::operand::{Operand, Operation};
@@ -75,8 +76,7 @@ fn outcome(
     Ok(outcome)
 }
 
-/// What is proved of a result by the laws that define it: a sentence, and which contract refines
-/// which.
+/// Proves the laws that define a result: a sentence, and which contract refines which.
 fn claims(operation: Operation, joined: &Joined, result: &Sets) -> Vec<(String, Sets, Sets)> {
     let names: Vec<&str> = joined
         .system
@@ -114,7 +114,7 @@ fn claims(operation: Operation, joined: &Joined, result: &Sets) -> Vec<(String, 
     }
 }
 
-/// The result as a list of pairs, and how they are put together.
+/// The result as a list of pairs with the operation that combines them.
 fn text(operation: Operation, joined: &Joined) -> String {
     let mut text = String::new();
     for pair in document::pairs(&joined.system) {

@@ -1,4 +1,4 @@
-//! From what is known of every contract and machine to the document.
+//! Assembles the document from the results for contracts and machines.
 
 use super::document::{
     ComponentEntry, ContractEntry, Document, LineEntry, MachineEntry, PremiseEntry, SkillsEntry,
@@ -12,13 +12,13 @@ use crate::contract::machine::Machine;
 use crate::contract::{Contract, TaxonomyCode};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json};
 use crate::engine::cache::Cache;
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 use crate::engine::findings::lost;
 use crate::engine::internal;
 use crate::engine::judgement;
 use crate::engine::lines;
-use crate::engine::machine::{self, Proved, Standing};
-use crate::engine::machines::{self, Planned};
+use crate::engine::machine::{self, MachineContext, MachineProof};
+use crate::engine::machines::{self, MachinePlan};
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
@@ -26,29 +26,29 @@ use crate::source::Span;
 use indicatif::ProgressBar;
 use std::path::Path;
 
-/// All that the document is made from.
+/// Everything that the document is made from.
 pub(super) struct Assembly<'a> {
-    pub(super) loaded: &'a Loaded,
+    pub(super) loaded: &'a LoadedFiles,
     pub(super) files: &'a [FileView<'a>],
     pub(super) contracts: &'a [(&'a Contract, usize)],
-    pub(super) machines: &'a [Planned<'a>],
-    /// Machines as lines have them, with arguments of their own; each with where the first of these
-    /// lines is declared.
-    pub(super) sized: &'a [(Span, Planned<'a>)],
+    pub(super) machines: &'a [MachinePlan<'a>],
+    /// Machines with the arguments that lines give them; each with the place of the first such
+    /// line.
+    pub(super) sized: &'a [(Span, MachinePlan<'a>)],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
     pub(super) limits: Limits,
-    /// Machines and lines: what is proved of them takes longest.
+    /// Progress over machines and lines, whose proofs take longest.
     pub(super) progress: &'a ProgressBar,
     pub(super) cache: Option<&'a Cache>,
-    /// Whether tables are made that take longer than the verdict.
+    /// Whether to make tables that take longer than the verdict.
     pub(super) verbose: bool,
     pub(super) timing: bool,
     pub(super) statistics: bool,
 }
 
 impl Assembly<'_> {
-    /// The document, and every finding in it once.
+    /// Returns the document, and every finding in it once.
     pub(super) fn document(&self) -> (Document, Vec<Diagnostic>) {
         let sources = &self.loaded.library.sources;
         let mut document = Document {
@@ -137,13 +137,13 @@ impl Assembly<'_> {
         (document, all)
     }
 
-    /// Shows what is being proved.
+    /// Shows which proof is running.
     fn begin(&self, name: &str) {
         self.progress.set_message(name.to_owned());
         self.progress.inc(1);
     }
 
-    /// Whether a declaration is a contract that was imported to be refined, and for nothing else.
+    /// Whether a declaration is a contract that was imported only to be refined.
     fn is_left_out(&self, declaration: &Declaration) -> bool {
         let mut contracts = self.loaded.library.contracts.iter();
         declaration.kind == Kind::Contract
@@ -151,7 +151,7 @@ impl Assembly<'_> {
                 .any(|c| declaration.holds(c.span) && super::is_only_refined(self.loaded, c))
     }
 
-    /// A line is as valid as its machines.
+    /// A line is only as valid as its machines.
     fn lines_of_invalid_machines(&self, document: &mut Document) {
         let Document {
             machines, lines, ..
@@ -182,7 +182,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// The entry of a contract; the findings of its pipeline are added to those of its text.
+    /// The entry of a contract; findings of its pipeline are added to those of its text.
     fn contract(
         &self,
         file: &FileView<'_>,
@@ -293,7 +293,7 @@ impl Assembly<'_> {
         let mut known = self.loaded.library.lines.iter();
         let line = known.find(|l| sound && declaration.holds(l.span));
         let controlled = |machine: &Machine| {
-            let alike = |p: &&Planned<'_>| machines::is_alike(p.machine, machine);
+            let alike = |p: &&MachinePlan<'_>| machines::is_alike(p.machine, machine);
             let sized = self.sized.iter().map(|(_, planned)| planned);
             let mut known = self.machines.iter().chain(sized);
             known.find(alike)?.controlled(self.checked)
@@ -341,9 +341,9 @@ impl Assembly<'_> {
         }
     }
 
-    /// What is wrong with a machine that only lines have in this size.
-    fn judged(&self, planned: &Planned<'_>) -> Vec<Diagnostic> {
-        // What is odd about a contract is told of its own defaults.
+    /// Findings about a machine that only lines have in this size.
+    fn judged(&self, planned: &MachinePlan<'_>) -> Vec<Diagnostic> {
+        // Findings about a contract are reported with its own defaults.
         let mut found = planned.findings(self.jobs, self.checked);
         found.retain(|f| f.severity == Severity::Error);
         if let Some(controlled) = planned.controlled(self.checked) {
@@ -371,15 +371,15 @@ impl Assembly<'_> {
                 let (name, span) = (&c.machine.name, c.machine.span);
                 let doing = || format!("checking the machine `{name}`");
                 let standing = if machines::is_only_inner(c.machine, &self.loaded.library) {
-                    Standing::Within
+                    MachineContext::Within
                 } else {
-                    Standing::Alone
+                    MachineContext::Alone
                 };
                 let proved =
                     internal::caught(doing, || machine::proved(&c, standing, &self.limits));
-                let proved = proved.unwrap_or_else(|fault| Proved {
+                let proved = proved.unwrap_or_else(|fault| MachineProof {
                     findings: vec![fault.finding(Some(span))],
-                    ..Proved::default()
+                    ..MachineProof::default()
                 });
                 judgement::remember(&proved.findings, &c, self.cache);
                 proved
@@ -418,12 +418,12 @@ impl Assembly<'_> {
     }
 }
 
-/// Whether this program failed at what the findings are about.
+/// Whether the findings show an internal error.
 fn is_failed(findings: &[Diagnostic]) -> bool {
     findings.iter().any(|f| f.code == codes::INTERNAL)
 }
 
-/// Whether a finding only follows from a slip that was found in the text of the same formula.
+/// Whether a finding is merely a consequence of a mistake in the text of the same formula.
 fn follows(finding: &Diagnostic, slips: &[Diagnostic]) -> bool {
     let hollow = [codes::UNBREAKABLE, codes::NEVER_ASKED].contains(&finding.code);
     let slip =
@@ -435,7 +435,7 @@ fn follows(finding: &Diagnostic, slips: &[Diagnostic]) -> bool {
     hollow && slips.iter().any(|f| slip(f) && within(f))
 }
 
-/// The entry of a file that holds no contract anybody could name.
+/// The entry of a file that contains no contract with a name.
 fn nameless(file: &str) -> ContractEntry {
     let stem = Path::new(file).file_stem();
     ContractEntry {
@@ -466,7 +466,7 @@ fn texts(codes: &[TaxonomyCode]) -> Vec<String> {
     codes.iter().map(|c| c.text.clone()).collect()
 }
 
-/// How many bits these variables need.
+/// Number of bits for these variables.
 fn bits(specification: &Specification, variables: impl Iterator<Item = VarId>) -> u32 {
     variables
         .map(|v| specification.variable(v).domain.size())

@@ -1,6 +1,7 @@
-//! The JSON document of `check`, which its other formats are made from, too.
+//! The JSON document of `check`, from which its other formats are also made.
 
 use super::watch::Trigger;
+use crate::cli::schema::AnyValue;
 use crate::diagnostics::json;
 use crate::engine::findings::lost::Suggestion;
 use crate::engine::lines::LineVerdict;
@@ -9,39 +10,53 @@ use crate::engine::pipeline::Verdict;
 use crate::engine::statistics::Statistics;
 use crate::engine::words::DischargeEntry;
 use crate::line::calls::Premise;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// The JSON document.
-#[derive(Debug, Serialize)]
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct Document {
     pub(super) schema: String,
     /// Why it was checked again, with `--watch`.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub(super) occasion: Option<Trigger>,
+    /// What a contract means: always `strict`, safety first.
+    #[schemars(extend("const" = "strict"))]
     pub(super) semantics: &'static str,
+    /// The contracts.
     pub(super) contracts: Vec<ContractEntry>,
-    /// The sets of skills; left out where there are none.
+    /// Sets of skills; omitted if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) skills: Vec<SkillsEntry>,
+    /// The machines.
     pub(super) machines: Vec<MachineEntry>,
+    /// The production lines.
     pub(super) lines: Vec<LineEntry>,
-    /// Findings that belong to no declaration.
+    /// Findings outside all declarations.
     pub(super) findings: Vec<json::Finding>,
+    /// How many there are of each verdict.
     pub(super) summary: Summary,
 }
 
-#[derive(Debug, Serialize)]
+/// What is known of a contract.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct ContractEntry {
+    /// The name of the contract.
     pub(super) name: String,
+    /// The file that declares it.
     pub(super) file: String,
-    /// For a specification of another tool: its format, by the ending of its files.
+    /// For a specification of another tool: its format, by file extension.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) format: Option<&'static str>,
+    /// Its codes in the taxonomies, such as `vdi:Drehen`.
     pub(super) codes: Vec<String>,
+    /// Whether it has a controller.
     pub(super) verdict: Verdict,
+    /// Its findings.
     pub(super) findings: Vec<json::Finding>,
+    /// For an unrealizable contract: the guarantees that clash.
     pub(super) core: Vec<String>,
     /// For an unrealizable one: the assumptions that matter for the core.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -49,47 +64,54 @@ pub(super) struct ContractEntry {
     /// The play that shows that it is unrealizable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) play: Option<PlayEntry>,
-    /// What would make it realizable.
+    /// Changes that would make it realizable.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) suggestions: Vec<Suggestion>,
-    /// How large its counterstrategy is, which `synth --counterstrategy` writes down.
+    /// Size of its counterstrategy, which `synth --counterstrategy` writes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) counterstrategy: Option<CounterstrategyEntry>,
-    /// For a realizable one: from how many situations the machine can make the plant break an
-    /// assumption.
+    /// For a realizable one: the number of situations from which the machine can make the plant
+    /// break an assumption.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) well_separation: Option<WellSeparation>,
+    /// The number of bits of its inputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) input_bits: Option<u32>,
+    /// The number of bits of its outputs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) output_bits: Option<u32>,
+    /// The number of states of its controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) states: Option<usize>,
+    /// How long it took, in seconds; left out with `--no-timing`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
     pub(super) seconds: Option<f64>,
+    /// The largest number of nodes that were kept at once; left out with `--no-timing`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) peak_nodes: Option<u64>,
-    /// With `--stats`.
+    /// Present with `--stats`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) statistics: Option<Statistics>,
-    /// The kernel, for people; in JSON it is among the statistics.
+    /// Kernel name, for people; in JSON it is in the statistics.
     #[serde(skip)]
     pub(super) kernel: String,
-    /// Whether only the verdict was asked for, since the game is large.
+    /// Whether only the verdict was computed, since the game is large.
     #[serde(skip)]
     pub(super) verdict_only: bool,
 }
 
-/// A play that the machine loses.
-#[derive(Debug, Serialize)]
+/// A play lost by the machine.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct PlayEntry {
-    /// Step by step the values of all variables, by name; of a step that has no answer, those of
+    /// Values of all variables by name for every step; for a step without an answer, only those of
     /// the inputs.
+    #[schemars(with = "Vec<BTreeMap<String, AnyValue>>")]
     pub(super) steps: Vec<BTreeMap<String, serde_json::Value>>,
-    /// The guarantees that clash in the last step.
+    /// Guarantees that clash in the last step.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) clash: Vec<String>,
-    /// The step that follows the last one, for ever.
+    /// Index of the step that follows the last one, for ever.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) repeats_from: Option<usize>,
     /// The guarantee that is never met again.
@@ -97,30 +119,33 @@ pub(super) struct PlayEntry {
     pub(super) never: Option<String>,
 }
 
-#[derive(Debug, Serialize)]
+/// The size of a counterstrategy.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct CounterstrategyEntry {
+    /// The number of its states.
     pub(super) states: usize,
+    /// Whether it was verified.
     pub(super) verified: bool,
 }
 
-/// Both checks of Maoz and Ringert: `[from, of]` situations that can occur.
-#[derive(Debug, Serialize)]
+/// Both checks of Maoz and Ringert: `[from, of]` possible situations.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct WellSeparation {
-    /// For a machine that keeps its guarantees all the while.
+    /// For a machine that always keeps its guarantees.
     pub(super) forced: [u64; 2],
-    /// For one that does as it likes.
+    /// For an unrestricted machine.
     pub(super) forced_ignoring_guarantees: [u64; 2],
 }
 
 /// Whether a line can be run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Validity {
-    /// It can.
+    /// No problems found.
     Valid,
-    /// Something is wrong with it, or with one of its machines.
+    /// The line, or one of its machines, has an error.
     Invalid,
-    /// This program failed while it looked at it.
+    /// An internal error occurred.
     InternalError,
 }
 
@@ -130,8 +155,8 @@ impl fmt::Display for Validity {
     }
 }
 
-/// What is known of a set of skills.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// Verdict on a set of skills.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum SkillsVerdict {
     /// Its rules can be kept.
@@ -140,7 +165,7 @@ pub(super) enum SkillsVerdict {
     Contradictory,
     /// A limit was reached before it was decided.
     GaveUp,
-    /// It could not be understood.
+    /// The declaration is invalid.
     Invalid,
     /// This program failed while it looked at it.
     InternalError,
@@ -152,65 +177,89 @@ impl fmt::Display for SkillsVerdict {
     }
 }
 
-#[derive(Debug, Serialize)]
+/// What is known of a set of skills.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct SkillsEntry {
+    /// The name of the set.
     pub(super) name: String,
+    /// The file that declares it.
     pub(super) file: String,
+    /// Whether its rules can be kept.
     pub(super) verdict: SkillsVerdict,
+    /// The number of its skills.
     pub(super) skills: usize,
+    /// The number of its rules.
     pub(super) rules: usize,
+    /// Its findings.
     pub(super) findings: Vec<json::Finding>,
 }
 
-#[derive(Debug, Serialize)]
+/// What is known of a machine.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct MachineEntry {
+    /// The name of the machine.
     pub(super) name: String,
+    /// The file that declares it.
     pub(super) file: String,
+    /// Its codes in the taxonomies.
     pub(super) codes: Vec<String>,
+    /// The worst verdict of its components.
     pub(super) verdict: Verdict,
+    /// Its components.
     pub(super) components: Vec<ComponentEntry>,
-    /// How each assumption of a component is met, where the composition was checked.
+    /// How each assumption of a component is met, if the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
-    /// What its controllers do together, where each component has one.
+    /// Closed composition of its controllers, if each component has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) closed: Option<ClosedEntry>,
-    /// The contracts that it is said to refine.
+    /// Contracts that it is declared to refine.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) refines: Vec<RefinesEntry>,
+    /// Its findings.
     pub(super) findings: Vec<json::Finding>,
 }
 
-#[derive(Debug, Serialize)]
+/// A component of a machine.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct ComponentEntry {
+    /// The name of the component.
     pub(super) name: String,
+    /// The name of its contract.
     pub(super) contract: String,
+    /// Whether the contract has a controller.
     pub(super) verdict: Verdict,
 }
 
-#[derive(Debug, Serialize)]
+/// What is known of a production line.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct LineEntry {
+    /// The name of the line.
     pub(super) name: String,
+    /// The file that declares it.
     pub(super) file: String,
+    /// Whether it can be run.
     pub(super) verdict: Validity,
-    /// Of a valid one: whether parts move on in it.
+    /// For a valid line: whether parts keep moving.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) proof: Option<LineVerdict>,
-    /// Of a proved or safe one: what that rests on and the line itself does not show.
+    /// If proved or safe: premises that the line itself does not establish.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) premises: Vec<PremiseEntry>,
-    /// Of a safe one: what was not decided.
+    /// If safe: what was not decided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) undecided: Vec<String>,
     /// What each requirement of the line, and each assumption of a place in it, rests on.
     pub(super) discharges: Vec<DischargeEntry>,
+    /// Its findings.
     pub(super) findings: Vec<json::Finding>,
 }
 
-/// Something that a proof takes for granted.
-#[derive(Debug, Serialize)]
+/// A premise of a proof.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct PremiseEntry {
+    /// The name of the premise.
     pub(super) name: String,
-    /// In words.
+    /// The premise as text.
     pub(super) text: String,
 }
 
@@ -220,15 +269,21 @@ impl From<Premise> for PremiseEntry {
     }
 }
 
-#[derive(Debug, Default, Serialize)]
+/// How many contracts there are of each verdict.
+#[derive(Debug, Default, JsonSchema, Serialize)]
 pub(super) struct Summary {
+    /// Contracts that have a controller.
     pub(super) realizable: usize,
+    /// Contracts that have none.
     pub(super) unrealizable: usize,
+    /// Contracts for which a limit was reached.
     pub(super) gave_up: usize,
+    /// Contracts that could not be understood.
     pub(super) invalid: usize,
-    /// Contracts that this program failed at; left out where there are none.
+    /// Number of contracts with an internal error; omitted if there are none.
     #[serde(skip_serializing_if = "is_zero")]
     pub(super) internal_error: usize,
+    /// All findings of the document.
     pub(super) findings: usize,
 }
 

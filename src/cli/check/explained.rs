@@ -1,4 +1,4 @@
-//! Why a contract is as it is, for the document.
+//! Explanations of a contract's verdict, for the document.
 
 use super::document::{CounterstrategyEntry, PlayEntry, WellSeparation};
 use crate::game::{Ending, EnvironmentFindings, GuaranteeRef, Play};
@@ -6,7 +6,7 @@ use crate::gr1::{Domain, Owner, Specification, Timing};
 use crate::mealy::Machine;
 use serde_json::Value;
 
-/// A play by the names of its variables.
+/// A play by variable names.
 pub(super) fn play(s: &Specification, play: &Play) -> PlayEntry {
     let last = play.steps.len() - 1;
     let clashes = matches!(play.ending, Ending::Clash(_));
@@ -42,7 +42,7 @@ pub(super) fn play(s: &Specification, play: &Play) -> PlayEntry {
     entry
 }
 
-/// A value as JSON has it.
+/// A value in JSON.
 fn shown(domain: &Domain, value: i64) -> Value {
     match domain {
         Domain::Bool => Value::Bool(value != 0),
@@ -51,7 +51,7 @@ fn shown(domain: &Domain, value: i64) -> Value {
     }
 }
 
-/// A counterstrategy, which is only known when it was verified.
+/// A counterstrategy; present only if verified.
 pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
     CounterstrategyEntry {
         states: machine.states.len(),
@@ -61,7 +61,7 @@ pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
 
 /// Both numbers.
 pub(super) fn well_separation(found: &EnvironmentFindings) -> WellSeparation {
-    // Beyond 2^53 they are rounded.
+    // Rounded above 2^53.
     let whole = |counts: [f64; 2]| counts.map(|n| n as u64);
     WellSeparation {
         forced: whole(found.forced_states),

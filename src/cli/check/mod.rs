@@ -1,4 +1,4 @@
-//! `linewright check`: the consistency of every contract, machine and line found.
+//! `linewright check`: checks the consistency of every contract, machine and line found.
 
 mod assembly;
 mod document;
@@ -8,15 +8,17 @@ mod view;
 mod watch;
 
 use super::console::Console;
+use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
 use super::proof;
+use super::schema::{Described, form};
 use crate::contract::machine::Machine;
 use crate::contract::{Contract, Library};
 use crate::diagnostics::{Diagnostic, Severity, codes, has_errors, json, sarif};
 use crate::engine::controller::ExtractionOptions;
-use crate::engine::files::{self, Loaded, StandardLibrary};
-use crate::engine::machines::{self, Planned};
+use crate::engine::files::{self, LoadedFiles, StandardLibrary};
+use crate::engine::machines::{self, MachinePlan};
 use crate::engine::output;
 use crate::engine::pipeline::{CheckedContract, Goal, Jobs, Memory, Settings, Verdict};
 use crate::source::Span;
@@ -26,6 +28,13 @@ use document::Document;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use view::{FileView, view};
+
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "check",
+    "What is known of contracts, machines and lines",
+    &[form::<Document>, form::<Failed>],
+);
 
 /// The arguments of `check`.
 #[derive(Debug, Args)]
@@ -37,45 +46,45 @@ use view::{FileView, view};
 
     $ linewright check --watch contracts/
 
-A contract is realizable when a controller exists that keeps its guarantees for as long as the plant \
-keeps the assumptions (safety first, strictly). Each such controller is synthesized and verified, but \
-not written; for a large contract that no machine uses, only the verdict is given. What is known of a contract \
-that has not changed is not worked out again (see --no-cache).
+A contract is realizable if some controller keeps its guarantees as long as the plant keeps its \
+assumptions (strict semantics, safety first). The controller is synthesized and verified, but \
+not written; for a large contract that no machine uses, only the verdict is given. Results for \
+unchanged contracts are read from the cache (see --no-cache).
 
-Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are read by their ending; for these the \
-verdict is given, why it is unrealizable, and what is odd about the assumptions.")]
+Files of gr1c (.spc), slugs (.slugsin, .structuredslugs), Spectra (.spectra) and TLSF (.tlsf) are recognized by their extension; check reports the verdict, the reason if it is unrealizable, and \
+suspicious assumptions.")]
 pub struct Arguments {
-    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders that are searched
-    /// for .lw files [default: ./contracts, or else the bundled library]
+    /// Files (.lw, .spc, .slugsin, .structuredslugs, .spectra, .tlsf), or folders with .lw files
+    /// [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
-    /// Also say what each verdict took: kernel, times by phase, nodes, iterations, orders of the
-    /// variables
+    /// Show how each verdict was found: BDD kernel, time by phase, nodes, iterations, variable
+    /// order
     #[arg(long)]
     pub stats: bool,
     /// Write down why the contract is realizable, in a form that others can check
     #[arg(
         long,
         value_name = "FILE",
-        long_help = "Write down why the contract is realizable: the ranking of the winning region, as JSON that others \
-                     can check; docs/proof.md says how. There must be exactly one contract"
+        long_help = "Write a certificate of realizability as JSON: the ranking of the winning region (see \
+docs/proof.md). Exactly one contract must be given"
     )]
     pub proof: Option<PathBuf>,
     /// Check again whenever a file has changed, until Ctrl-C
     #[arg(
         long,
         conflicts_with = "proof",
-        long_help = "Check again whenever one of the files has changed, or one that they import, until Ctrl-C; the exit code is \
-                     that of the last check. Contracts that have not changed are not solved again. With `--format json` each \
-                     check is one document in one line, which also says what has changed (`changes`, `unix_seconds`); SARIF \
-                     is refused"
+        long_help = "Check again whenever a file or one of its imports changes, until Ctrl-C; the exit code is that \
+of the last check. Unchanged contracts are not solved again. With `--format json` each check is \
+one document on one line, with the changes since the last one (`changes`, `unix_seconds`); \
+SARIF is refused"
     )]
     pub watch: bool,
 }
 
-/// What was found.
-struct Checked {
-    loaded: Loaded,
+/// Result of a check.
+struct CheckResult {
+    loaded: LoadedFiles,
     document: Document,
     findings: Vec<Diagnostic>,
     code: ExitCode,
@@ -98,7 +107,7 @@ fn check(
     options: &GlobalOptions,
     settings: &Settings,
     memory: Option<&mut Memory>,
-) -> anyhow::Result<Checked> {
+) -> anyhow::Result<CheckResult> {
     let console = options.console();
     let loaded = files::load(
         &arguments.paths,
@@ -106,7 +115,7 @@ fn check(
     );
     let files = FileView::all(&loaded);
 
-    // A machine's actions are looked at in the form that `build` gives them.
+    // A machine's actions are examined in the form that `build` gives them.
     let mut jobs = Jobs::examining()
         .wishing(ExtractionOptions {
             functions: true,
@@ -128,11 +137,11 @@ fn check(
             None => (c, jobs.add_for(Goal::Small, &c.specification, c.span)),
         })
         .collect();
-    let machines: Vec<Planned<'_>> = library
+    let machines: Vec<MachinePlan<'_>> = library
         .machines
         .iter()
         .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
-        .map(|m| Planned::new(m, &mut jobs))
+        .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
     let sized = sized(&files, library, &machines, &mut jobs);
     let progress = console.progress(jobs.len(), "checking");
@@ -162,7 +171,7 @@ fn check(
                 .contains(&library.sources.file(c.span.file).name)
         });
         let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
-        // Where there is no contract because of mistakes, these are what there is to say.
+        // If errors prevented a contract, those errors are the findings.
         let found = if own.is_empty() && has_errors(&findings) {
             Vec::new()
         } else {
@@ -185,7 +194,7 @@ fn check(
         })
         .fold(ExitCode::Success, ExitCode::and);
     let code = options.exit_code(&findings).and(verdicts);
-    Ok(Checked {
+    Ok(CheckResult {
         code: code.and(ExitCode::of_loading(&loaded)),
         document,
         findings,
@@ -193,31 +202,31 @@ fn check(
     })
 }
 
-/// The machines of lines that have other arguments there than by default, each with where the first
-/// of these lines is declared.
+/// Machines to which lines give arguments other than the defaults, each with the place of the first
+/// such line.
 fn sized<'a>(
     files: &[FileView<'_>],
     library: &'a Library,
-    declared: &[Planned<'a>],
+    declared: &[MachinePlan<'a>],
     jobs: &mut Jobs,
-) -> Vec<(Span, Planned<'a>)> {
-    let mut sized: Vec<(Span, Planned<'a>)> = Vec::new();
+) -> Vec<(Span, MachinePlan<'a>)> {
+    let mut sized: Vec<(Span, MachinePlan<'a>)> = Vec::new();
     let lines = library.lines.iter();
     for line in lines.filter(|l| view(files, l.span.file).is_some_and(|f| f.is_sound(l.span))) {
         for machine in machines::of_line(line) {
             let own = sized.iter().map(|(_, planned)| planned);
             let mut known = declared.iter().chain(own);
             if !known.any(|p| machines::is_judged_alike(p.machine, machine)) {
-                sized.push((line.span, Planned::new(machine, jobs)));
+                sized.push((line.span, MachinePlan::new(machine, jobs)));
             }
         }
     }
     sized
 }
 
-/// Whether a contract was imported to be refined, and for nothing else: that it can be kept is
-/// shown by what refines it.
-fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
+/// Whether a contract was imported only to be refined: whatever refines it shows that it can be
+/// kept.
+fn is_only_refined(loaded: &LoadedFiles, contract: &Contract) -> bool {
     let library = &loaded.library;
     let own = &library.sources.file(contract.span.file).name;
     let name = &contract.name;
@@ -228,7 +237,7 @@ fn is_only_refined(loaded: &Loaded, contract: &Contract) -> bool {
         && !library.machines.iter().any(used)
 }
 
-/// Writes the proof of the only contract; the findings say why there is none.
+/// Writes the proof of the only contract; the findings explain why there is none.
 fn write_proof(
     path: &Path,
     contracts: &[(&Contract, &CheckedContract)],
@@ -256,14 +265,14 @@ fn write_proof(
                 "a proof can only be written of a realizable contract as yet; the guarantees that clash are named above",
             ),
         ],
-        // Its own finding says why there is no verdict.
+        // Its own finding explains why there is no verdict.
         (None, _) => Vec::new(),
     })
 }
 
-/// Prints what was found. Gives whether somebody still reads it.
-fn write(console: Console, checked: &Checked, options: &GlobalOptions) -> anyhow::Result<bool> {
-    let Checked {
+/// Prints the result. Returns whether the output is still read.
+fn write(console: Console, checked: &CheckResult, options: &GlobalOptions) -> anyhow::Result<bool> {
+    let CheckResult {
         loaded,
         document,
         findings,

@@ -1,10 +1,10 @@
-//! The result of `check` as text: one line a contract, machine and line, and a summary.
+//! The result of `check` as text: one line per contract, machine and line, and a summary.
 
 use super::document::{Document, SkillsVerdict, Validity};
 use crate::engine::lines::LineVerdict;
 use crate::engine::machine::RefinementVerdict;
 use crate::engine::pipeline::Verdict;
-use crate::engine::words::{DischargeEntry, MetBy};
+use crate::engine::words::{DischargeEntry, DischargeRuleName};
 use crate::taxonomy;
 use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::{self, Write as _};
@@ -16,7 +16,7 @@ const DIM: Style = Style::new().dimmed();
 
 const COLUMNS: usize = 8;
 
-/// How a line of the table begins.
+/// Mark at the beginning of a table line.
 #[derive(Clone, Copy)]
 enum Mark {
     Good,
@@ -67,7 +67,7 @@ impl From<Validity> for Mark {
     }
 }
 
-/// A verdict in the table.
+/// A verdict as shown in the table.
 fn in_words(verdict: impl fmt::Display) -> String {
     verdict.to_string().replace('_', " ")
 }
@@ -78,7 +78,7 @@ struct Row {
     cells: Vec<String>,
 }
 
-/// The table and the summary, in colours. With `verbose`, the files are named too.
+/// The table and the summary, in color. With `verbose`, the files are included.
 pub(super) fn human(document: &Document, verbose: bool) -> String {
     let mut rows: Vec<Row> = Vec::new();
     let file = |name: &str| {
@@ -170,7 +170,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     text
 }
 
-/// What the proofs of lines take for granted.
+/// Premises of the proofs of lines.
 fn premises(document: &Document) -> String {
     let mut text = String::new();
     for line in document.lines.iter().filter(|l| !l.premises.is_empty()) {
@@ -183,7 +183,7 @@ fn premises(document: &Document) -> String {
     text
 }
 
-/// One line a declaration: `file: name: verdict`.
+/// One line per declaration: `file: name: verdict`.
 pub(super) fn short(document: &Document) -> String {
     let mut text = String::new();
     for c in &document.contracts {
@@ -218,7 +218,7 @@ fn align(rows: &[Row]) -> String {
                 continue;
             }
             let padding = " ".repeat(width - cell.chars().count());
-            // Times are numbers: aligned to the right.
+            // Times are numbers: right-aligned.
             let (before, after) = if i == 5 {
                 (padding.as_str(), "")
             } else {
@@ -243,7 +243,7 @@ fn align(rows: &[Row]) -> String {
     text
 }
 
-/// `vdi:Drehen Rotating`: the first code with its English term, and how many more there are.
+/// `vdi:Drehen Rotating`: the first code with its English term, and the number of further codes.
 fn term(codes: &[String]) -> String {
     let Some(code) = codes.first() else {
         return String::new();
@@ -263,7 +263,7 @@ fn interface(inputs: Option<u32>, outputs: Option<u32>) -> String {
     }
 }
 
-/// Which contracts were too large for more than a verdict.
+/// Contracts too large for more than a verdict.
 fn verdicts_only(document: &Document) -> String {
     let large = document.contracts.iter().filter(|c| c.verdict_only);
     let lines = large.map(|c| {
@@ -275,8 +275,7 @@ fn verdicts_only(document: &Document) -> String {
     lines.collect()
 }
 
-/// For every machine, how the assumptions of its components are met, and how it refines its
-/// contracts.
+/// For every machine, how its components' assumptions are met, and how it refines its contracts.
 fn discharges(document: &Document) -> String {
     let mut text = String::new();
     for line in document.lines.iter().filter(|l| !l.discharges.is_empty()) {
@@ -310,8 +309,8 @@ fn discharges(document: &Document) -> String {
 fn discharged(discharges: &[DischargeEntry]) -> String {
     let name = |d: &DischargeEntry| format!("{}: {}", d.component, d.assumption);
     let how = |d: &DischargeEntry| match (d.rule, d.turn) {
-        (MetBy::Induction, _) => "step by step".to_owned(),
-        (MetBy::Exported, _) => "environment".to_owned(),
+        (DischargeRuleName::Induction, _) => "step by step".to_owned(),
+        (DischargeRuleName::Exported, _) => "environment".to_owned(),
         (rule, Some(turn)) => format!("{rule}, turn {turn}"),
         (rule, None) => rule.to_string(),
     };

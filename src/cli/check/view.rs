@@ -1,30 +1,30 @@
-//! A file as `check` sees it: its declarations, and which of them can be relied on.
+//! A file as seen by `check`: its declarations, and which of them are reliable.
 
 use crate::cli::outline::{self, Declaration, Kind};
 use crate::diagnostics::{Diagnostic, codes, has_errors};
-use crate::engine::files::Loaded;
+use crate::engine::files::LoadedFiles;
 use crate::interchange::Format;
 use crate::source::{FileId, Span};
 
-/// One file, with what is declared in it and what was found in it while loading.
+/// A file with its declarations and the findings of loading it.
 pub(super) struct FileView<'a> {
     pub(super) id: FileId,
     pub(super) name: &'a str,
     pub(super) declarations: Vec<Declaration>,
     pub(super) findings: Vec<&'a Diagnostic>,
-    /// It does not parse, or something outside all declarations is wrong: then nothing in it can be
-    /// relied on.
+    /// Whether it does not parse, or has an error outside all declarations: then nothing in it is
+    /// reliable.
     pub(super) broken: bool,
 }
 
 impl<'a> FileView<'a> {
-    pub(super) fn all(loaded: &'a Loaded) -> Vec<Self> {
+    pub(super) fn all(loaded: &'a LoadedFiles) -> Vec<Self> {
         let sources = &loaded.library.sources;
         sources
             .files()
             .map(|(id, file)| {
-                // What another tool's file imports declares nothing of its own; a mistake in it is
-                // one of the file that imports.
+                // An import of another tool's file declares nothing of its own; an error in it
+                // counts for the importing file.
                 let imported =
                     loaded.foreign(id).is_none() && Format::of_path(&file.name).is_some();
                 let declarations = match loaded.foreign(id) {
@@ -58,7 +58,7 @@ impl<'a> FileView<'a> {
             .collect()
     }
 
-    /// Whether what is declared at this place has no errors.
+    /// Whether the declaration at this place has no errors.
     pub(super) fn is_sound(&self, name: Span) -> bool {
         let declaration = self.declarations.iter().find(|d| d.holds(name));
         !self.broken && declaration.is_some_and(|d| !has_errors(&self.within(d)))

@@ -1,13 +1,13 @@
 //! `check --watch`: checks again whenever a file has changed, until Ctrl-C.
 //!
-//! Contracts that have not changed keep their results: those that stand where they stood from the
-//! check before, those that have moved within their file from the cache; where the user wants none,
-//! from one that lasts as long as the watch. Ctrl-C ends the watch in the ordinary way, with the
-//! exit code of the last check that was finished.
+//! Unchanged contracts keep their results: those at the same place from the previous check, those
+//! that have moved within their file from the cache. If the user disabled the cache, a temporary
+//! one lasts as long as the watch. Ctrl-C ends the watch normally, with the exit code of the last
+//! completed check.
 
 mod file_watcher;
 
-use super::{Arguments, Checked, check, write};
+use super::{Arguments, CheckResult, check, write};
 use crate::cli::exit::ExitCode;
 use crate::cli::interrupt;
 use crate::cli::options::{Format, GlobalOptions};
@@ -17,17 +17,19 @@ use crate::engine::pipeline::Memory;
 use crate::source::SourceMap;
 use anyhow::Context as _;
 use file_watcher::{Change, FileWatcher};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Why there was another check: a part of its JSON document.
-#[derive(Debug, Serialize)]
+/// The reason for another check: a part of its JSON document.
+#[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct Trigger {
     /// Empty for the first check.
     changes: Vec<Change>,
-    /// When it began, in seconds since 1970 (UTC).
+    /// Start time, in seconds since 1970 (UTC).
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
     unix_seconds: Option<f64>,
 }
 
@@ -41,7 +43,7 @@ impl Trigger {
         }
     }
 
-    /// `[08:15:00 UTC] turn.lw has changed, lamp.lw is new`; nothing for the first check.
+    /// `[08:15:00 UTC] turn.lw has changed, lamp.lw is new`; empty for the first check.
     fn line(&self) -> String {
         if self.changes.is_empty() {
             return String::new();
@@ -73,7 +75,7 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
     changes.clear();
     loop {
         let occasion = Trigger::now(changes, !options.no_timing);
-        // Each check has the whole time.
+        // Each check has the full time limit.
         let mut settings = options.settings();
         settings.limits = options.limits_from(Instant::now());
         settings
@@ -100,8 +102,8 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
     }
 }
 
-/// The line of an occasion where it is not a part of the document: in human output, with some air
-/// around it.
+/// The line for a trigger where it is not a part of the document; in human output, surrounded by
+/// blank lines.
 fn line_for(format: Format, line: &str) -> String {
     match format {
         Format::Human if !line.is_empty() => format!("\n\u{1b}[1m{line}\u{1b}[0m\n"),
@@ -110,15 +112,15 @@ fn line_for(format: Format, line: &str) -> String {
     }
 }
 
-/// The files that a check has read, with their texts, and those that it would have read, beside
-/// those that it was given.
+/// The files that a check has read, with their texts, and those that it tried to read, apart from
+/// those given as arguments.
 fn places_of<'a>(
-    checked: &'a Checked,
+    checked: &'a CheckResult,
     standard: &StandardLibrary,
 ) -> Vec<(PathBuf, Option<&'a str>)> {
     let loaded = &checked.loaded;
     let sources: &SourceMap = &loaded.library.sources;
-    // What is in the program has no place on the disk.
+    // Bundled files have no place on disk.
     let is_there = |name: &str| !name.starts_with("std/") || standard.place(name).exists();
     let read = sources
         .files()
@@ -131,5 +133,5 @@ fn places_of<'a>(
     read.chain(missing).collect()
 }
 
-/// How long it takes at most until a change is noticed where the system does not tell.
+/// Maximum delay before a change is noticed if the system does not report it.
 pub(super) const SLOWEST: Duration = Duration::from_millis(200);

@@ -1,4 +1,4 @@
-//! `linewright doctor --probe`: the layout that a dump tells, what is not sure about it, and the
+//! `linewright doctor --probe`: the layout inferred from a dump, its uncertainties, and the
 //! profile.
 
 use super::super::console::schema;
@@ -9,34 +9,44 @@ use crate::diagnostics::{Diagnostic, has_errors, json};
 use crate::engine::output;
 use crate::source::SourceMap;
 use crate::station::probe::dump::{self, Dump};
-use crate::station::probe::infer::{self, Fact, Sureness};
-use crate::station::profile::Profile;
+use crate::station::probe::infer::{self, Confidence, Fact};
+use crate::station::profile::{Profile, ProfileEntry};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
 
 const ELSEWHERE: &str = "name another file with --out, or move that one away first";
 
-/// No dump is larger.
+/// Maximum size of a dump.
 const LARGEST_FILE: u64 = 16 << 20;
 
-#[derive(Serialize)]
-struct Document {
+/// The JSON document of `doctor --probe`.
+#[derive(JsonSchema, Serialize)]
+pub(super) struct Document {
     schema: String,
-    probe: Option<Found>,
+    /// What the dump tells; null where it is not understood.
+    probe: Option<ProbeReport>,
+    /// All findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
-struct Found {
+/// What a dump tells.
+#[derive(JsonSchema, Serialize)]
+struct ProbeReport {
+    /// The platform on which the probe ran.
     platform: String,
+    /// The number of calls in the dump.
     calls: usize,
-    profile: serde_json::Value,
+    /// The profile that was found.
+    profile: ProfileEntry,
+    /// The answers, and how sure they are.
     facts: Vec<Fact>,
+    /// The file that the profile was written to; null where it was not.
     written: Option<String>,
 }
 
-/// Reads a dump, and writes the profile to `out` where it is given.
+/// Reads a dump, and writes the profile to `out` if given.
 pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let console = options.console();
     let mut sources = SourceMap::new();
@@ -71,7 +81,7 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     match options.format {
         Format::Json => console.document(&Document {
             schema: schema("doctor"),
-            probe: found.map(|(dump, profile, facts)| Found {
+            probe: found.map(|(dump, profile, facts)| ProbeReport {
                 platform: dump.platform,
                 calls: dump.calls.len(),
                 profile: profile.describe(),
@@ -99,15 +109,15 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     Ok(options.exit_code(&findings))
 }
 
-/// The profile that a dump tells: in the second round the one that the probe was built with, if the
-/// host kept to it.
+/// The profile inferred from a dump: in the second round the one that the probe was built with, if
+/// the host kept to it.
 fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Diagnostic>> {
     match infer::confirm(dump) {
         Some(Ok(profile)) => {
             let fact = Fact {
                 what: "round trip",
                 found: "as it was returned".to_owned(),
-                sure: Sureness::Certain,
+                sure: Confidence::Certain,
                 why: "an integer, a real number and a string came back unchanged".to_owned(),
             };
             Ok((profile, vec![fact]))
@@ -147,9 +157,9 @@ fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String
     );
     for fact in facts {
         let sure = match fact.sure {
-            Sureness::Certain => "certain",
-            Sureness::Likely => "likely",
-            Sureness::Open => "open",
+            Confidence::Certain => "certain",
+            Confidence::Likely => "likely",
+            Confidence::Open => "open",
         };
         let _ = writeln!(
             out,

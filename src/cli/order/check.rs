@@ -1,18 +1,21 @@
-//! `linewright order check`: a program of calls, before it is loaded.
+//! `linewright order check`: checks a program of calls before it is loaded.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::rules::{self, Chosen};
+use super::rules::{self, RuleSelection};
 use super::{Choice, program, words};
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, json, sarif};
 use crate::engine::files;
 use crate::order::picture::names;
-use crate::order::program::{Checked, Violation, check};
+use crate::order::program::{ProgramCheck, Violation, check};
 use crate::order::supervisor::Supervisor;
 use crate::source::SourceMap;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -25,22 +28,22 @@ use std::path::Path;
 
     $ linewright order check examples/pick-and-place/crash.csv
 
-A program is a text file with a call a line: a skill, or `Left & Down` for skills that are called at once. What follows # or // \
-is a comment.
+A program is a text file with one call per line: a skill, or `Left & Down` for skills called at \
+once. # and // begin a comment.
 
-In a .csv file the skills of a row stand in its cells and are called at once. Where other columns stand beside them, the first row is \
-a header with a column `skill`, and a column `step` where rows with the same step, one behind the other, are one call. Steps do not \
-come again, and their numbers do not go back.
+In a .csv file, each row is one call, and its cells are skills called at once. If there are \
+other columns, the first row must be a header with a column `skill`. With a column `step`, \
+consecutive rows with the same step are one call; steps must be in ascending order.
 
-Exit code 1 where a program is refused, 2 where one cannot be read.")]
+The exit code is 1 if a program is refused, 2 if one cannot be read.")]
 pub struct Arguments {
     /// Programs to check
     #[arg(required = true, value_name = "PROGRAM")]
     pub programs: Vec<String>,
-    /// The rules [default: the one file beside the program that declares skills]
+    /// Rules [default: the only file beside the program that declares skills]
     #[arg(long, value_name = "FILE[::NAME]")]
     pub rules: Option<Selection>,
-    /// Refuse a program that ends in the middle of a sequence
+    /// Also refuse programs that end in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
     /// Which rules are kept.
@@ -48,52 +51,76 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-check",
+    "What is known of programs: `order check`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// The programs.
     programs: Vec<Entry>,
 }
 
-/// What is known of a program.
-#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+/// Verdict on a program.
+#[derive(Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum ProgramVerdict {
-    /// It keeps the orders.
+    /// The program keeps the orders.
     Accepted,
-    /// A call breaks one, or it ends too early.
+    /// A call violates an order, or the program ends too early.
     Refused,
-    /// It could not be read.
+    /// The program could not be read.
     Invalid,
 }
 
-#[derive(Serialize)]
+/// What is known of a program.
+#[derive(JsonSchema, Serialize)]
 struct Entry {
+    /// The file of the program.
     file: String,
+    /// Whether it keeps the orders.
     verdict: ProgramVerdict,
+    /// The number of its calls.
     calls: usize,
+    /// The first call that breaks an order.
     #[serde(skip_serializing_if = "Option::is_none")]
     violation: Option<ViolationEntry>,
+    /// The shortest calls that complete a program that ends too early.
     #[serde(skip_serializing_if = "Option::is_none")]
     completion: Option<Vec<Vec<String>>>,
+    /// Its findings.
     findings: Vec<json::Finding>,
 }
 
-#[derive(Serialize)]
+/// A call that breaks an order.
+#[derive(JsonSchema, Serialize)]
 struct ViolationEntry {
+    /// The number of the call, from 1.
+    #[schemars(range(min = 1))]
     step: usize,
+    /// The skills that are called at once.
     call: Vec<String>,
+    /// The rule that it breaks.
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
+    /// Why it is refused.
     why: String,
+    /// The shortest calls after which it is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     detour: Option<Vec<Vec<String>>>,
+    /// The calls that are allowed in its place.
     instead: Vec<Vec<String>>,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
-    // Each is read once: it may be a pipe.
+    // Each is read once, since it may be a pipe.
     let programs: Vec<(&str, Read)> = arguments
         .programs
         .iter()
@@ -143,7 +170,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     Ok(code)
 }
 
-/// The text of a program, or why there is none.
+/// The text of a program, or why it cannot be read.
 type Read = Result<String, Box<Diagnostic>>;
 
 fn read(name: &str) -> Read {
@@ -154,8 +181,8 @@ fn read(name: &str) -> Read {
     })
 }
 
-/// The rules beside the first program that can be read. Without one, or without rules, programs
-/// that cannot be read are told here, since they may be why.
+/// The rules beside the first readable program. Without one, or without rules, unreadable programs
+/// are reported here, since they may be the cause.
 fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selection, EarlyExit> {
     let unreadable: Vec<Diagnostic> = programs
         .iter()
@@ -181,9 +208,9 @@ type CheckedProgram = (Entry, String, Vec<Diagnostic>);
 fn one(
     name: &str,
     read: Read,
-    chosen: &mut Chosen,
+    chosen: &mut RuleSelection,
     arguments: &Arguments,
-) -> Result<CheckedProgram, crate::automata::bound::TooLarge> {
+) -> Result<CheckedProgram, crate::automata::bound::BoundExceeded> {
     let mut entry = Entry {
         file: name.to_owned(),
         verdict: ProgramVerdict::Invalid,
@@ -255,7 +282,7 @@ fn counted(calls: usize) -> String {
     }
 }
 
-fn way_out(violation: &Violation, chosen: &Chosen) -> String {
+fn way_out(violation: &Violation, chosen: &RuleSelection) -> String {
     let skills = &chosen.skills;
     let call = violation.call.text(skills);
     let first = match &violation.detour {
@@ -273,7 +300,7 @@ fn way_out(violation: &Violation, chosen: &Chosen) -> String {
     }
 }
 
-fn violation_entry(v: &Violation, chosen: &Chosen) -> ViolationEntry {
+fn violation_entry(v: &Violation, chosen: &RuleSelection) -> ViolationEntry {
     let skills = &chosen.skills;
     let options = chosen.options;
     ViolationEntry {
@@ -291,10 +318,10 @@ fn violation_entry(v: &Violation, chosen: &Chosen) -> ViolationEntry {
     }
 }
 
-/// A program that ends in the middle of a sequence.
+/// Finding for a program that ends in the middle of a sequence.
 fn unfinished(
-    checked: &Checked,
-    chosen: &Chosen,
+    checked: &ProgramCheck,
+    chosen: &RuleSelection,
     whole: bool,
     last: Option<crate::source::Span>,
 ) -> Option<Diagnostic> {

@@ -1,16 +1,19 @@
-//! `linewright order complete`: what may come next.
+//! `linewright order complete`: the calls that may come next.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, program, rules, words};
-use crate::automata::bound::TooLarge;
+use crate::automata::bound::BoundExceeded;
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
 use crate::order::program::{MOST_SOUGHT, detour};
 use crate::order::supervisor::{Call, State, Supervisor};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -23,10 +26,10 @@ pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// What has been called, in order: a skill, or `Left & Down`
+    /// Calls so far, in order: a skill, or `Left & Down`
     #[arg(value_name = "CALL")]
     pub calls: Vec<String>,
-    /// Also say which skills may be called at once, up to so many
+    /// Maximum number of skills called at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
     /// Which rules are kept.
@@ -34,26 +37,42 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-complete",
+    "What may come next: `order complete`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// Pairs of a component and its situation.
     situation: Vec<(String, String)>,
+    /// Whether a program may end here.
     complete: bool,
+    /// The calls that may come next.
     allowed: Vec<Vec<String>>,
+    /// The calls that may not.
     refused: Vec<RefusedEntry>,
 }
 
-#[derive(Serialize)]
+/// A call that may not come next.
+#[derive(JsonSchema, Serialize)]
 struct RefusedEntry {
+    /// The skills that are called at once.
     call: Vec<String>,
+    /// The rule that refuses it.
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
+    /// Why it is refused.
     why: String,
     /// The shortest calls after which it is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<Vec<Vec<String>>>,
-    /// Whether there are such calls was too much to be found out.
+    /// Whether the search for such calls was abandoned.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     undecided: bool,
 }
@@ -93,28 +112,28 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         allowed: names(skills, &allowed),
         refused,
     };
-    answer(&document, || told(&document), options)?;
+    answer(&document, || text(&document), options)?;
     Ok(ExitCode::Success)
 }
 
-/// What is allowed, and what is not.
+/// What is allowed and what is not.
 fn next(
     supervisor: &mut Supervisor<'_>,
     state: &State,
     arguments: &Arguments,
-) -> Result<(Vec<Call>, Vec<RefusedEntry>), TooLarge> {
+) -> Result<(Vec<Call>, Vec<RefusedEntry>), BoundExceeded> {
     let skills = supervisor.skills();
     let serialisation = supervisor.options().serialisation;
     let (mut allowed, mut refused) = (Vec::new(), Vec::new());
     let calls = calls(skills, usize::from(arguments.at_once));
-    // For all of them together four times as much as for one.
+    // Four times as much for all of them together as for one.
     let entries = 4 * MOST_SOUGHT / calls.len().max(1);
     for call in calls {
         match supervisor.call(state, call)? {
             Ok(_) => allowed.push(call),
             Err(refusal) => {
                 let after = match detour(supervisor, state, call, entries) {
-                    Err(late @ TooLarge::Late(_)) => return Err(late),
+                    Err(late @ BoundExceeded::Late(_)) => return Err(late),
                     sought => sought,
                 };
                 refused.push(RefusedEntry {
@@ -130,7 +149,7 @@ fn next(
     Ok((allowed, refused))
 }
 
-fn told(document: &Document) -> String {
+fn text(document: &Document) -> String {
     let mut text = String::new();
     let joined = |calls: &[Vec<String>]| {
         let calls: Vec<String> = calls.iter().map(|c| c.join(" & ")).collect();

@@ -1,18 +1,21 @@
-//! `linewright order diff`: the shortest calls that tell two sets of rules apart.
+//! `linewright order diff`: the shortest calls that distinguish two sets of rules.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::rules::{self, Chosen};
+use super::rules::{self, RuleSelection};
 use super::{Choice, LevelName, answer, words};
+use crate::cli::console::Failed;
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::calls;
 use crate::order::picture::names;
-use crate::order::program::{Apart, Difference, difference};
+use crate::order::program::{Difference, DifferenceOptions, difference};
 use crate::order::supervisor::{Call, Refusal, Supervisor};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The arguments of `order diff`.
@@ -24,8 +27,9 @@ use serde::Serialize;
     $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --level valid --other-level reasonable
     $ linewright order diff examples/pick-and-place/unit.lw examples/pick-and-place/unit.lw --paper --at-once 2
 
-The two need the same skills; components and situations may differ. What is said of rules holds for A; B has the level of A \
-where nothing else is said, and all its rules. Exit code 0 where they allow the same calls, 1 where they do not.")]
+Both sets need the same skills; components and situations may differ. --rule and --no-rule \
+select rules of A. B has all its rules unless --other-rule is given, and the level of A unless \
+--other-level is given. The exit code is 0 if both allow the same calls, 1 otherwise.")]
 pub struct Arguments {
     /// One set of rules
     #[arg(value_name = "A")]
@@ -33,19 +37,19 @@ pub struct Arguments {
     /// The other one
     #[arg(value_name = "B")]
     pub second: Selection,
-    /// The level of B, where it is another one than that of A
+    /// Level of B [default: that of A]
     #[arg(long, value_enum, value_name = "LEVEL")]
     pub other_level: Option<LevelName>,
-    /// Also tell apart programs that the one lets end and the other does not
+    /// Also compare where programs may end
     #[arg(long)]
     pub whole: bool,
-    /// Only find what A allows and B refuses
+    /// Only find calls that A allows and B refuses
     #[arg(long)]
     pub one_way: bool,
-    /// Also call several skills at once, up to so many
+    /// Maximum number of skills called at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// Keep only this rule of B (may be given several times)
+    /// Keep only this rule of B (repeatable)
     #[arg(long = "other-rule", value_name = "NAME")]
     pub other_rules: Vec<String>,
     /// Which rules of A are kept, and how.
@@ -53,16 +57,31 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-diff",
+    "The shortest calls that tell two sets of rules apart: `order diff`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
+    /// The first set of rules, and how it is kept.
     first: String,
+    /// The second set of rules, and how it is kept.
     second: String,
+    /// Whether both allow the same programs.
     equal: bool,
+    /// The shortest calls that tell them apart.
     #[serde(skip_serializing_if = "Option::is_none")]
     calls: Option<Vec<Vec<String>>>,
+    /// Which set allows these calls.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("enum" = ["first", "second"]))]
     allowed_by: Option<&'static str>,
+    /// Why the other one refuses them.
     #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<String>,
 }
@@ -82,10 +101,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let found = Supervisor::new(&first.skills, first.options).and_then(|a| {
         let b = Supervisor::new(&renamed, second.options)?;
         let calls = common_calls(&first, &renamed, usize::from(arguments.at_once));
-        let apart = Apart {
+        let apart = DifferenceOptions {
             whole: arguments.whole,
             one_way: arguments.one_way,
-            ..Apart::default()
+            ..DifferenceOptions::default()
         };
         difference(&a, &b, &calls, apart)
     });
@@ -115,7 +134,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         second: titles[1].clone(),
     };
     let text = || {
-        told(
+        text(
             found.as_ref(),
             why.as_deref(),
             &titles,
@@ -141,7 +160,7 @@ fn refused_call(
     format!("`{}`: {why}", last.text(skills))
 }
 
-fn told(
+fn text(
     found: Option<&Difference>,
     why: Option<&str>,
     [first, second]: &[String; 2],
@@ -170,8 +189,8 @@ fn told(
     )
 }
 
-/// The names of both; with the level where they are alike.
-fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2] {
+/// The names of both, with the level if the names are equal.
+fn titles(first: &RuleSelection, second: &RuleSelection, arguments: &Arguments) -> [String; 2] {
     let (a, b) = (&first.skills.name, &second.skills.name);
     let level = arguments.choice.level.level().word();
     match arguments.other_level {
@@ -185,14 +204,14 @@ fn titles(first: &Chosen, second: &Chosen, arguments: &Arguments) -> [String; 2]
     }
 }
 
-/// The calls that both have: skills of one component of either are never called at once.
-fn common_calls(first: &Chosen, second: &Skills, most: usize) -> Vec<Call> {
+/// The calls that both have: skills that share a component in either are never called at once.
+fn common_calls(first: &RuleSelection, second: &Skills, most: usize) -> Vec<Call> {
     let own = calls(&first.skills, most);
     let other = calls(second, most);
     own.into_iter().filter(|c| other.contains(c)).collect()
 }
 
-/// The second set with its skills numbered as those of the first.
+/// The second set, with its skills numbered as in the first.
 fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
     let missing = |a: &Skills, b: &Skills| -> Vec<String> {
         let is_in = |name: &str| b.skills.iter().any(|s| s.name == name);
@@ -203,7 +222,7 @@ fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
         let missing = missing(a, b);
         anyhow::ensure!(
             missing.is_empty(),
-            "`{}` has skills that `{}` has not: {}; only rules over the same skills can be told apart",
+            "`{}` has skills that `{}` has not: {}; only rules over the same skills can be compared",
             a.name,
             b.name,
             missing.join(", ")

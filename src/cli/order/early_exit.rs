@@ -1,11 +1,11 @@
-//! How the commands of `order` end before they have an answer. They all do it alike: the rules
-//! cannot be loaded, or the automaton is too large.
+//! How all commands of `order` end without an answer: the rules cannot be loaded, or the automaton
+//! is too large.
 
-use crate::automata::bound::TooLarge;
+use crate::automata::bound::BoundExceeded;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
 
-/// What a command of `order` returns.
+/// Result of an `order` command.
 pub type Outcome = Result<ExitCode, EarlyExit>;
 
 /// Why a command ends without an answer.
@@ -13,11 +13,11 @@ pub type Outcome = Result<ExitCode, EarlyExit>;
 pub enum EarlyExit {
     /// The findings have been printed.
     Reported(ExitCode),
-    /// The automaton is too large, or the time is up. Fewer rules help every command.
+    /// The automaton is too large, or the time is up. Fewer rules always help.
     GaveUp {
-        /// Which bound was met.
-        error: TooLarge,
-        /// What else makes the automaton of this command smaller.
+        /// The limit that was reached.
+        error: BoundExceeded,
+        /// What else makes this command's automaton smaller.
         besides: Option<&'static str>,
     },
     /// It could not run.
@@ -31,13 +31,13 @@ impl From<anyhow::Error> for EarlyExit {
 }
 
 impl EarlyExit {
-    /// Turns the error of a command into its early exit; `besides` is what helps beside fewer
+    /// Converts the error of a command to an early exit; `besides` is what helps apart from fewer
     /// rules.
-    pub fn gave_up(besides: Option<&'static str>) -> impl Fn(TooLarge) -> Self {
+    pub fn gave_up(besides: Option<&'static str>) -> impl Fn(BoundExceeded) -> Self {
         move |error| Self::GaveUp { error, besides }
     }
 
-    /// Prints what has not been printed yet and gives the exit code.
+    /// Prints what has not been printed yet and returns the exit code.
     pub fn report(self, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
         let (error, besides) = match self {
             Self::Reported(code) => return Ok(code),
@@ -46,7 +46,7 @@ impl EarlyExit {
         };
         let fewer = "fewer rules (--rule NAME, --no-rule NAME) or fewer repetitions in a sequence";
         let advice = match (error, besides) {
-            (TooLarge::Late(late), _) => late.remedy().to_owned(),
+            (BoundExceeded::Late(late), _) => late.remedy().to_owned(),
             (_, Some(besides)) => format!("{fewer}, or {besides}, make it smaller"),
             (_, None) => format!("{fewer} make it smaller"),
         };

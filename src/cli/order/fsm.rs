@@ -2,8 +2,10 @@
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, rules};
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::drawing::{Region, dot, svg};
 use crate::engine::output;
@@ -12,11 +14,12 @@ use crate::order::fsm::{self, Fsm};
 use crate::order::picture::{graph, names, regions};
 use crate::order::supervisor::Options;
 use clap::{Args, ValueEnum};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Without `--at-once`, as many skills at once as there are components, up to this.
+/// Maximum number of skills at once without `--at-once`; otherwise the number of components.
 const ALL_AT_ONCE: u8 = 64;
 
 /// The arguments of `order fsm`.
@@ -26,22 +29,22 @@ const ALL_AT_ONCE: u8 = 64;
     linewright order fsm examples/pick-and-place/unit.lw --rule trays --paper
     linewright order fsm examples/pick-and-place/unit.lw --by-component --emit svg --out unit.svg
 
-There is one transition between two states, however many calls lead from the one to the other. A call of several skills at once is left \
-out where some of them alone lead to the same state.")]
+Two states have one transition between them, however many calls lead from one to the other. A \
+call of several skills at once is omitted if some of them alone lead to the same state.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// How it is printed [default: table, or json with --format json]
+    /// Output form [default: table, or json with --format json]
     #[arg(long, value_enum, value_name = "FORM")]
     pub emit: Option<Emit>,
-    /// Each component and each rule by itself, side by side, and not all of them together
+    /// One automaton for each component and each rule, instead of their product
     #[arg(long)]
     pub by_component: bool,
-    /// Call so many skills at once at most [default: one of each component]
+    /// Maximum number of skills called at once [default: one of each component]
     #[arg(long, value_name = "N", default_value_t = ALL_AT_ONCE, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// The file to write; without it, standard output
+    /// Output file; without it, standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Which rules are kept.
@@ -52,78 +55,121 @@ pub struct Arguments {
 /// How an automaton is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// A table for a person.
+    /// Table.
     Table,
-    /// A document with a schema.
+    /// JSON document.
     Json,
     /// Graphviz.
     Dot,
-    /// A picture.
+    /// SVG drawing.
     Svg,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-fsm",
+    "The automaton of the rules: `order fsm`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// Whether some order or every order of skills called at once has to be allowed.
+    #[schemars(extend("enum" = ["some", "every"]))]
     serialisation: &'static str,
+    /// Whether just the transitions are deleted that a published model deletes.
     paper: bool,
+    /// The names of the rules that are kept.
     rules: Vec<String>,
+    /// The components.
     components: Vec<ComponentEntry>,
+    /// The automaton of all rules; left out with `--by-component`.
     #[serde(skip_serializing_if = "Option::is_none")]
     automaton: Option<AutomatonEntry>,
+    /// An automaton for each component and each rule, with `--by-component`.
     #[serde(skip_serializing_if = "Option::is_none")]
     regions: Option<Vec<RegionEntry>>,
 }
 
-#[derive(Serialize)]
+/// A component.
+#[derive(JsonSchema, Serialize)]
 struct ComponentEntry {
+    /// The name of the component.
     name: String,
+    /// Its situations.
     situations: Vec<String>,
+    /// The situation at the start.
     #[serde(skip_serializing_if = "Option::is_none")]
     initial: Option<String>,
+    /// Its skills.
     skills: Vec<SkillEntry>,
 }
 
-#[derive(Serialize)]
+/// A skill.
+#[derive(JsonSchema, Serialize)]
 struct SkillEntry {
+    /// The name of the skill.
     name: String,
+    /// The situation that it leads to.
     #[serde(skip_serializing_if = "Option::is_none")]
     effect: Option<String>,
 }
 
-#[derive(Serialize)]
+/// An automaton.
+#[derive(JsonSchema, Serialize)]
 struct AutomatonEntry {
+    /// The index of the initial state.
     initial: usize,
+    /// The states.
     states: Vec<StateEntry>,
+    /// The transitions, one between two states.
     transitions: Vec<TransitionEntry>,
 }
 
-#[derive(Serialize)]
+/// A state.
+#[derive(JsonSchema, Serialize)]
 struct StateEntry {
+    /// The situation of each component.
     situation: Vec<String>,
+    /// Whether a program may end here.
     complete: bool,
 }
 
-#[derive(Serialize)]
+/// A transition.
+#[derive(JsonSchema, Serialize)]
 struct TransitionEntry {
+    /// The index of the state that it leaves.
     from: usize,
+    /// The index of the state that it enters.
     to: usize,
+    /// The calls that take it, each as the skills called at once.
     calls: Vec<Vec<String>>,
 }
 
-#[derive(Serialize)]
+/// The automaton of a component or a rule.
+#[derive(JsonSchema, Serialize)]
 struct RegionEntry {
+    /// The name of the component or the rule.
     name: String,
+    /// The labels of the states.
     states: Vec<Vec<String>>,
+    /// The indices of the initial states.
     initial: Vec<usize>,
+    /// The transitions.
     transitions: Vec<RegionTransition>,
 }
 
-#[derive(Serialize)]
+/// A transition of a region.
+#[derive(JsonSchema, Serialize)]
 struct RegionTransition {
+    /// The index of the state that it leaves.
     from: usize,
+    /// The index of the state that it enters.
     to: usize,
+    /// The skills that take it.
     label: Vec<String>,
 }
 
@@ -153,7 +199,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let console = options.console();
     if let Some(calls) = is_cut {
         let masks: Vec<u64> = calls.iter().map(|c| c.0).collect();
-        rules::told_cut(&masks, options)?;
+        rules::report_cut(&masks, options)?;
     }
     match &arguments.out {
         None => console.result(&text)?,

@@ -1,4 +1,4 @@
-//! `linewright order`: what may follow what, by the rules of a skill order.
+//! `linewright order`: what may follow what under the rules of a skill order.
 
 mod check;
 mod complete;
@@ -12,8 +12,10 @@ mod rules;
 mod strongest;
 mod words;
 
+use super::console::Failed;
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
+use super::schema::{Described, form};
 use crate::order::supervisor::Options;
 use crate::order::{Level, Serialisation};
 use clap::{Args, Subcommand, ValueEnum};
@@ -30,35 +32,35 @@ pub struct Arguments {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Check a program before it is loaded: a skill, or several called at once, a line
+    /// Check programs of skill calls, one call per line
     Check(check::Arguments),
-    /// Watch calls as they come on standard input, or emit a monitor as C or Structured Text
+    /// Monitor calls on standard input, or write a monitor as C or Structured Text
     Monitor(monitor::Arguments),
-    /// Print the automaton: all situations, and what may be called in them
+    /// Print the automaton of allowed calls
     Fsm(fsm::Arguments),
-    /// Print a regular expression of what may be called
+    /// Print the allowed calls as a regular expression
     Regex(regex::Arguments),
-    /// Find the shortest calls that tell two sets of rules apart
+    /// Find the shortest calls that distinguish two sets of rules
     Diff(diff::Arguments),
-    /// Say what may come next
+    /// List the calls that are allowed next
     Complete(complete::Arguments),
-    /// Find the recalls and detours that can be left out, each as a rule to keep or to drop
+    /// Find recalls and detours that rules may forbid without losing a situation
     Strongest(strongest::Arguments),
 }
 
 /// A level, as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LevelName {
-    /// Every call is allowed.
+    /// None.
     Arbitrary,
-    /// The rules are kept.
+    /// Calls that break a rule.
     Valid,
-    /// No recall, and the rules that are `at reasonable` are kept as well.
+    /// Also recalls (calls that change nothing), and calls that break rules `at reasonable`.
     Reasonable,
 }
 
 impl LevelName {
-    /// The level of the name.
+    /// The level as a core type.
     pub fn level(self) -> Level {
         match self {
             Self::Arbitrary => Level::Arbitrary,
@@ -72,26 +74,25 @@ impl LevelName {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Which rules")]
 pub struct Choice {
-    /// How much is forbidden
+    /// Which calls are refused
     #[arg(long, value_enum, default_value = "valid", value_name = "LEVEL")]
     pub level: LevelName,
-    /// Keep only this rule (may be given several times)
+    /// Keep only this rule (repeatable)
     #[arg(id = "rule", long = "rule", value_name = "NAME")]
     pub rules: Vec<String>,
-    /// Leave this rule out (may be given several times)
+    /// Ignore this rule (repeatable)
     #[arg(id = "no_rule", long = "no-rule", value_name = "NAME")]
     pub no_rules: Vec<String>,
-    /// Allow several skills at once where some order of them is allowed, and not only where every
-    /// order is
+    /// Allow skills at once if some order of them is allowed, instead of every order
     #[arg(long)]
     pub some_order: bool,
-    /// Where a rule lists the transitions that a published model deletes, delete just these
+    /// Delete exactly the transitions that a rule lists under `deletes`
     #[arg(long)]
     pub paper: bool,
 }
 
 impl Choice {
-    /// The same for the core, with the time limit counted from now.
+    /// The options for the core, with the time limit counted from now.
     pub fn options(&self, global: &GlobalOptions) -> Options {
         Options {
             level: self.level.level(),
@@ -122,6 +123,18 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
     outcome.or_else(|early| early.report(options))
 }
+
+/// The documents of its commands, including the one that reports an internal error.
+pub const DOCUMENTS: [Described; 8] = [
+    check::DOCUMENT,
+    complete::DOCUMENT,
+    diff::DOCUMENT,
+    fsm::DOCUMENT,
+    monitor::DOCUMENT,
+    regex::DOCUMENT,
+    strongest::DOCUMENT,
+    Described::new("order", "Why `order` has no result", &[form::<Failed>]),
+];
 
 /// Prints an answer: its document with `--format json`, else its text.
 fn answer(

@@ -1,18 +1,21 @@
-//! `linewright order monitor`: calls watched as they come, and the monitor as C or Structured Text.
+//! `linewright order monitor`: monitors calls as they arrive, and writes the monitor as C or
+//! Structured Text.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::rules::{self, Chosen};
+use super::rules::{self, RuleSelection};
 use super::{Choice, program};
-use crate::automata::bound::TooLarge;
+use crate::automata::bound::BoundExceeded;
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::{Format, GlobalOptions};
+use crate::cli::schema::{Described, by_hand, form};
 use crate::cli::select::Selection;
 use crate::engine::output;
 use crate::order::Skills;
 use crate::order::fsm::{calls, is_cut};
 use crate::order::monitor::{Monitor, Unfolding, Verdict};
 use crate::order::supervisor::Supervisor;
-use crate::order::table::{Cited, Table};
+use crate::order::table::{RuleCitation, Table};
 use crate::station::monitor::{c, structured_text};
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
@@ -20,10 +23,19 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// What its documents and findings name it.
+/// Name of the command in its documents and findings.
+pub const DOCUMENT: Described = Described::new(
+    "order-monitor",
+    "The answer to a call, a line each: `order monitor`",
+    &[
+        |generator| by_hand(include_str!("monitor.schema.json"), generator),
+        form::<Failed>,
+    ],
+);
+
 const COMMAND: &str = "order-monitor";
 
-/// A line that is no call is looked at and answered with up to this.
+/// Maximum length of a line that is parsed and quoted even if it is no call.
 const LONGEST_CALL: usize = 1 << 12;
 
 /// The arguments of `order monitor`.
@@ -32,24 +44,24 @@ const LONGEST_CALL: usize = 1 << 12;
     linewright order monitor examples/pick-and-place/unit.lw < examples/pick-and-place/intended.txt
     linewright order monitor examples/pick-and-place/unit.lw --emit c --out monitor
 
-Every line of standard input is a call: a skill, or `Left & Down` for skills that are called at once. What follows # or // is a \
-comment. Each call is answered at once, in a line of its own: the call, and `ok` or why it is refused; with --format json \
-`{\"line\":3,\"allowed\":true}`. A call that is refused counts as not made, and so does a line that is no call: it is refused, and the \
-next one is read. Exit code 1 where one was refused.")]
+Every line of standard input is a call: a skill, or `Left & Down` for skills called at once. # \
+and // begin a comment. Each call is answered with one line: the call, and `ok` or the reason for the refusal; with --format json \
+`{\"line\":3,\"allowed\":true}`. A refused call has no effect. A line that is not a call is refused, too. The exit code is 1 if \
+any call was refused.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Write a monitor to be loaded on the cell, and watch nothing
+    /// Write a monitor instead of monitoring
     #[arg(long, value_enum, value_name = "FORM")]
     pub emit: Option<Emit>,
-    /// The folder for what is emitted; without it, standard output
+    /// Output folder; without it, standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Know so many skills at once at most [default: one of each component]
+    /// Maximum number of skills called at once [default: one of each component]
     #[arg(long, value_name = "N", default_value_t = 64, hide_default_value = true, value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// End at the first line that is refused
+    /// Stop at the first refused call
     #[arg(long)]
     pub stop: bool,
     /// Which rules are kept.
@@ -60,9 +72,9 @@ pub struct Arguments {
 /// A monitor to be loaded on the cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
-    /// C99: a header and a source file.
+    /// Header and source file in C99.
     C,
-    /// IEC 61131-3 Structured Text: a function block.
+    /// Function block in IEC 61131-3 Structured Text.
     St,
     /// The same function block as `PLCopen` XML.
     Plcopen,
@@ -71,7 +83,7 @@ pub enum Emit {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let chosen = rules::choose(COMMAND, &arguments.rules, &arguments.choice, options)?;
-    // A monitor names the rules that it keeps, and no others.
+    // A monitor lists only the rules that it keeps.
     let kept = chosen.skills.rules.iter().enumerate();
     let kept: Vec<usize> = kept
         .filter(|(_, r)| r.level <= chosen.options.level)
@@ -86,7 +98,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     match (made, arguments.emit) {
         (Ok((Ok(table), _)), Some(emit)) => {
             if is_cut {
-                rules::told_cut(&table.calls, options)?;
+                rules::report_cut(&table.calls, options)?;
             }
             emitted(&table, emit, arguments.out.as_deref(), &chosen, options)
         }
@@ -94,8 +106,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             let watching = Watching::Table(Monitor::new(&table));
             Ok(watch(watching, &skills, arguments.stop, options)?)
         }
-        // Without a table of all calls the rules themselves answer.
-        (Ok((Ok(_) | Err(TooLarge::Count { .. }), supervisor)), None) => {
+        // Without a table of all calls, the rules themselves are evaluated.
+        (Ok((Ok(_) | Err(BoundExceeded::Count { .. }), supervisor)), None) => {
             let watching =
                 Watching::Rules(Unfolding::new(&supervisor, u32::from(arguments.at_once)));
             Ok(watch(watching, &skills, arguments.stop, options)?)
@@ -107,9 +119,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     }
 }
 
-/// What answers.
+/// How calls are answered.
 enum Watching<'a> {
-    /// A table: nothing is allocated for a call.
+    /// A table: nothing is allocated per call.
     Table(Monitor<'a>),
     /// Rules whose table would be too large.
     Rules(Unfolding<'a>),
@@ -135,7 +147,7 @@ fn emitted(
     table: &Table,
     emit: Emit,
     out: Option<&Path>,
-    chosen: &Chosen,
+    chosen: &RuleSelection,
     options: &GlobalOptions,
 ) -> Outcome {
     let files: Vec<(String, String)> = match emit {
@@ -172,15 +184,15 @@ fn emitted(
     Ok(ExitCode::Success)
 }
 
-/// Answers line by line. With a table, nothing is allocated for a call that is allowed once the
-/// longest line has been seen.
+/// Answers line by line. With a table, nothing is allocated for an allowed call once the longest
+/// line has been seen.
 fn watch(
     mut monitor: Watching<'_>,
     skills: &Skills,
     stop: bool,
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
-    let cited: Vec<Cited> = skills.rules.iter().map(Cited::of).collect();
+    let cited: Vec<RuleCitation> = skills.rules.iter().map(RuleCitation::of).collect();
     let names: HashMap<&[u8], u8> = skills
         .skills
         .iter()
@@ -224,7 +236,8 @@ fn watch(
         } else {
             answer.write(&mut out, call, number)
         };
-        // Who waits for the answer gets it; who sends much at once is not slowed down.
+        // A sender that waits for an answer gets it; one that sends many lines at once is not
+        // slowed down.
         if input.buffer().is_empty() {
             written = written.and_then(|()| out.flush());
         }
@@ -245,7 +258,7 @@ fn watch(
     }
 }
 
-/// What stands before a comment, without blanks around it.
+/// The text before a comment, trimmed.
 fn without_comment(line: &[u8]) -> &[u8] {
     let end = line.iter().position(|b| *b == b'#').unwrap_or(line.len());
     let slashes = line.windows(2).position(|w| w == b"//").unwrap_or(end);
@@ -261,21 +274,21 @@ fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
     })
 }
 
-/// The text of a line, without the mark that some editors and shells put before the first one.
+/// The text of a line, without a byte order mark on the first one.
 fn without_mark(line: &[u8], number: u64) -> &[u8] {
     let mark = if number == 1 { "\u{feff}" } else { "" };
     line.strip_prefix(mark.as_bytes()).unwrap_or(line)
 }
 
-/// What is called by a line that is not just names and `&`: blanks may be others than those of
-/// ASCII. Else what is wrong with it.
+/// The skills in a line that is not just names and `&`, such as one with non-ASCII spaces;
+/// otherwise the reason why it is no call.
 fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
     if call.len() > LONGEST_CALL {
         let longer = format!("this line is longer than {LONGEST_CALL} bytes");
         return Err(format!("{longer}: write each call on a line of its own"));
     }
     let Ok(text) = str::from_utf8(call) else {
-        return Err("this is no text in UTF-8: send the names of skills in UTF-8".to_owned());
+        return Err("this is not UTF-8 text: send the names of skills in UTF-8".to_owned());
     };
     match program::call(text, skills) {
         Ok(call) => Ok(call.0),
@@ -283,17 +296,17 @@ fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
     }
 }
 
-/// What is said of a line.
+/// Answer to a line.
 enum Answer {
     Allowed,
-    /// The call is refused, and why.
+    /// The call is refused, for this reason.
     Refused(String),
-    /// It is no call, and why.
+    /// The line is no call, for this reason.
     NoCall(String),
 }
 
 impl Answer {
-    fn of(verdict: Verdict, rules: &[Cited]) -> Self {
+    fn of(verdict: Verdict, rules: &[RuleCitation]) -> Self {
         match verdict {
             Verdict::Allowed => Self::Allowed,
             Verdict::Refused(why) => Self::Refused(why.text(rules)),
@@ -310,7 +323,7 @@ impl Answer {
                 out.write_all(call)?;
                 writeln!(out, ": refused, {why}")
             }
-            // Whatever was sent must not do anything to a terminal.
+            // Input must not be able to control a terminal.
             Self::NoCall(why) => {
                 let call = &call[..call.len().min(LONGEST_CALL)];
                 let call = printable(&String::from_utf8_lossy(call));

@@ -1,9 +1,9 @@
-//! Programs of calls: a skill, or several called at once, a line.
+//! Programs of calls: per line a skill, or several called at once.
 //!
-//! In a text file a line is `Left` or `Left & Down`; what follows `#` or `//` is a comment. In a
-//! `.csv` file the skills of a line stand in its cells; where the first line is a header with a
-//! column `skill`, `skills`, `call` or `calls`, only that column counts, and lines that have the
-//! same entry in a column `step` one after the other are one call.
+//! In a text file a line is `Left` or `Left & Down`; text after `#` or `//` is a comment. In a
+//! `.csv` file the skills of a line are in its cells. If the first line is a header with a column
+//! `skill`, `skills`, `call` or `calls`, only that column counts, and consecutive lines with the
+//! same entry in a column `step` are one call.
 
 mod table;
 
@@ -12,18 +12,18 @@ use crate::order::Skills;
 use crate::order::supervisor::Call;
 use crate::source::{FileId, SourceMap, Span};
 
-/// A program, and where each of its calls stands.
+/// A program with the places of its calls.
 #[derive(Debug, Default)]
 pub struct Program {
-    /// The calls.
+    /// Calls in order.
     pub calls: Vec<Call>,
-    /// Where they stand.
+    /// Places of the calls.
     pub spans: Vec<Span>,
-    /// What could not be read.
+    /// Errors found while reading.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Reads a file that is among the sources already.
+/// Reads a file that is already among the sources.
 pub fn read(sources: &SourceMap, file: FileId, skills: &Skills) -> Program {
     let source = sources.file(file);
     let mut program = Program::default();
@@ -35,8 +35,8 @@ pub fn read(sources: &SourceMap, file: FileId, skills: &Skills) -> Program {
     program
 }
 
-/// What one call consists of: `Left`, `Left & Down`. The finding has the place within the text.
-pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<Wrong>> {
+/// Parses one call: `Left`, `Left & Down`. The finding has the place within the text.
+pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<CallMistake>> {
     let mut mask = 0;
     let mut at = 0;
     for piece in text.split('&') {
@@ -48,7 +48,7 @@ pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<Wrong>> {
             return Err(Box::new(unknown(name, place, skills)));
         };
         if mask >> skill & 1 == 1 {
-            return Err(Box::new(Wrong {
+            return Err(Box::new(CallMistake {
                 code: codes::SKILL,
                 place,
                 message: format!("`{name}` stands twice in one call"),
@@ -61,22 +61,22 @@ pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<Wrong>> {
     Ok(Call(mask))
 }
 
-/// What is wrong with a call.
+/// An error in a call.
 #[derive(Debug)]
-pub struct Wrong {
-    /// What kind of mistake it is.
+pub struct CallMistake {
+    /// Kind of error.
     pub code: Code,
-    /// From which byte to which.
+    /// Start and end in bytes.
     pub place: (usize, usize),
-    /// In words.
+    /// Message of the finding.
     pub message: String,
-    /// The next step.
+    /// Help of the finding.
     pub help: String,
-    /// Whether the next step is a guess at the skill that was meant.
+    /// Whether the help is a guess at the intended skill.
     pub is_guess: bool,
 }
 
-fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> Wrong {
+fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> CallMistake {
     let names = || skills.skills.iter().map(|s| s.name.as_str());
     let list = || names().collect::<Vec<_>>().join(", ");
     let near = nearest(name, names());
@@ -86,7 +86,7 @@ fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> Wrong {
     } else if name.contains([',', ';', ' ', '\t']) {
         (
             codes::SYNTAX,
-            format!("`{name}` is no skill"),
+            format!("`{name}` is not a skill"),
             "write each call on a line of its own, and `&` between skills that are called at once"
                 .to_owned(),
         )
@@ -98,7 +98,7 @@ fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> Wrong {
         let message = format!("there is no skill `{name}`");
         (codes::NAME_UNKNOWN, message, help)
     };
-    Wrong {
+    CallMistake {
         is_guess: code == codes::NAME_UNKNOWN && near.is_some(),
         code,
         place,
@@ -107,7 +107,7 @@ fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> Wrong {
     }
 }
 
-/// How a call is written, with skills that there are.
+/// An example of a call with existing skills.
 fn example(skills: &Skills) -> String {
     let Some(first) = skills.skills.first() else {
         return "declare a skill first".to_owned();
@@ -126,7 +126,7 @@ fn example(skills: &Skills) -> String {
     }
 }
 
-/// What is marked of a text: this place in it, or where nothing is, the sign before it.
+/// The place to mark in a text: this one, or the preceding character if it is empty.
 fn marked(text: &str, (from, to): (usize, usize)) -> (usize, usize) {
     let before = text[..from].char_indices().next_back();
     match before {

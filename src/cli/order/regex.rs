@@ -1,17 +1,20 @@
-//! `linewright order regex`: what may be called, as a regular expression.
+//! `linewright order regex`: the allowed calls as a regular expression.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, rules};
 use crate::automata::eliminate;
 use crate::automata::regex::Regex;
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::contract;
 use crate::diagnostics::Severity;
 use crate::order::Skills;
 use crate::order::fsm::Fsm;
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// The arguments of `order regex`.
@@ -20,17 +23,17 @@ use serde::Serialize;
     linewright order regex examples/pick-and-place/unit.lw
     linewright order regex examples/pick-and-place/printed/grammars.lw::Reasonable --whole
 
-The expression is over single skills, one after the other, as `sequence` takes it in a file: `sequence (...)`. Where it is too long \
-or nested too deep for that, a remark says so.
+The expression is over single skills, one after the other, as `sequence` takes it in a file: `sequence (...)`. If it is too long or too deeply nested for that, a remark says so.
 
-Every beginning of a program that it describes is described by it, too, so that a monitor can use it. With --whole it describes \
-programs that may end where they do. Where there are none, since every program is left in the middle of a sequence, `not (...)` with \
-all skills is printed, which nothing that is called fits, a remark says so, and the exit code is 1.")]
+The expression also matches every prefix of a program that it matches, so a monitor can use it. \
+With --whole it matches only complete programs. If there are none, because every program ends \
+in the middle of a sequence, `not (...)` with all skills is printed, which matches no call; a \
+remark says so, and the exit code is 1.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Only programs that may end where they do: none is left in the middle of a sequence
+    /// Only programs that do not end in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
     /// Which rules are kept.
@@ -38,12 +41,23 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-regex",
+    "What may be called, as a regular expression: `order regex`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// Whether only programs are meant that may end where they do.
     whole: bool,
+    /// The regular expression.
     regex: String,
+    /// The number of states of the smallest automaton.
     states: usize,
 }
 
@@ -86,7 +100,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     Ok(ExitCode::Success)
 }
 
-/// Why an expression would be refused in a file, if it would.
+/// Why an expression would be rejected in a file, if so.
 fn too_much(regex: &str, skills: &Skills) -> Option<String> {
     let names: Vec<&str> = skills.skills.iter().map(|s| s.name.as_str()).collect();
     let set = format!(

@@ -1,4 +1,4 @@
-//! `FILE[::NAME]`: which set of rules is meant, and which of its rules.
+//! `FILE[::NAME]`: selects a set of rules, and some of its rules.
 
 use super::Choice;
 use super::early_exit::{EarlyExit, Outcome};
@@ -6,34 +6,38 @@ use crate::cli::console::schema;
 use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, nearest};
-use crate::engine::files::{self, Loaded};
+use crate::engine::files::{self, LoadedFiles};
 use crate::order::fsm::MOST_CALLS;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Skills};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
 
 /// A set of rules, chosen from a file.
-pub struct Chosen {
-    /// What was loaded with it.
-    pub loaded: Loaded,
-    /// The skills, with the rules that were asked for.
+pub struct RuleSelection {
+    /// The library loaded with it.
+    pub loaded: LoadedFiles,
+    /// The skills with the selected rules.
     pub skills: Skills,
-    /// How they are kept, and until when they are looked at.
+    /// Level at which they are kept, and the limits of the command.
     pub options: Options,
 }
 
-/// What the documents of these commands begin with.
-#[derive(Debug, Serialize)]
+/// Common head of these commands' documents.
+#[derive(Debug, JsonSchema, Serialize)]
 pub struct Head {
     schema: String,
+    /// The name of the set of skills.
     skills: String,
+    /// How much is forbidden.
+    #[schemars(extend("enum" = ["arbitrary", "valid", "reasonable"]))]
     level: &'static str,
 }
 
 impl Head {
-    /// The head of a command's document about these skills at this level.
+    /// The head of a command's document for these skills at this level.
     pub fn of(command: &str, skills: &Skills, level: Level) -> Self {
         Self {
             schema: schema(command),
@@ -43,8 +47,8 @@ impl Head {
     }
 }
 
-impl Chosen {
-    /// Prints what keeps the command from its answer.
+impl RuleSelection {
+    /// Prints the finding that prevents an answer.
     pub fn failed(&self, command: &str, finding: Diagnostic, options: &GlobalOptions) -> Outcome {
         let findings = [finding];
         let console = options.console();
@@ -53,14 +57,13 @@ impl Chosen {
     }
 }
 
-/// Loads the one set of rules that is meant. Where the file has errors, they are printed as this
-/// command's.
+/// Loads the selected set of rules. Errors in the file are printed as this command's.
 pub fn choose(
     command: &str,
     selection: &Selection,
     choice: &Choice,
     options: &GlobalOptions,
-) -> Result<Chosen, EarlyExit> {
+) -> Result<RuleSelection, EarlyExit> {
     let loaded = selection
         .load_alone(command, options)?
         .map_err(EarlyExit::Reported)?;
@@ -83,14 +86,14 @@ pub fn choose(
         .expect("it was picked from these");
     let skills = with_rules(skills, choice)?;
     let options = choice.options(options);
-    Ok(Chosen {
+    Ok(RuleSelection {
         loaded,
         skills,
         options,
     })
 }
 
-/// Only the rules that are asked for.
+/// Restricts the skills to the selected rules.
 fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
     let names: Vec<&str> = skills.rules.iter().map(|r| r.name.as_str()).collect();
     for name in choice.rules.iter().chain(&choice.no_rules) {
@@ -119,7 +122,7 @@ fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
     Ok(skills.with_rules(&kept.collect::<Vec<_>>()))
 }
 
-/// The files of rules beside a program.
+/// Finds the files of rules beside a program.
 pub fn beside(program: &str) -> anyhow::Result<Selection> {
     let folder = match Path::new(program).parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -134,7 +137,7 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
         } else {
             None
         };
-        // Only a hint where to look: the file is read properly afterwards.
+        // Only a quick filter: the file is fully parsed afterwards.
         if text.is_some_and(|t| t.lines().any(|l| l.starts_with("skills "))) {
             found.push(path.to_string_lossy().into_owned());
         }
@@ -155,9 +158,8 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
     }
 }
 
-/// What is said where calls of more skills at once than these are left out, since there would be
-/// too many.
-pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
+/// Note that calls of more skills at once than these are omitted because there would be too many.
+pub fn report_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
     let most = calls.iter().map(|c| c.count_ones()).max().unwrap_or(0);
     options.console().remark(&format!(
         "only calls of up to {most} skills at once are in it: all larger ones would be more than {MOST_CALLS}\n"
@@ -165,7 +167,7 @@ pub fn told_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What else helps a command that calls so many skills at once.
+/// Additional help for a command whose calls have many skills at once.
 pub fn fewer_at_once(most: u8) -> Option<&'static str> {
     (most > 1).then_some("fewer skills at once (--at-once N)")
 }

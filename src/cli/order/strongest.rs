@@ -1,15 +1,18 @@
-//! `linewright order strongest`: the recalls and detours that can be left out.
+//! `linewright order strongest`: the recalls and detours that can be omitted.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, answer, rules, words};
+use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::Fsm;
 use crate::order::picture::names;
 use crate::order::strongest::{Pattern, Request, Strongest, Verdict, strongest};
 use clap::Args;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -19,20 +22,21 @@ use std::fmt::Write as _;
     linewright order strongest examples/pick-and-place/unit.lw
     linewright order strongest examples/pick-and-place/unit.lw --longest 3 --useful 'left & open' --drop detour_Left_Right
 
-What is kept is printed as rules to be put into the file. A rule that is needed stands in a comment, with what would be lost. \
-Which ones are kept depends on the order of the skills; --drop takes one back, and the others are found anew.")]
+Recalls and detours that can be forbidden are printed as rules for the file. Those that are \
+needed are printed as comments, with the situations that would be lost. The choice depends on \
+the order of the skills; --drop rejects a rule, and the others are computed again.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
     pub rules: Selection,
-    /// Look for detours of so many skills at most; 1 looks for recalls only
+    /// Maximum length of detours, in skills; 1 finds recalls only
     #[arg(long, default_value_t = 2, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=6))]
     pub longest: u8,
-    /// A situation that must stay within reach, `left & down` (may be given several times)
+    /// Situation that must stay reachable, such as `left & down` (repeatable)
     /// [default: all of them]
     #[arg(long, value_name = "SITUATION")]
     pub useful: Vec<String>,
-    /// A rule that is not wanted (may be given several times)
+    /// Reject this proposed rule (repeatable)
     #[arg(long, value_name = "NAME")]
     pub drop: Vec<String>,
     /// Which rules are kept.
@@ -40,40 +44,58 @@ pub struct Arguments {
     pub choice: Choice,
 }
 
-#[derive(Serialize)]
+/// The document of the command.
+pub const DOCUMENT: Described = Described::new(
+    "order-strongest",
+    "The recalls and detours that can be left out: `order strongest`",
+    &[form::<Document>, form::<Failed>],
+);
+
+/// The JSON document of the command.
+#[derive(JsonSchema, Serialize)]
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
+    /// The number of states of the automaton with the rules that are kept.
     states: usize,
+    /// The number of its transitions.
     transitions: usize,
+    /// The rules that were tried.
     candidates: Vec<CandidateEntry>,
 }
 
-/// What became of a rule.
-#[derive(Clone, Copy, Serialize)]
+/// Verdict on a candidate rule.
+#[derive(Clone, Copy, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum CandidateVerdict {
-    /// It stays at the stronger level.
+    /// It is kept at the stronger level.
     Kept,
     /// The intended program needs what it would forbid.
     Needed,
-    /// It says nothing beside the others.
+    /// It adds nothing to the other rules.
     Dropped,
 }
 
-#[derive(Serialize)]
+/// A rule that was tried.
+#[derive(JsonSchema, Serialize)]
 struct CandidateEntry {
+    /// The name of the rule.
     rule: String,
+    /// The rule as it is written.
     text: String,
+    /// What became of it.
     verdict: CandidateVerdict,
+    /// Of a rule that is needed: what it would forbid.
     #[serde(skip_serializing_if = "Option::is_none")]
     lost: Option<LostEntry>,
 }
 
-#[derive(Serialize)]
+/// What a rule would forbid.
+#[derive(JsonSchema, Serialize)]
 struct LostEntry {
+    /// The calls that lead there.
     after: Vec<Vec<String>>,
-    /// Left out where no program could be completed any more.
+    /// Omitted if no program could be completed any more.
     #[serde(skip_serializing_if = "Option::is_none")]
     situation: Option<String>,
 }
@@ -103,7 +125,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         transitions: fsm.transitions().len(),
         candidates: entries(&found, skills),
     };
-    answer(&document, || told(&found, &fsm, skills), options)?;
+    answer(&document, || text(&found, &fsm, skills), options)?;
     Ok(ExitCode::Success)
 }
 
@@ -181,7 +203,7 @@ fn entries(found: &Strongest, skills: &Skills) -> Vec<CandidateEntry> {
     found.candidates.iter().map(entry).collect()
 }
 
-fn told(found: &Strongest, fsm: &Fsm, skills: &Skills) -> String {
+fn text(found: &Strongest, fsm: &Fsm, skills: &Skills) -> String {
     let mut text = String::new();
     for candidate in &found.candidates {
         let rule = &candidate.rule.text;

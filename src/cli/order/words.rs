@@ -1,17 +1,17 @@
-//! Refusals in words.
+//! Formats refusals as text.
 
 use crate::diagnostics::{Diagnostic, codes};
 use crate::order::supervisor::{Call, Refusal};
 use crate::order::{Serialisation, Skills};
 use crate::source::Span;
 
-/// Calls as a person writes them: `Up, Left & Down`.
+/// Calls as text: `Up, Left & Down`.
 pub fn calls(calls: &[Call], skills: &Skills) -> String {
     let calls: Vec<String> = calls.iter().map(|c| c.text(skills)).collect();
     calls.join(", ")
 }
 
-/// Why a call is refused; the call itself is `it`.
+/// Why a call is refused; the text refers to the call as `it`.
 pub fn why(call: Call, refusal: &Refusal, skills: &Skills, serialisation: Serialisation) -> String {
     let name = |skill: &usize| skills.skills[*skill].name.as_str();
     match refusal {
@@ -63,7 +63,7 @@ pub fn why(call: Call, refusal: &Refusal, skills: &Skills, serialisation: Serial
     }
 }
 
-/// The rule that refuses, if one does.
+/// The rule that refuses, if any.
 pub fn rule(refusal: &Refusal) -> Option<usize> {
     match refusal {
         Refusal::Rule { rule, .. } | Refusal::Deleted { rule } => Some(*rule),

@@ -1,6 +1,6 @@
-//! A closed composition by hand: every state and every choice from outside, one by one. It knows
-//! tables and formulas, and shares no code with what it is compared with but the evaluation of
-//! expressions.
+//! An independent closed composition: every state and every choice from outside, one by one. It
+//! uses tables and formulas, and shares only the evaluation of expressions with the code it is
+//! compared with.
 
 use linewright::algebra::closed::Closed;
 use linewright::algebra::system::formulas;
@@ -10,10 +10,10 @@ use linewright::gr1::{Expr, Owner, Specification, Timing, eval};
 use linewright::mealy;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// More states than this are not looked at.
+/// Maximum number of states.
 const MOST_STATES: usize = 60_000;
 
-/// A state: what all wires are, where all tables and scripts are, how many actions have begun.
+/// A state: all wires, positions of all tables and scripts, and the number of actions begun.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct State {
     pub wires: Vec<i64>,
@@ -22,22 +22,22 @@ pub struct State {
     begun: usize,
 }
 
-/// What was found.
+/// Result of the exploration.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Found {
-    /// Assumptions that are not kept: component and name.
+    /// Assumptions that are violated: component and name.
     pub open: BTreeSet<(usize, String)>,
-    /// Rules of the machine that are not kept.
+    /// Rules of the machine that are violated.
     pub broken: BTreeSet<String>,
     /// Components without an answer.
     pub stuck: BTreeSet<usize>,
-    /// Operations that cannot begin, do not run what they name, never end.
+    /// Operations that cannot begin, do not run what they name, or never end.
     pub never: BTreeSet<usize>,
     pub order: BTreeSet<usize>,
     pub endless: BTreeSet<usize>,
     /// Whether all requests complete.
     pub completes: bool,
-    /// How many states there are.
+    /// Number of states.
     pub states: usize,
 }
 
@@ -47,13 +47,13 @@ pub struct Brute<'a> {
     pub closed: &'a Closed<'a>,
 }
 
-/// What comes of one choice from outside.
+/// Result of one choice from outside.
 enum Step {
-    /// Not the environment's to choose.
+    /// Not allowed to the environment.
     Void,
     /// Something goes wrong.
     Wrong,
-    /// All goes well.
+    /// Nothing goes wrong.
     Well(State),
 }
 
@@ -110,7 +110,7 @@ impl Brute<'_> {
         operations.position(|o| o.value == state.wires[wire])
     }
 
-    /// All that may come from outside, with the places of scripts.
+    /// All choices from outside, with the positions of scripts.
     fn choices(&self, before: Option<&State>) -> Vec<(Vec<i64>, Vec<usize>)> {
         let free = self.machine.done.is_none();
         let begins = self.begins(before);
@@ -168,8 +168,8 @@ impl Brute<'_> {
         values.collect()
     }
 
-    /// The assumptions of a component that are broken in a step: those that are the caller's, and
-    /// the others.
+    /// The assumptions of a component that are violated in a step: those of the caller, and the
+    /// others.
     fn broken(&self, component: usize, before: Option<&State>, wires: &[i64]) -> [Vec<String>; 2] {
         let side = &self.machine.components[component].specification.assumptions;
         let now = self.own(component, wires);
@@ -223,8 +223,7 @@ impl Brute<'_> {
             if !outside.is_empty() {
                 return Step::Void;
             }
-            // What is the caller's is looked at even where something went wrong before, as far as
-            // it can be.
+            // The caller's are examined as far as possible even if something went wrong before.
             if !wrong.is_empty() {
                 continue;
             }
@@ -297,7 +296,7 @@ impl Brute<'_> {
             let over_wires = &self.closed.system.parts[c].assumptions.justice;
             let justice = &component.specification.assumptions.justice;
             for (formula, over_wires) in justice.iter().zip(over_wires) {
-                // What the environment sees to is not asked for.
+                // What the environment ensures is not examined.
                 if self.closed.is_exported(RuleKind::Justice, over_wires) {
                     continue;
                 }

@@ -1,14 +1,14 @@
-//! Assumptions that contradict each other: what is decided of the controllers together against what
-//! the interpreter does.
+//! Contradictory assumptions: the verdict on the controllers together, compared with the
+//! interpreter.
 //!
-//! A controller that answers first has no outputs where no inputs keep its assumptions. That is an
-//! error of the call there, and a machine that is stuck here; in both it comes before anything else
-//! of that step.
+//! A controller that answers first has no outputs where no inputs keep its assumptions. The
+//! interpreter reports an error of the call, the verdict a stuck machine; in both it precedes
+//! everything else in that step.
 
 use super::{load, pick, synthesized_as_far_as_can_be};
 use crate::random::Random;
 use linewright::algebra::closed::{Closed, Verdict, replay};
-use linewright::algebra::proof::Broken;
+use linewright::algebra::proof::Refutation;
 use linewright::contract::machine::{Machine, PlantSource};
 use linewright::game::Limits;
 use linewright::mealy::{self, Cube, Guard, Transition};
@@ -16,8 +16,8 @@ use linewright::station::interpret::Interpreter;
 use linewright::station::{Controller as _, ErrorCode};
 use std::sync::Arc;
 
-/// What contradicts itself at the start, from the start on, or once something has happened; nothing
-/// where the list ends.
+/// Contradictions at the start, from the start on, or after some event; none at the end of the
+/// list.
 const CONTRADICTORY: &[&str] = &[
     "assume never: (not s and s)",
     "assume dark: always not s assume light: always s",
@@ -92,7 +92,7 @@ fn text(random: &mut Random) -> String {
     )
 }
 
-/// Steps the interpreter along a run, in the last step of which it refuses; gives the error.
+/// Steps the interpreter along a run, and expects it to refuse the last step; returns the error.
 fn refused(
     machine: &Machine,
     controllers: &[mealy::Controller],
@@ -113,7 +113,7 @@ fn refused(
     refused.expect_err("the last step is refused")
 }
 
-/// Runs operations at random; what is refused, and whether that was in the first step of a call.
+/// Runs operations at random; returns what is refused, and whether in the first step of a call.
 fn runs(
     random: &mut Random,
     machine: &Machine,
@@ -148,7 +148,7 @@ fn runs(
     found
 }
 
-/// What was found is what the interpreter does; gives how many components are silent.
+/// Compares the findings with the interpreter; returns the number of silent components.
 fn agrees(
     random: &mut Random,
     machine: &Machine,
@@ -175,7 +175,7 @@ fn agrees(
         silent += 1;
     }
     for open in &verdict.open {
-        let (Some(part), Broken::Trace(run)) = (open.what.part, &open.why) else {
+        let (Some(part), Refutation::Trace(run)) = (open.what.part, &open.why) else {
             continue;
         };
         let error = refused(machine, controllers, run);
@@ -189,7 +189,7 @@ fn agrees(
         let safe = verdict
             .open
             .iter()
-            .all(|o| matches!(o.why, Broken::Lasso(_)));
+            .all(|o| matches!(o.why, Refutation::Lasso(_)));
         if verdict.stuck.is_empty() && safe {
             assert!(first, "only the caller breaks something: {error:?}");
         }
@@ -221,8 +221,8 @@ fn contradictory_assumptions_are_decided_as_they_run() {
     assert!(looked_at > 100 && sound > 5 && silent > 12);
 }
 
-/// A state without a row that is reached in the middle of a call. Where a controller is minimised
-/// it is one with any other, so the table is made by hand.
+/// A state without a row that is reached during a call. Minimization would merge it with any other
+/// state, so the table is handmade.
 #[test]
 fn a_contradiction_that_comes_later_is_found_after_its_run() {
     let text = "

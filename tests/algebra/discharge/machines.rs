@@ -1,5 +1,4 @@
-//! The discharge tables of the machines that ship, and what happens when a guarantee that one of
-//! them names is taken away.
+//! Discharge tables of the shipped machines, and the effect of removing a guarantee named in one.
 
 use super::mutants::nothing_can_be_left_out;
 use super::tables::table;
@@ -24,7 +23,7 @@ fn machine(file: &str) -> Machine {
     loaded.library.machines[0].clone()
 }
 
-/// Everything that is to be proved of a machine.
+/// Everything to be proved of a machine.
 fn claims(machine: &Machine) -> Vec<(System, Claim)> {
     let promises = machine.refines.iter().map(|p| of_promise(machine, p));
     [of_machine(machine)].into_iter().chain(promises).collect()
@@ -56,7 +55,7 @@ fn the_five_machines_of_the_ice_laboratory_are_proved() {
     insta::assert_snapshot!(text);
 }
 
-/// The sizes that the holistic contract has in its own file.
+/// The sizes of the holistic contract in its own file.
 #[test]
 fn the_cell_refines_the_holistic_contract_at_its_own_size() {
     let root = env!("CARGO_MANIFEST_DIR");
@@ -84,7 +83,7 @@ fn the_cell_refines_the_holistic_contract_at_its_own_size() {
         .iter()
         .find(|c| c.name == "HolisticCell")
         .expect("the contract");
-    // The contract as its file has it, and not another size of it.
+    // The contract as in its file, not another size of it.
     assert_eq!(promised.specification, whole.specification);
     let (system, claim) = of_promise(&loaded.library.machines[0], promised);
     let proof = proved(&system, &claim);
@@ -94,8 +93,8 @@ fn the_cell_refines_the_holistic_contract_at_its_own_size() {
     assert!(claim.goal.all().count() > 80);
 }
 
-/// Every line of every table: what it names is enough by itself, and without any single one of it
-/// the proof fails, with a counterexample that the evaluator accepts.
+/// Every line of every table: what it names suffices, and without any single item the proof fails,
+/// with a counterexample that the evaluator accepts.
 #[test]
 fn nothing_that_a_table_names_can_be_left_out() {
     let (mut lines, mut mutants) = (0, 0);

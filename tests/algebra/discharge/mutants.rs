@@ -1,16 +1,14 @@
-//! What happens to the lines of a discharge table when something that one of them names is taken
-//! away.
+//! The effect on a discharge table of removing something that one of its lines names.
 
 use super::tables::{name, table};
-use linewright::algebra::proof::{Claim, Discharge, Discharged, Exports, Proof, decide};
+use linewright::algebra::proof::{Claim, Discharge, DischargeRule, Exports, Proof, decide};
 use linewright::algebra::replay;
-use linewright::algebra::system::{FormulaRef, Half, System, formulas};
+use linewright::algebra::system::{ContractSide, FormulaRef, System, formulas};
 use linewright::game::{Limits, RuleKind};
 use linewright::gr1::{Formula, Side};
 
-/// Every line of a table: what it names is enough by itself, and without any single one of it the
-/// proof fails, with a counterexample that the evaluator accepts. Gives how many lines there were,
-/// and how many mutants.
+/// Every line of a table: what it names suffices, and without any single item the proof fails, with
+/// a counterexample that the evaluator accepts. Returns the numbers of lines and of mutants.
 #[track_caller]
 pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) -> (usize, usize) {
     let (mut lines, mut mutants) = (0, 0);
@@ -35,8 +33,7 @@ pub fn nothing_can_be_left_out(system: &System, claim: &Claim, proof: &Proof) ->
     (lines, mutants)
 }
 
-/// One line of a table by itself: the obligation, and nothing but what it rests on, without one of
-/// these.
+/// One line of a table by itself: the obligation with what it rests on, except one item.
 fn alone(
     system: &System,
     claim: &Claim,
@@ -67,19 +64,20 @@ fn alone(
     let mut reduced = system.clone();
     for (i, part) in reduced.parts.iter_mut().enumerate() {
         part.guarantees = pick(&part.guarantees, &|k, n| {
-            names.contains(&at(Some(i), Half::Guarantees, k, n))
+            names.contains(&at(Some(i), ContractSide::Guarantees, k, n))
         });
         part.assumptions = pick(&part.assumptions, &|k, n| {
-            discharge.what == at(Some(i), Half::Assumptions, k, n)
+            discharge.what == at(Some(i), ContractSide::Assumptions, k, n)
         });
     }
     let mut given = pick(&claim.given, &|k, n| {
-        names.contains(&at(None, Half::Assumptions, k, n))
+        names.contains(&at(None, ContractSide::Assumptions, k, n))
     });
-    // What was handed on is the environment's, and what was shown of the goal before is known.
+    // What was passed on belongs to the environment, and what was proved of the goal before is
+    // known.
     for name in names
         .iter()
-        .filter(|n| n.part.is_some() == (n.half == Half::Assumptions))
+        .filter(|n| n.part.is_some() == (n.half == ContractSide::Assumptions))
     {
         add(
             &mut given,
@@ -88,10 +86,10 @@ fn alone(
         );
     }
     let goal = pick(&claim.goal, &|k, n| {
-        discharge.what == at(None, Half::Guarantees, k, n)
+        discharge.what == at(None, ContractSide::Guarantees, k, n)
     });
     let exports = match discharge.rule {
-        Discharged::Exported => claim.exports.clone(),
+        DischargeRule::Exported => claim.exports.clone(),
         _ => Exports::Never,
     };
     (

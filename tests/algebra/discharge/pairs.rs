@@ -1,4 +1,4 @@
-//! Pairs of contracts: the paper's own, and circles that are sound for safety and not for justice.
+//! Pairs of contracts: the paper's own, and circles that are sound for safety but not for justice.
 
 use super::tables::table;
 use linewright::algebra::join::{Member, Sharing, join};
@@ -34,8 +34,8 @@ fn composed(texts: &[&str]) -> (System, Claim, Proof) {
 }
 
 /// Four assumptions that are not discharged, and one circle: `available` is the coordinator's own,
-/// the gripper's guarantee is only the converse of what Turn needs, and the two last ones wait for
-/// each other.
+/// the gripper's guarantee is only the converse of what Turn needs, and the last two wait for each
+/// other.
 #[test]
 fn the_papers_own_pair_leaves_four_assumptions_open_and_has_one_circle() {
     let (system, claim, proof) = composed(&[
@@ -84,7 +84,7 @@ fn a_loop_within_a_step_is_refused_with_its_variables() {
     insta::assert_snapshot!(table(&system, &claim, &proof), @"loop: shut -> lit");
 }
 
-/// Circles of safety among contracts that see each other's answers of the same step are loops: each
+/// Circles of safety among contracts that see each other's answers in the same step are loops: each
 /// may only keep its promise because the other does.
 #[test]
 fn a_circle_of_safety_within_a_step_is_refused() {
@@ -105,7 +105,7 @@ contract Right {
     let (system, claim, proof) = composed(&[text]);
     assert!(!proof.holds());
     insta::assert_snapshot!(table(&system, &claim, &proof), @"loop: b -> a");
-    // Where they answer first, each looks at the step before.
+    // If they answer first, each refers to the previous step.
     let (_, _, proof) = composed(&[&text.replace("contract", "moore contract")]);
     assert!(proof.holds());
     // One of the two is enough.

@@ -1,6 +1,6 @@
 //! Proofs as text, for snapshots.
 
-use linewright::algebra::proof::{Broken, Claim, Discharged, Proof};
+use linewright::algebra::proof::{Claim, DischargeRule, Proof, Refutation};
 use linewright::algebra::replay;
 use linewright::algebra::system::{FormulaRef, System};
 use std::fmt::Write as _;
@@ -14,17 +14,17 @@ pub fn name(system: &System, claim: &Claim, at: FormulaRef) -> String {
     }
 }
 
-/// One obligation a line. Every counterexample has to be accepted by the evaluator.
+/// One obligation per line. Every counterexample must be accepted by the evaluator.
 #[track_caller]
 pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
     let mut text = String::new();
     for d in &proof.discharges {
         let by: Vec<String> = d.by.iter().map(|b| name(system, claim, *b)).collect();
         let rule = match d.rule {
-            Discharged::Environment => "environment".to_owned(),
-            Discharged::Exported => "exported".to_owned(),
-            Discharged::Induction => "induction".to_owned(),
-            Discharged::Justice { turn } => format!("justice {}", turn + 1),
+            DischargeRule::Environment => "environment".to_owned(),
+            DischargeRule::Exported => "exported".to_owned(),
+            DischargeRule::Induction => "induction".to_owned(),
+            DischargeRule::Justice { turn } => format!("justice {}", turn + 1),
         };
         let _ = writeln!(
             text,
@@ -36,8 +36,8 @@ pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
     for o in &proof.open {
         assert_eq!(replay::accepts(system, claim, proof, o), Ok(()), "{o:?}");
         let how = match &o.why {
-            Broken::Trace(steps) => format!("a trace of {} steps", steps.len()),
-            Broken::Lasso(run) => format!("a cycle of {} steps", run.cycle.len()),
+            Refutation::Trace(steps) => format!("a trace of {} steps", steps.len()),
+            Refutation::Lasso(run) => format!("a cycle of {} steps", run.cycle.len()),
         };
         let _ = writeln!(text, "{} | OPEN | {how}", name(system, claim, o.what));
     }

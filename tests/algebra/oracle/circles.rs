@@ -1,13 +1,13 @@
-//! Proofs of composition against all machines there are.
+//! Proofs of composition compared with all possible machines.
 //!
 //! A machine keeps its contract in the strict sense: its guarantees for as long as its assumptions
-//! were kept, and their justice whenever that of its assumptions is met. A step of the whole is one
-//! that some such machines take together in some environment exactly if every part whose
-//! assumptions still hold answers within the winning region of its own contract (one that answers
-//! first: with what is right for every legal input), and if the environment keeps what is given and
-//! what was handed on. In the winning region every such answer belongs to some machine; and a cycle
-//! belongs to some machines exactly if each of them meets its justice on it, or its environment
-//! does not. So the steps are counted through, and no machine has to be made.
+//! were kept, and their justice whenever that of its assumptions is met. Some such machines,
+//! together in some environment, can take a step of the whole exactly if every part whose
+//! assumptions still hold answers within the winning region of its own contract (if it answers
+//! first: with an answer that is correct for every legal input), and if the environment keeps what
+//! is given and what was passed on. In the winning region every such answer belongs to some
+//! machine; and a cycle belongs to some machines exactly if each of them meets its justice on it,
+//! or its environment does not. So steps are enumerated, and no machine has to be built.
 
 use super::contracts::{Scope, expression, formula};
 use super::graph::{Board, Relation, Set, Steps, members};
@@ -15,7 +15,7 @@ use super::lassos::keeps;
 use super::wired::{self, Plan};
 use crate::game;
 use crate::random::Random;
-use linewright::algebra::proof::{Broken, Claim, Discharged, Exports, Open, Proof, prove};
+use linewright::algebra::proof::{Claim, DischargeRule, Exports, Open, Proof, Refutation, prove};
 use linewright::algebra::replay;
 use linewright::algebra::system::System;
 use linewright::game::{Limits, RuleKind};
@@ -26,7 +26,7 @@ const SYSTEMS: u64 = 4_000;
 /// One part with explicit states.
 struct Machine {
     timing: Timing,
-    /// What it assumes, and what it guarantees.
+    /// Its assumptions and its guarantees.
     assumed: Steps,
     promised: Steps,
     /// Valuations from which it can keep its contract.
@@ -78,7 +78,7 @@ impl Machine {
         })
     }
 
-    /// The steps that some machine takes part in.
+    /// The steps that some machine can take part in.
     fn moves(&self, assumed: Set, promised: Set, everything: Set) -> Set {
         let good = promised & self.winning;
         match self.timing {
@@ -95,12 +95,12 @@ impl Machine {
     }
 }
 
-/// All machines together, in every environment that keeps what it has to.
+/// All machines together, in every environment that keeps its obligations.
 struct Composed {
     machines: Vec<Machine>,
-    /// What can happen.
+    /// Possible steps.
     steps: Steps,
-    /// Justice of the environment: what is given, and what was handed on.
+    /// Justice of the environment: what is given, and what was passed on.
     environment: Vec<Relation>,
 }
 
@@ -113,7 +113,7 @@ impl Composed {
             .collect::<Option<_>>()?;
         let mut handed_on = Side::default();
         for discharge in &proof.discharges {
-            if discharge.rule == Discharged::Exported {
+            if discharge.rule == DischargeRule::Exported {
                 let formula = replay::formula(system, claim, discharge.what).clone();
                 match discharge.what.kind {
                     RuleKind::Initial => handed_on.initial.push(formula),
@@ -170,8 +170,8 @@ impl Composed {
         steps
     }
 
-    /// Whether a part that answers first comes to where it has no legal inputs. Then any answer of
-    /// it is right for all of them, so that it does not even keep what it says of itself.
+    /// Whether a part that answers first reaches a state without legal inputs. Then any answer is
+    /// correct for all of them, so that it may break even its own guarantees.
     fn has_dead_end(&self) -> bool {
         let kept = self.kept();
         let reached = kept.reach(kept.start);
@@ -179,7 +179,7 @@ impl Composed {
         first.any(|m| m.assumed.start == 0 || members(reached).any(|s| m.assumed.step[s] == 0))
     }
 
-    /// Whether, all assumptions kept so far, the safety of one can be broken.
+    /// Whether, with all assumptions kept so far, the safety of one can be violated.
     fn breaks_an_assumption(&self) -> bool {
         let kept = self.kept();
         let reached = kept.reach(kept.start);
@@ -217,7 +217,8 @@ impl Composed {
             })
     }
 
-    /// Whether, with all assumptions kept and their justice met, a part of the goal can be broken.
+    /// Whether, with all assumptions kept and their justice met, a part of the goal can be
+    /// violated.
     fn breaks_the_goal(&self, board: &Board, goal: &Side) -> bool {
         let kept = self.kept();
         let reached = kept.reach(kept.start);
@@ -239,14 +240,14 @@ impl Composed {
     }
 }
 
-/// Without the steps of a relation.
+/// Removes the steps of a relation.
 fn remove(steps: &mut Steps, relation: &Relation) {
     for (row, met) in steps.step.iter_mut().zip(relation) {
         *row &= !met;
     }
 }
 
-/// Whether what a part may answer depends on another variable of the same step, whatever came
+/// Whether a part's possible answers depend on another variable of the same step, whatever came
 /// before.
 fn depends(board: &Board, guarantees: &Side, on: VarId) -> bool {
     let steps = board.steps([guarantees]);
@@ -266,8 +267,8 @@ fn depends(board: &Board, guarantees: &Side, on: VarId) -> bool {
     })
 }
 
-/// Whether formulas say of a step anything about a variable. A part that says nothing of its own
-/// output sets it as it likes, whatever it says of others.
+/// Whether formulas about a step restrict a variable. A part that does not restrict its own output
+/// sets it freely, whatever it says about others.
 fn mentions(side: &Side, variable: VarId) -> bool {
     let mut found = false;
     for formula in side
@@ -283,7 +284,7 @@ fn mentions(side: &Side, variable: VarId) -> bool {
     found
 }
 
-/// For each part the parts whose answers in a step its own depend on.
+/// For each part, the parts on whose answers in the same step its own depend.
 fn dependencies(system: &System, board: &Board) -> Vec<Vec<usize>> {
     let parts = system.parts.iter().enumerate();
     let of = parts.map(|(i, part)| {
@@ -298,7 +299,7 @@ fn dependencies(system: &System, board: &Board) -> Vec<Vec<usize>> {
     of.collect()
 }
 
-/// Whether a way leads from a part back to it.
+/// Whether a path leads from a part back to itself.
 fn has_circle(edges: &[Vec<usize>]) -> bool {
     (0..edges.len()).any(|start| {
         let mut seen = vec![false; edges.len()];
@@ -312,8 +313,8 @@ fn has_circle(edges: &[Vec<usize>]) -> bool {
     })
 }
 
-/// What is claimed of a system: something of the environment, and something that a part guarantees,
-/// or less, or anything.
+/// A claim about a system: something about the environment, and something that a part guarantees,
+/// or a weaker formula, or a random one.
 fn claim(r: &mut Random, system: &System) -> Claim {
     let variables = &system.variables;
     let all = Scope::all(variables, true).now;
@@ -373,7 +374,7 @@ fn claim(r: &mut Random, system: &System) -> Claim {
     }
 }
 
-/// A counterexample is accepted by the evaluator, and is one by the definitions.
+/// The evaluator accepts the counterexample, and it is one by the definitions.
 fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
     assert_eq!(
         replay::accepts(system, claim, proof, open),
@@ -388,7 +389,7 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
     let all: Vec<&Side> = parts.chain([&claim.given]).collect();
     let what = replay::formula(system, claim, open.what);
     match &open.why {
-        Broken::Trace(steps) => {
+        Refutation::Trace(steps) => {
             let width = system.variables.len();
             let states: Vec<usize> = steps.iter().map(|s| board.number(&s[..width])).collect();
             let (last, before) = states.split_last().expect("a step");
@@ -411,7 +412,7 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
             let allowed = before.last().map_or(given.start, |s| given.step[*s]);
             assert!(allowed >> last & 1 == 1, "{steps:?}");
         }
-        Broken::Lasso(run) => {
+        Refutation::Lasso(run) => {
             let safe = |side: &&Side| {
                 let safe = Side {
                     justice: Vec::new(),
@@ -432,11 +433,12 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
 
 #[derive(Debug, Default)]
 struct Counts {
-    /// Systems with a part that nothing implements: there is nothing to be said of them.
+    /// Systems with a part that nothing implements: these are skipped.
     unrealizable: u32,
-    /// With a part that answers first, and whose assumptions nobody can keep any more in some step.
+    /// Systems with a part that answers first, and whose assumptions cannot be kept any more in
+    /// some step.
     dead_ends: u32,
-    /// Whose parts rely on one another in a circle, by the variables of their assumptions.
+    /// Systems whose parts rely on one another in a circle, by the variables of their assumptions.
     circular: u32,
     holds: u32,
     holds_in_a_circle: u32,
@@ -444,19 +446,19 @@ struct Counts {
     /// Proofs that need justice of parts.
     by_justice: u32,
     fails: u32,
-    /// Failing ones of which machines exist that break something.
+    /// Failing proofs for which machines exist that violate something.
     really: u32,
     traces: u32,
     lassos: u32,
     justice_circles: u32,
     loops: u32,
-    /// Loops of assumptions, where no answer depends on another.
+    /// Loops of assumptions in which no answer depends on another.
     assumed_loops: u32,
-    /// Those of which machines exist that break an assumption.
+    /// Those for which machines exist that violate an assumption.
     assumed_loops_really: u32,
 }
 
-/// Whether there are loops within a step: a loop is found then, and in each that is, every answer
+/// Whether there are loops within a step: then one is found, and in each one found, every answer
 /// depends on the next variable.
 fn waits_in_a_circle(system: &System, board: &Board, proof: &Proof) -> bool {
     let waits = dependencies(system, board);
@@ -475,7 +477,7 @@ fn waits_in_a_circle(system: &System, board: &Board, proof: &Proof) -> bool {
     true
 }
 
-/// Takes guarantees away until something implements each part, most of the time.
+/// Removes guarantees, in most cases until something implements each part.
 fn mend(r: &mut Random, system: &mut System) {
     if r.chance(10) {
         return;
@@ -498,7 +500,7 @@ fn mend(r: &mut Random, system: &mut System) {
     }
 }
 
-/// Whose outputs the assumptions of each part speak of.
+/// The parts whose outputs each part's assumptions mention.
 fn relies(system: &System) -> Vec<Vec<usize>> {
     let parts = system.parts.iter().enumerate();
     let of = parts.map(|(i, part)| {
@@ -513,8 +515,8 @@ fn relies(system: &System) -> Vec<Vec<usize>> {
     of.collect()
 }
 
-/// Where a proof holds, no machines that keep the parts' contracts, in no environment that keeps
-/// what it has to, ever break the safety of an assumption, starve its justice, or miss the goal.
+/// Where a proof holds, no machines that keep the parts' contracts, in any environment that keeps
+/// its obligations, ever violate the safety of an assumption, starve its justice, or miss the goal.
 /// Counterexamples are accepted.
 #[test]
 fn proofs_hold_of_all_machines() {
@@ -553,8 +555,8 @@ fn proofs_hold_of_all_machines() {
         }
         for open in &proof.open {
             match open.why {
-                Broken::Trace(_) => counts.traces += 1,
-                Broken::Lasso(_) => counts.lassos += 1,
+                Refutation::Trace(_) => counts.traces += 1,
+                Refutation::Lasso(_) => counts.lassos += 1,
             }
             check_open(&system, &claim, &proof, open);
         }
@@ -576,11 +578,11 @@ fn proofs_hold_of_all_machines() {
             assert!(!misses, "seed {seed}: {system:#?}");
             counts.holds += 1;
             counts.holds_in_a_circle += u32::from(circular);
-            let rules = |rule: fn(&Discharged) -> bool| {
+            let rules = |rule: fn(&DischargeRule) -> bool| {
                 u32::from(proof.discharges.iter().any(|d| rule(&d.rule)))
             };
-            counts.exports += rules(|rule| *rule == Discharged::Exported);
-            counts.by_justice += rules(|rule| matches!(rule, Discharged::Justice { .. }));
+            counts.exports += rules(|rule| *rule == DischargeRule::Exported);
+            counts.by_justice += rules(|rule| matches!(rule, DischargeRule::Justice { .. }));
         } else {
             counts.fails += 1;
             counts.really += u32::from(breaks || starves || misses);
@@ -595,7 +597,7 @@ fn proofs_hold_of_all_machines() {
     assert!(c.holds >= 1_000 && c.fails >= 1_000 && c.holds_in_a_circle >= 800);
     assert!(c.exports >= 200 && c.by_justice >= 150 && c.justice_circles >= 20);
     assert!(c.traces >= 500 && c.lassos >= 500);
-    // What is refused is mostly wrong, too, although a proof looks at guarantees alone, not at who
+    // Most rejected claims are really wrong, although a proof considers only guarantees, not who
     // can win with them.
     assert!(c.really * 10 >= c.fails * 9, "{c:?}");
     assert!(c.assumed_loops >= 50 && c.assumed_loops_really * 2 >= c.assumed_loops);
@@ -603,8 +605,8 @@ fn proofs_hold_of_all_machines() {
 }
 
 /// Loops within a step are reported where answers depend on one another in a circle: each on the
-/// value that the next one has in the same step. Where none do, and nothing is assumed that could
-/// make them, none is reported.
+/// next one's value in the same step. If none do, and no assumption could make them, none is
+/// reported.
 #[test]
 fn loops_within_a_step_are_loops() {
     let limits = Limits::default();

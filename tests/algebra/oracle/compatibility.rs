@@ -1,11 +1,11 @@
-//! Compatibility against a naive solver of the game with the roles swapped.
+//! Compatibility compared with a naive solver of the game with swapped roles.
 //!
-//! The outside plays: it sets what no part sets, and has to keep all assumptions for as long as the
-//! parts keep their guarantees; and has to meet the justice of the assumptions whenever that of the
-//! guarantees is met. Machines that see the inputs of the step that they answer leave the outside
-//! the first word. Where all parts answer first, the outside sees their answer; one is allowed
-//! where something from outside makes it so, and with something else the outside leaves the parts
-//! with a broken promise.
+//! The outside plays: it sets what no part sets, must keep all assumptions for as long as the parts
+//! keep their guarantees, and must meet the justice of the assumptions whenever that of the
+//! guarantees is met. If machines see the inputs of the step that they answer, the outside moves
+//! first. If all parts answer first, the outside sees their answer; an answer is allowed if some
+//! outside values make it legal, and with other values the outside leaves the parts with a broken
+//! promise.
 
 use super::contracts::{self, formula};
 use super::graph::{Board, Relation, Set, Steps, members};
@@ -13,7 +13,7 @@ use super::lassos::keeps;
 use super::wired::{self, Plan};
 use crate::random::Random;
 use linewright::algebra::compat::{Compatibility, compatible};
-use linewright::algebra::proof::Broken;
+use linewright::algebra::proof::Refutation;
 use linewright::algebra::system::{Part, System};
 use linewright::game::Limits;
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId};
@@ -26,7 +26,7 @@ struct Swapped {
     sees: bool,
     /// Whether the outside may leave the parts no legal answer.
     corners: bool,
-    /// The parts' moves, and what is asked of the outside.
+    /// The parts' moves, and the obligations of the outside.
     parts: Steps,
     outside: Steps,
     owed: Vec<Relation>,
@@ -36,7 +36,7 @@ struct Swapped {
     of_moore: Vec<Set>,
 }
 
-/// The formulas of some sides in one.
+/// Combines the formulas of some sides.
 fn together<'a>(sides: impl Iterator<Item = &'a Side>) -> Side {
     let mut all = Side::default();
     for side in sides {
@@ -65,7 +65,7 @@ fn named(side: &Side, names: &[String]) -> Side {
 }
 
 impl Swapped {
-    /// The game for what is left of the assumptions.
+    /// The game for the remaining assumptions.
     fn new(system: &System, assumptions: &Side) -> Self {
         let board = Board::new(&system.variables);
         let guarantees = together(system.parts.iter().map(|p| &p.guarantees));
@@ -92,7 +92,7 @@ impl Swapped {
             };
             keys.iter().map(group).collect::<Vec<Set>>()
         };
-        // No justice at all is the one that is always met.
+        // An empty justice list is the condition that is always met.
         let or_true = |list: Vec<Relation>| {
             if list.is_empty() {
                 vec![vec![board.everything(); board.valuations.len()]]
@@ -113,15 +113,15 @@ impl Swapped {
         }
     }
 
-    /// Whether the outside can bring about one of `kept` that is among `good`, after whatever the
-    /// Moore machines set and whichever of `legal` the others choose then.
+    /// Whether the outside can reach one of `kept` that is also in `good`, after whatever the Moore
+    /// machines set and whichever of `legal` the others then choose.
     fn controls(&self, legal: Set, kept: Set, good: Set) -> bool {
         let mut answers = self.of_moore.iter();
         answers.all(|y| self.answers(*y, legal, kept, good))
     }
 
-    /// The same after `y`. Where it leaves the parts no way to keep their promise, any of `kept`
-    /// will do: it must not break an assumption itself.
+    /// The same after `y`. If it leaves the parts no way to keep their promise, any of `kept` is
+    /// sufficient: it must not violate an assumption itself.
     fn answers(&self, y: Set, legal: Set, kept: Set, good: Set) -> bool {
         let mut moves = self.from_outside.iter().map(|x| x & y);
         self.sees && y & legal == 0
@@ -131,7 +131,7 @@ impl Swapped {
             })
     }
 
-    /// νZ. ⋀ⱼ μY. ⋁ᵢ νX, as the textbook has it.
+    /// νZ. ⋀ⱼ μY. ⋁ᵢ νX, as in the textbook.
     fn winning(&self) -> Set {
         let all = self.board.everything();
         let before = |target: &dyn Fn(usize) -> Set| {
@@ -175,7 +175,7 @@ impl Swapped {
         self.controls(self.parts.start, self.outside.start, self.winning())
     }
 
-    /// Steps that the parts may take, and that the outside may, after a state or at the beginning.
+    /// Possible steps of the parts, and of the outside, after a state or at the beginning.
     fn moves(&self, after: Option<usize>) -> (Set, Set) {
         match after {
             None => (self.parts.start, self.outside.start),
@@ -184,8 +184,8 @@ impl Swapped {
     }
 }
 
-/// A play that ends: everything is kept before the last step; and then, whatever the outside does,
-/// some assumption is broken by what the parts may do.
+/// A finite play: everything is kept before the last step; then, whatever the outside does, the
+/// parts can make it violate some assumption.
 fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
     let states: Vec<usize> = steps.iter().map(|s| game.board.number(s)).collect();
     let mut before = None;
@@ -194,7 +194,7 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
         if i + 1 < states.len() {
             assert!((legal & kept) >> state & 1 == 1, "step {i} of {steps:?}");
         } else {
-            // What Moore machines set is given; nothing from outside fits.
+            // The Moore machines' values are given; no outside values are compatible.
             let same = game.of_moore.iter().find(|y| *y >> state & 1 == 1);
             let same = *same.expect("a group");
             assert!(!game.sees || same & legal != 0, "{steps:?}");
@@ -212,8 +212,8 @@ fn check_trace(game: &Swapped, steps: &[Vec<i64>]) {
     }
 }
 
-/// The verdict is that of the naive solver; the assumptions that are named cannot be kept, and any
-/// fewer of them can; and every play is one.
+/// The verdict equals that of the naive solver; the named assumptions cannot be kept, but any
+/// proper subset can; and every play is valid.
 #[test]
 fn environments_exist_where_the_swapped_game_is_won() {
     let limits = Limits::default();
@@ -257,11 +257,11 @@ fn environments_exist_where_the_swapped_game_is_won() {
             assert!(fewer.won(), "seed {seed}: {named_ones:?} without {i}");
         }
         match play.expect("no limit") {
-            Broken::Trace(steps) => {
+            Refutation::Trace(steps) => {
                 traces += 1;
                 check_trace(&game, &steps);
             }
-            Broken::Lasso(run) => {
+            Refutation::Lasso(run) => {
                 cycles += 1;
                 let promised = system.parts.iter().all(|p| keeps(&p.guarantees, &run));
                 assert!(promised, "seed {seed}: {run:?}");
@@ -283,9 +283,9 @@ fn environments_exist_where_the_swapped_game_is_won() {
     assert!(traces >= 100 && cycles >= 50 && several >= 20);
 }
 
-/// A value that a variable's bits could have and its domain has not is nobody's answer: `y` has
-/// three values in two bits, and with a fourth one the part would have nothing legal to do. What it
-/// need not do is ever to withdraw `x`.
+/// A code that a variable's bits allow but its domain does not is no answer: `y` has three values
+/// in two bits, and with a fourth one the part would have no legal answer. It need not ever
+/// withdraw `x`.
 #[test]
 fn codes_without_a_value_are_no_way_out() {
     let now = |v: u32| Expr::now(VarId(v));
@@ -328,7 +328,7 @@ fn codes_without_a_value_are_no_way_out() {
                 panic!("{timing:?}: {guarantees:?}");
             };
             assert_eq!(assumptions, ["withdrawn"]);
-            assert!(matches!(play, Some(Broken::Lasso(_))), "{play:?}");
+            assert!(matches!(play, Some(Refutation::Lasso(_))), "{play:?}");
         }
     }
 }
@@ -372,7 +372,7 @@ fn no_answer_is_left_only_within_the_assumptions() {
         panic!("no environment keeps both");
     };
     assert_eq!(assumptions, ["powered", "cuts_out"]);
-    let Some(Broken::Trace(steps)) = play else {
+    let Some(Refutation::Trace(steps)) = play else {
         panic!("a step without a way on");
     };
     assert_eq!((steps.len(), &steps[0]), (2, &vec![1, 1]));

@@ -1,4 +1,4 @@
-//! Random small contracts, and contracts that are related to others.
+//! Random small contracts, and contracts related to others.
 
 use super::lassos::variable;
 use crate::random::Random;
@@ -6,7 +6,7 @@ use linewright::algebra::system::{Part, System};
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Time, Timing, VarId, Variable};
 use linewright::source::Span;
 
-/// Some variables, and how many positions their lassos may have.
+/// Some variables, and the maximum length of their lassos.
 pub fn variables(r: &mut Random) -> (Vec<Variable>, usize) {
     let range = Domain::Range { low: -1, high: 1 };
     match r.below(4) {
@@ -23,7 +23,7 @@ pub fn named(domains: &[Domain]) -> Vec<Variable> {
     all.map(|(d, name)| variable(name, d.clone())).collect()
 }
 
-/// What formulas may speak of.
+/// Values that formulas may mention.
 pub struct Scope<'a> {
     pub variables: &'a [Variable],
     pub now: Vec<VarId>,
@@ -31,7 +31,7 @@ pub struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
-    /// All variables, now; and next, if wanted.
+    /// All variables now, and next if wanted.
     pub fn all(variables: &'a [Variable], next: bool) -> Self {
         let ids: Vec<VarId> = (0..variables.len()).map(|i| VarId(i as u32)).collect();
         Self {
@@ -43,7 +43,7 @@ impl<'a> Scope<'a> {
 }
 
 fn atom(r: &mut Random, scope: &Scope<'_>) -> Expr {
-    // Next values matter most where there are any.
+    // Next values matter most if there are any.
     let next = !scope.next.is_empty() && (scope.now.is_empty() || r.chance(55));
     let (list, time) = if next {
         (&scope.next, Time::Next)
@@ -61,7 +61,7 @@ fn atom(r: &mut Random, scope: &Scope<'_>) -> Expr {
     Expr::binary(op, var, Expr::Const(value))
 }
 
-/// A truth value over what is in scope.
+/// A truth value over the scope.
 pub fn expression(r: &mut Random, scope: &Scope<'_>) -> Expr {
     let a = atom(r, scope);
     let b = atom(r, scope);
@@ -86,7 +86,7 @@ pub fn formula(name: String, expr: Expr) -> Formula {
     }
 }
 
-/// How often each formula is there, in percent.
+/// Frequency of each formula in percent.
 pub struct Chances {
     pub initial: u64,
     pub invariants: u64,
@@ -136,7 +136,7 @@ fn side(r: &mut Random, variables: &[Variable], chances: &Chances) -> Side {
     side
 }
 
-/// A contract by its two halves.
+/// A contract from its two halves.
 pub fn part(name: &str, assumptions: Side, guarantees: Side) -> Part {
     Part {
         name: name.to_owned(),
@@ -148,7 +148,7 @@ pub fn part(name: &str, assumptions: Side, guarantees: Side) -> Part {
     }
 }
 
-/// Any small contract.
+/// A random small contract.
 pub fn any(r: &mut Random, variables: &[Variable]) -> Part {
     let assumptions = side(r, variables, &ASSUMED);
     part("any", assumptions, side(r, variables, &GUARANTEED))
@@ -163,7 +163,7 @@ fn lists(side: &mut Side) -> [&mut Vec<Formula>; 4] {
     ]
 }
 
-/// Less is asked for: formulas are dropped, or get a way out.
+/// A weaker demand: formulas are dropped or relaxed.
 pub fn weaker(r: &mut Random, variables: &[Variable], of: &Side) -> Side {
     let mut side = of.clone();
     for (kind, list) in lists(&mut side).into_iter().enumerate() {
@@ -178,7 +178,7 @@ pub fn weaker(r: &mut Random, variables: &[Variable], of: &Side) -> Side {
     side
 }
 
-/// More is asked for: formulas are added.
+/// A stronger demand: formulas are added.
 pub fn stronger(r: &mut Random, variables: &[Variable], of: &Side) -> Side {
     let mut side = of.clone();
     let more = self::side(r, variables, &ASSUMED);
@@ -205,7 +205,7 @@ pub fn refined(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
     part("refined", assumptions, weaker(r, variables, &of.guarantees))
 }
 
-/// A contract that may well be related to another, one way or the other.
+/// A contract that is likely to be related to another, in either direction.
 pub fn akin(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
     match r.below(5) {
         0 | 1 => refining(r, variables, of),

@@ -1,5 +1,5 @@
-//! Explicit states: all valuations of a few variables, sets of them as bits of a word, and what can
-//! be reached.
+//! Explicit states: all valuations of a few variables, sets of them as bits of a word, and
+//! reachability.
 
 use super::lassos::valuations;
 use crate::game::value;
@@ -8,7 +8,7 @@ use linewright::gr1::{Formula, Side, Variable};
 /// A set of valuations, by their numbers.
 pub type Set = u128;
 
-/// For each valuation the next ones.
+/// Successors of each valuation.
 pub type Relation = Vec<Set>;
 
 /// The numbers in a set.
@@ -21,7 +21,7 @@ pub struct Board {
     pub valuations: Vec<Vec<i64>>,
 }
 
-/// Runs without a side's justice: where they begin, and how they go on.
+/// Runs without a side's justice: their initial states and steps.
 #[derive(Clone)]
 pub struct Steps {
     pub start: Set,
@@ -67,7 +67,7 @@ impl Board {
         formulas.iter().map(|f| self.relation(f)).collect()
     }
 
-    /// What keeps all of these sides' initial conditions, invariants and safety.
+    /// The runs that keep the initial conditions, invariants and safety of all these sides.
     pub fn steps<'a>(&self, sides: impl IntoIterator<Item = &'a Side>) -> Steps {
         let mut start = self.everything();
         let mut always = self.everything();
@@ -100,7 +100,7 @@ impl Steps {
         members(set).fold(0, |all, s| all | self.step[s])
     }
 
-    /// What can be reached from a set, which is included.
+    /// The states reachable from a set, including the set.
     pub fn reach(&self, from: Set) -> Set {
         let mut all = from;
         loop {
@@ -112,13 +112,12 @@ impl Steps {
         }
     }
 
-    /// The valuations from which some run goes on for ever and meets all of `justice` again and
-    /// again.
+    /// The valuations from which some infinite run meets all of `justice` again and again.
     pub fn lasting(&self, justice: &[Relation]) -> Set {
         let count = self.step.len();
         let mut good = (0..count).fold(0, |set: Set, i| set | 1 << i);
         loop {
-            // A step is left, and every justice can be met within what is good.
+            // A step remains, and every justice can be met within `good`.
             let mut smaller = members(good)
                 .filter(|s| self.step[*s] & good != 0)
                 .fold(0, |set: Set, s| set | 1 << s);

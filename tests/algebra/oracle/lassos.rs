@@ -1,8 +1,8 @@
-//! All lassos up to a bound, and the contracts as sets of them: the definitions as the literature
-//! has them, on plain values.
+//! All lassos up to a bound, and contracts as sets of them: the definitions of the literature, on
+//! plain values.
 //!
-//! Nothing of `crates/algebra/src` is used but the shape of its data; formulas are evaluated by the
-//! oracle's own evaluator.
+//! Only data types of `crates/algebra/src` are used; formulas are evaluated by the oracle's own
+//! evaluator.
 
 use crate::game::value;
 use linewright::algebra::system::{Part, System};
@@ -10,10 +10,10 @@ use linewright::game::Lasso;
 use linewright::gr1::{Domain, Formula, Owner, Side, Variable};
 use linewright::source::Span;
 
-/// Which lassos of a list are in a set.
+/// Membership of each lasso of a list in a set.
 pub type Set = Vec<bool>;
 
-/// A variable that belongs to nobody in particular.
+/// A variable without a particular owner.
 pub fn variable(name: &str, domain: Domain) -> Variable {
     Variable {
         name: name.to_owned(),
@@ -37,7 +37,7 @@ pub fn valuations(variables: &[Variable]) -> Vec<Vec<i64>> {
     })
 }
 
-/// All lassos of at most so many positions.
+/// All lassos of at most `bound` positions.
 pub fn all(variables: &[Variable], bound: usize) -> Vec<Lasso> {
     let valuations = valuations(variables);
     let mut found = Vec::new();
@@ -60,8 +60,8 @@ pub fn all(variables: &[Variable], bound: usize) -> Vec<Lasso> {
     found
 }
 
-/// Whether a lasso keeps a side. It is looked at as the infinite word that it stands for: step
-/// `i + 1` of the last step is the first of the cycle.
+/// Whether a lasso keeps a side. It is treated as the infinite word that it represents: the step
+/// after the last one is the first of the cycle.
 pub fn keeps(side: &Side, run: &Lasso) -> bool {
     let word: Vec<&[i64]> = run
         .prefix
@@ -119,7 +119,7 @@ impl Meaning {
         }
     }
 
-    /// Of all parts of a system.
+    /// The meanings of all parts of a system.
     pub fn all(system: &System, lassos: &[Lasso]) -> Vec<Self> {
         let parts = system.parts.iter();
         parts.map(|p| Self::of(p, lassos)).collect()
@@ -168,7 +168,7 @@ impl Meaning {
         }
     }
 
-    /// A₂ ⊆ A₁ and Ĝ₁ ⊆ Ĝ₂, as far as these lassos go.
+    /// A₂ ⊆ A₁ and Ĝ₁ ⊆ Ĝ₂, restricted to these lassos.
     pub fn refines(&self, other: &Self) -> bool {
         within(&other.a, &self.a) && within(&self.g, &other.g)
     }

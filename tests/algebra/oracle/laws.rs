@@ -20,7 +20,7 @@ struct Bench<'a> {
     decider: Decider<'a>,
 }
 
-/// A contract made of parts, together with what it means by definition.
+/// A contract made of parts, with its meaning by definition.
 #[derive(Clone)]
 struct Both(Contract, Meaning);
 
@@ -65,7 +65,7 @@ impl<'a> Bench<'a> {
         Both(Contract::part(index), self.meanings[index].clone())
     }
 
-    /// Whether one refines the other on all runs; then it does on the lassos.
+    /// Whether one refines the other on all runs; then it also does on the lassos.
     fn refines(&mut self, small: &Both, large: &Both) -> bool {
         let found = self.decider.refutation(&small.0, &large.0);
         let refines = found.expect("no limit").is_none();
@@ -90,7 +90,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// A bench for every seed, with the parts that `make` gives.
+/// A bench for every seed, with the parts returned by `make`.
 fn rounds(
     first: u64,
     make: impl Fn(&mut Random, &[Variable]) -> Vec<Part>,
@@ -105,8 +105,8 @@ fn rounds(
     }
 }
 
-/// Every contract refines itself; and where one refines a second and that a third, the first
-/// refines the third. Chains come about by weakening, and by chance.
+/// Every contract refines itself; and refinement is transitive. Chains arise by weakening and by
+/// chance.
 #[test]
 fn refinement_is_a_preorder() {
     let (mut chains, mut strict, mut others) = (0, 0, 0);
@@ -188,7 +188,7 @@ fn the_quotient_is_the_weakest_contract_that_completes_another() {
         let c1 = akin(r, variables, &c);
         let x = match r.below(5) {
             0..=2 => any(r, variables),
-            // What C asks for, and C₁ on top of what is assumed.
+            // The demands of C, with C₁ added to the assumptions.
             3 => {
                 let mut x = refining(r, variables, &c);
                 x.assumptions = c.assumptions.clone();
@@ -229,7 +229,7 @@ fn conjunction_is_the_greatest_lower_bound() {
         let of = if r.chance(50) { &a } else { &b };
         let mut x = refining(r, variables, of);
         if r.chance(50) {
-            // Below both, more often than not: no assumption, and the guarantees of both.
+            // Often below both: no assumption, and the guarantees of both.
             let other = if r.chance(50) { &a } else { &b };
             x.assumptions = linewright::gr1::Side::default();
             x.guarantees.safety.extend(other.guarantees.safety.clone());
@@ -265,8 +265,8 @@ fn conjunction_is_the_greatest_lower_bound() {
 /// where the reciprocal of a saturated contract is (A, Ĝ)⁻¹ = (Ĝ, A), which is saturated again
 /// since A ∪ Ĝ is everything. This is the duality of Passerone, Íncer Romeo and
 /// Sangiovanni-Vincentelli ("Coherent extension, composition, and merging operators in contract
-/// models", 2019). What composition keeps, merging keeps: it is commutative, associative and
-/// monotone. That it is what the table of definitions says is in `operations`.
+/// models", 2019). So merging has the same properties as composition: it is commutative,
+/// associative and monotone. `operations` tests its definition.
 #[test]
 fn merging_is_dual_to_composition() {
     let mut related = 0;
@@ -286,7 +286,7 @@ fn merging_is_dual_to_composition() {
         );
         bench.same(&a.merge(&b), &b.merge(&a));
         bench.same(&a.merge(&b).merge(&c), &a.merge(&b.merge(&c)));
-        // Exchanging the halves turns refinement round.
+        // Exchanging the halves reverses refinement.
         let upside_down = bench.refines(&b.reciprocal(), &a.reciprocal());
         assert_eq!(bench.refines(&a, &b), upside_down, "seed {}", bench.seed);
         if bench.refines(&a, &weaker) {

@@ -1,5 +1,5 @@
-//! Composition, conjunction, quotient, merging and refinement of random contracts, against their
-//! definitions.
+//! Composition, conjunction, quotient, merging and refinement of random contracts, compared with
+//! their definitions.
 
 use super::contracts::{akin, any, system, variables};
 use super::lassos::{Meaning, all};
@@ -7,18 +7,18 @@ use crate::random::Random;
 use linewright::algebra::contract::Contract;
 use linewright::algebra::decide::Decider;
 use linewright::algebra::replay;
-use linewright::algebra::system::{Half, System};
+use linewright::algebra::system::{ContractSide, System};
 use linewright::game::{Lasso, Limits};
 
 const PAIRS: u64 = 1_200;
 
-/// What a question about an operation came to.
+/// Counts of the outcomes of questions about an operation.
 #[derive(Debug, Default, Clone, Copy)]
 struct Outcomes {
     refines: u32,
     assumptions: u32,
     guarantees: u32,
-    /// Counterexamples that are longer than what was counted through.
+    /// Counterexamples longer than the enumerated lassos.
     longer: u32,
 }
 
@@ -37,7 +37,7 @@ const OPERATIONS: [Operation; 5] = [
     ("merge", Contract::merge, Meaning::merge),
 ];
 
-/// Three contracts: two to operate on, and one to compare with, akin to one of them or to none.
+/// Three contracts: two to operate on, and one to compare with, related to one of them or to none.
 fn triple(r: &mut Random) -> (System, usize) {
     let (variables, bound) = variables(r);
     let first = any(r, &variables);
@@ -51,9 +51,9 @@ fn triple(r: &mut Random) -> (System, usize) {
     (system(&variables, vec![first, second, third]), bound)
 }
 
-/// Membership in each operation is what its definition says, on every lasso up to the bound. And a
-/// question whether one contract refines another is answered right: with "yes" no such lasso speaks
-/// against it, with "no" the run that is given does.
+/// Membership in each operation equals its definition on every lasso up to the bound. A question
+/// whether one contract refines another is answered correctly: with "yes", no such lasso is a
+/// counterexample; with "no", the returned run is one.
 #[test]
 fn operations_are_what_they_are_defined_as() {
     let limits = Limits::default();
@@ -93,11 +93,11 @@ fn operations_are_what_they_are_defined_as() {
                 let [less, more] = of(std::slice::from_ref(&run));
                 outcomes.longer += u32::from(run.prefix.len() + run.cycle.len() > bound);
                 match half {
-                    Half::Assumptions => {
+                    ContractSide::Assumptions => {
                         outcomes.assumptions += 1;
                         assert!(more.a[0] && !less.a[0], "{name}, seed {seed}: {run:?}");
                     }
-                    Half::Guarantees => {
+                    ContractSide::Guarantees => {
                         outcomes.guarantees += 1;
                         assert!(less.g[0] && !more.g[0], "{name}, seed {seed}: {run:?}");
                     }

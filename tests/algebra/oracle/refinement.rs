@@ -6,10 +6,10 @@ use super::lassos::{all, keeps};
 use crate::random::Random;
 use linewright::algebra::contract::{Contract, Words};
 use linewright::algebra::decide::Decider;
-use linewright::algebra::proof::{Broken, Discharge, Discharged, Open};
+use linewright::algebra::proof::{Discharge, DischargeRule, Open, Refutation};
 use linewright::algebra::refine::{Question, refine};
 use linewright::algebra::replay;
-use linewright::algebra::system::{FormulaRef, Half, KINDS, System, list};
+use linewright::algebra::system::{ContractSide, FormulaRef, KINDS, System, list};
 use linewright::game::{Lasso, Limits, RuleKind};
 use linewright::gr1::Side;
 
@@ -25,8 +25,7 @@ struct Counts {
     lassos: u32,
     discharges: u32,
     reasons: u32,
-    /// Reasons without which there is no infinite run that breaks the formula, but a step that
-    /// does.
+    /// Reasons without which no infinite run violates the formula, but a step does.
     for_the_step: u32,
     environment: u32,
     induction: u32,
@@ -48,12 +47,13 @@ fn only(question: &Question, refs: &[FormulaRef]) -> Side {
     side
 }
 
-/// A run that keeps one side and not the other, of any length.
+/// A run of any length that keeps one side and not the other.
 fn between(question: &Question, kept: &Side, broken: &Side) -> Option<Lasso> {
     let reduced = part("reduced", kept.clone(), broken.clone());
     let reduced = system(&question.system.variables, vec![reduced]);
     let mut decider = Decider::new(&reduced, &Limits::default()).expect("room");
-    let [kept_runs, promised] = [Half::Assumptions, Half::Guarantees].map(|h| Words::Side(0, h));
+    let [kept_runs, promised] =
+        [ContractSide::Assumptions, ContractSide::Guarantees].map(|h| Words::Side(0, h));
     let found = decider.difference(&kept_runs, &promised).expect("no limit");
     if let Some(run) = &found {
         assert!(keeps(kept, run) && !keeps(broken, run), "{run:?}");
@@ -61,7 +61,7 @@ fn between(question: &Question, kept: &Side, broken: &Side) -> Option<Lasso> {
     found
 }
 
-/// Whether a finite run keeps one side, and its last step breaks the only formula of the other.
+/// Whether a finite run keeps one side, and its last step violates the only formula of the other.
 fn a_step_breaks(board: &Board, kept: &Side, broken: &Side) -> bool {
     let runs = board.steps([kept]);
     let right = board.steps([broken]);
@@ -71,7 +71,7 @@ fn a_step_breaks(board: &Board, kept: &Side, broken: &Side) -> bool {
         || everything.any(|s| reached >> s & 1 == 1 && runs.step[s] & !right.step[s] != 0)
 }
 
-/// The reasons of a discharge are enough, and none can be left out.
+/// The reasons of a discharge suffice, and none can be omitted.
 fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, counts: &mut Counts) {
     let what = only(question, &[found.what]);
     let by = only(question, &found.by);
@@ -93,27 +93,27 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
             counts.for_the_step += 1;
         }
     }
-    // A goal may rest on others that were shown before it.
-    let given = |at: &FormulaRef| at.part.is_none() && at.half == Half::Assumptions;
+    // A goal may rest on others proved before it.
+    let given = |at: &FormulaRef| at.part.is_none() && at.half == ContractSide::Assumptions;
     let environment = found.by.iter().all(given);
     let justice = found.by.iter().any(|at| at.kind == RuleKind::Justice);
     match found.rule {
-        Discharged::Environment => assert!(environment),
-        Discharged::Induction => assert!(!environment && !justice),
-        Discharged::Justice { .. } => assert!(!environment && justice),
-        Discharged::Exported => panic!("nobody to hand it on to"),
+        DischargeRule::Environment => assert!(environment),
+        DischargeRule::Induction => assert!(!environment && !justice),
+        DischargeRule::Justice { .. } => assert!(!environment && justice),
+        DischargeRule::Exported => panic!("nobody to hand it on to"),
     }
     counts.discharges += 1;
     match found.rule {
-        Discharged::Environment => counts.environment += 1,
-        Discharged::Induction => counts.induction += 1,
+        DischargeRule::Environment => counts.environment += 1,
+        DischargeRule::Induction => counts.induction += 1,
         _ => counts.justice += 1,
     }
 }
 
-/// A counterexample is one: by the evaluator of the algebra, and by the definitions. Of a trace: it
-/// keeps what is known, its last step breaks the formula, and from there a run goes on for ever and
-/// keeps what is known, justice included.
+/// A counterexample is one, by the evaluator of the algebra and by the definitions. A trace keeps
+/// what is known, its last step violates the formula, and from there an infinite run keeps what is
+/// known, including justice.
 fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     let Question {
         system,
@@ -127,13 +127,13 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
         .chain(system.parts.iter().map(|p| &p.guarantees))
         .collect();
     match &open.why {
-        Broken::Lasso(run) => {
+        Refutation::Lasso(run) => {
             counts.lassos += 1;
             assert!(open.what.kind == RuleKind::Justice);
             assert!(known.iter().all(|side| keeps(side, run)), "{run:?}");
             assert!(!keeps(&what, run), "{run:?}");
         }
-        Broken::Trace(steps) => {
+        Refutation::Trace(steps) => {
             counts.traces += 1;
             assert!(open.what.kind != RuleKind::Justice);
             let board = Board::new(&system.variables);
@@ -158,7 +158,7 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     }
 }
 
-/// Every formula that is to be shown is discharged or open, and what is said of it is true.
+/// Every formula to be proved is discharged or open, and the reported reason is true.
 fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     let proof = &question.proof;
     assert!(proof.loops.is_empty() && proof.circles.is_empty());
@@ -167,7 +167,7 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
         let count = list(&question.claim.goal, kind).len();
         goals.extend((0..count).map(|index| FormulaRef {
             part: None,
-            half: Half::Guarantees,
+            half: ContractSide::Guarantees,
             kind,
             index,
         }));
@@ -189,9 +189,9 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     }
 }
 
-/// Refinement that is explained gives the verdict of the exact decision; its reasons are enough on
-/// every lasso up to the bound and on all runs; without any of them the formula can be broken; and
-/// every counterexample is one.
+/// Explained refinement gives the verdict of the exact decision; its reasons suffice on every lasso
+/// up to the bound and on all runs; without any of them the formula can be violated; and every
+/// counterexample is one.
 #[test]
 fn refinement_is_explained_right() {
     let limits = Limits::default();
@@ -208,8 +208,8 @@ fn refinement_is_explained_right() {
         let [small, large] = [0, 1].map(Contract::part);
         let refutation = decider.refutation(&small, &large).expect("no limit");
         assert_eq!(found.holds(), refutation.is_none(), "seed {seed}");
-        let [a1, a2] = [0, 1].map(|i| Words::Side(i, Half::Assumptions));
-        let [g1, g2] = [0, 1].map(|i| Words::Side(i, Half::Guarantees));
+        let [a1, a2] = [0, 1].map(|i| Words::Side(i, ContractSide::Assumptions));
+        let [g1, g2] = [0, 1].map(|i| Words::Side(i, ContractSide::Guarantees));
         let assumed = decider.difference(&a2, &a1).expect("no limit").is_none();
         let promised = decider
             .difference(&a2.clone().and(g1), &g2)

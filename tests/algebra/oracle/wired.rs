@@ -7,20 +7,18 @@ use linewright::algebra::system::{KINDS, Part, System, list};
 use linewright::game::RuleKind;
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId, Variable};
 
-/// How systems are made up.
+/// Parameters of random systems.
 pub struct Plan {
     pub parts: u64,
-    /// How many variables come from outside.
+    /// Number of variables set from outside.
     pub outside: u64,
-    /// How many in a hundred parts answer first.
+    /// Percentage of parts that answer first.
     pub moore: u64,
-    /// How many in a hundred assumptions are something that another part guarantees, or less than
-    /// that.
+    /// Percentage of assumptions that are guarantees of another part, or weaker.
     pub derived: u64,
-    /// Whether more is assumed, and less guaranteed.
+    /// Whether to assume more and guarantee less.
     pub demanding: bool,
-    /// How many in a hundred guarantees of a part that answers second speak of the inputs of the
-    /// step.
+    /// Percentage of guarantees of a part that answers second that mention the inputs of the step.
     pub sees: u64,
 }
 
@@ -41,8 +39,8 @@ fn push(side: &mut Side, kind: RuleKind, formula: Formula) {
     }
 }
 
-/// The values of the last step that a formula of this kind speaks of are from `latest`, all others
-/// from everywhere.
+/// A formula of this kind mentions values of the last step only from `latest`, all others from
+/// everywhere.
 fn written(r: &mut Random, variables: &[Variable], kind: RuleKind, latest: &[VarId]) -> Expr {
     let everything = Scope::all(variables, false).now;
     let scope = match kind {
@@ -65,7 +63,7 @@ fn written(r: &mut Random, variables: &[Variable], kind: RuleKind, latest: &[Var
     expression(r, &scope)
 }
 
-/// What a part guarantees: often what its output is, given something else.
+/// Guarantees of a part: often the value of its output under a condition.
 fn guarantees(
     r: &mut Random,
     variables: &[Variable],
@@ -90,7 +88,7 @@ fn guarantees(
         if !r.chance(if plan.demanding { percent / 2 } else { percent }) {
             continue;
         }
-        // Of the step's inputs only who sees them speaks, as a rule.
+        // Usually only a part that sees the step's inputs mentions them.
         let sees = match timing {
             Timing::Mealy => r.chance(plan.sees),
             Timing::Moore => r.chance(4),
@@ -122,7 +120,7 @@ fn guarantees(
     side
 }
 
-/// What a part assumes of the others: what they guarantee, or less, or anything.
+/// Assumptions of a part about the others: their guarantees, weaker formulas, or random ones.
 fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Side {
     let own = system.parts[part].drives[0];
     let variables = &system.variables;
@@ -166,7 +164,7 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
             if plan.demanding {
                 (kind, expr)
             } else {
-                // Weaker, or it would hold but rarely.
+                // Weakened, since it would rarely hold otherwise.
                 (kind, expr.or(written(r, variables, kind, &others)))
             }
         };
@@ -178,7 +176,7 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
 }
 
 /// A system whose parts drive one variable each; the last variables come from outside. `mend` may
-/// change it once the guarantees stand, and once the assumptions do.
+/// change it after the guarantees are set, and after the assumptions are.
 pub fn system(r: &mut Random, plan: &Plan, mend: &dyn Fn(&mut Random, &mut System)) -> System {
     let count = plan.parts + plan.outside;
     let wide = r.below(2 * count);

@@ -1,4 +1,4 @@
-//! Which files, which tools, and in what order.
+//! Selection of files and tools, and their order.
 
 use crate::measure::{self, End, Run};
 use crate::table;
@@ -21,7 +21,7 @@ FILTER is a part of a file's path; without one, a selection of a few minutes is 
 LINEWRIGHT_GR1C, LINEWRIGHT_SLUGS: the programs; LINEWRIGHT_SPECS: the folder of specifications [../shared/bench/specs];
 LINEWRIGHT_PROGRAM: our own program, where it is not to be the one just built";
 
-/// What is taken without a filter. A name that ends in a slash is a whole folder.
+/// Default selection without a filter. A name that ends in a slash is a whole folder.
 const SELECTION: [&str; 10] = [
     "anzu/genbuf5.",
     "anzu/genbuf10.",
@@ -35,10 +35,10 @@ const SELECTION: [&str; 10] = [
     "syntech15/",
 ];
 
-/// Of a folder with more files than this, only their sum is shown.
+/// Number of files in a folder above which only their sum is shown.
 const LARGE: usize = 10;
 
-/// A tool that is not ours.
+/// Another tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Peer {
     Gr1c,
@@ -53,7 +53,7 @@ impl Peer {
         }
     }
 
-    /// The environment variable that says where it is.
+    /// Environment variable with its path.
     const fn variable(self) -> &'static str {
         match self {
             Self::Gr1c => "LINEWRIGHT_GR1C",
@@ -61,8 +61,7 @@ impl Peer {
         }
     }
 
-    /// What makes it decide realizability, and no more. slugs does that unless it is asked for
-    /// more.
+    /// Options that make it decide realizability only. slugs does so by default.
     const fn options(self) -> &'static [&'static str] {
         match self {
             Self::Gr1c => &["-r"],
@@ -70,7 +69,7 @@ impl Peer {
         }
     }
 
-    /// From gr1c's exit code, and from slugs' words.
+    /// From gr1c's exit code, and from slugs' output.
     fn verdict(self, run: &Run) -> Verdict {
         match (self, run.end) {
             (_, End::TimedOut) => Verdict::TimedOut,
@@ -88,7 +87,7 @@ impl Peer {
     }
 }
 
-/// What a tool says of a file.
+/// A tool's verdict on a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     Realizable,
@@ -116,7 +115,7 @@ impl Verdict {
     }
 }
 
-/// Our own verdict, from the document that `check --format json` prints.
+/// Linewright's verdict, from the document printed by `check --format json`.
 fn own_verdict(run: &Run) -> Verdict {
     match run.end {
         End::TimedOut => return Verdict::TimedOut,
@@ -125,7 +124,7 @@ fn own_verdict(run: &Run) -> Verdict {
     }
     let document: serde_json::Value = serde_json::from_str(&run.text).unwrap_or_default();
     let count = |what: &str| document["summary"][what].as_u64().unwrap_or(0);
-    // One contract a file, in every format that is read here.
+    // Every supported format has one contract per file.
     if count("unrealizable") > 0 {
         Verdict::Unrealizable
     } else if count("gave_up") > 0 {
@@ -137,7 +136,7 @@ fn own_verdict(run: &Run) -> Verdict {
     }
 }
 
-/// What one tool took on one file, over all runs.
+/// Cost of one tool on one file, over all runs.
 #[derive(Debug, Clone, Copy)]
 pub struct Figures {
     pub verdict: Verdict,
@@ -151,7 +150,7 @@ fn figures(runs: &[(Verdict, Run)]) -> Figures {
     let mut seconds: Vec<f64> = runs.iter().map(|(_, r)| r.seconds).collect();
     seconds.sort_by(f64::total_cmp);
     let memory = runs.iter().map(|(_, r)| r.mebibytes);
-    // A run that found no verdict says more than the others: it was the last.
+    // A run without a verdict ended the series: it is the last one.
     let verdict = runs[runs.len() - 1].0;
     Figures {
         verdict,
@@ -160,7 +159,7 @@ fn figures(runs: &[(Verdict, Run)]) -> Figures {
     }
 }
 
-/// One file, or the sum of some.
+/// One file, or the sum of several.
 #[derive(Debug, Clone)]
 pub struct Row {
     pub name: String,
@@ -191,7 +190,7 @@ fn options(arguments: &[OsString]) -> Result<Options, String> {
             value.ok_or_else(|| format!("{argument} needs a value"))
         };
         match &*argument {
-            // Cargo's own.
+            // Passed by Cargo itself.
             "--bench" => {}
             "--each" => options.each = true,
             "--runs" => {
@@ -215,7 +214,7 @@ fn options(arguments: &[OsString]) -> Result<Options, String> {
     Ok(options)
 }
 
-/// The specifications below a folder: path from there, and ending.
+/// The specifications below a folder: relative path and extension.
 fn specifications(root: &Path) -> Vec<(String, String)> {
     fn visit(root: &Path, folder: &Path, found: &mut Vec<(String, String)>) {
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -239,7 +238,7 @@ fn specifications(root: &Path) -> Vec<(String, String)> {
     found
 }
 
-/// Which of them are asked for.
+/// Whether the filters select it.
 fn selected(name: &str, filters: &[String]) -> bool {
     if filters.is_empty() {
         SELECTION.iter().any(|s| name.starts_with(s))
@@ -249,7 +248,7 @@ fn selected(name: &str, filters: &[String]) -> bool {
 }
 
 pub fn main(arguments: &[OsString]) -> ExitCode {
-    // `cargo test --benches` only asks whether it runs. `cargo bench` always says `--bench`.
+    // `cargo test --benches` only checks that it runs. `cargo bench` always passes `--bench`.
     if !arguments.iter().any(|a| a == "--bench") {
         println!("peers: nothing is measured but by `cargo bench`");
         return ExitCode::SUCCESS;
@@ -268,7 +267,7 @@ pub fn main(arguments: &[OsString]) -> ExitCode {
     }
 }
 
-/// Measures and prints; whether all verdicts agree.
+/// Measures and prints; returns whether all verdicts agree.
 fn compare(options: &Options) -> Result<bool, String> {
     let root = match std::env::var_os("LINEWRIGHT_SPECS") {
         Some(root) => PathBuf::from(root),
@@ -331,7 +330,7 @@ fn compare(options: &Options) -> Result<bool, String> {
     Ok(agree)
 }
 
-/// All tools on one file, in turns. A tool that found no verdict is not asked again.
+/// Runs all tools on one file in turns. A tool without a verdict is not run again.
 fn measured(
     name: &str,
     file: &Path,
@@ -368,7 +367,7 @@ fn measured(
     })
 }
 
-/// The rows of large folders replaced by their sum; or the sum behind them.
+/// Replaces the rows of large folders by their sum, or appends the sum.
 fn summed(rows: Vec<Row>, each: bool, ending: &str) -> Vec<Row> {
     let folder = |row: &Row| {
         let folder = row.name.rsplit_once('/');
@@ -402,7 +401,7 @@ fn summed(rows: Vec<Row>, each: bool, ending: &str) -> Vec<Row> {
     result
 }
 
-/// Times added up, the largest memory; decided where all are.
+/// Sums times, and takes the maximum memory; decided if all are.
 fn added(figures: &[Figures]) -> Figures {
     let odd = figures.iter().find(|f| !f.verdict.is_decided());
     let unrealizable = figures

@@ -1,10 +1,10 @@
-//! One run of a program as a whole process: processor time, memory, and what it said.
+//! One run of a program as a process: processor time, memory, and output.
 //!
-//! The system adds up what a process's children took, and keeps the largest memory of any of them:
-//! once for all, not a child. So every run gets a process of its own in between, this bench started
-//! again, which has that one child, waits for it or ends it when the time is up, and then asks the
-//! system. That is safe code on every Unix, exact to what the system counts, and includes whatever
-//! the program itself started and waited for.
+//! The system accumulates the cost of a process's children, and keeps the largest memory of any of
+//! them, not per child. So every run gets an intermediate process, this bench started again, which
+//! has only that child, waits for it or kills it when the time is up, and then queries the system.
+//! This is safe code on every Unix, as exact as the system's accounting, and includes everything
+//! that the program itself started and waited for.
 
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::{TimeVal, TimeValLike as _};
@@ -13,10 +13,10 @@ use std::io::Write as _;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-/// The first argument of the process in between.
+/// First argument of the intermediate process.
 pub const ARGUMENT: &str = "--measure";
 
-/// What opens its last line.
+/// Beginning of its last line.
 const REPORT: &str = "measured:";
 
 /// How a run ended.
@@ -24,28 +24,27 @@ const REPORT: &str = "measured:";
 pub enum End {
     /// By itself, with this exit code.
     Exit(i32),
-    /// By a signal that nobody here sent.
+    /// By a signal not sent by this bench.
     Killed,
     /// The time was up.
     TimedOut,
 }
 
-/// What a run took.
+/// Cost of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
     pub end: End,
-    /// User and system time, of children too.
+    /// User and system time, including children.
     pub seconds: f64,
-    /// Peak resident memory, in MiB. Not less than that of the process in between, which is about 2
-    /// MiB.
+    /// Peak resident memory in MiB. At least that of the intermediate process, about 2 MiB.
     pub mebibytes: f64,
-    /// What it printed, ...
+    /// Standard output.
     pub text: String,
-    /// ... and what it said beside that.
+    /// Standard error.
     pub words: String,
 }
 
-/// Runs a program with a limit on the time by the clock.
+/// Runs a program with a wall-clock limit.
 pub fn run(program: &[OsString], limit: Duration) -> Result<Run, String> {
     let shown = program[0].display();
     let own = std::env::current_exe().map_err(|e| format!("this bench is not found: {e}"))?;
@@ -80,7 +79,7 @@ pub fn run(program: &[OsString], limit: Duration) -> Result<Run, String> {
     })
 }
 
-/// The process in between: `--measure SECONDS PROGRAM ARGUMENT...`
+/// The intermediate process: `--measure SECONDS PROGRAM ARGUMENT...`
 pub fn stand_between(arguments: &[OsString]) -> ExitCode {
     match measure(arguments) {
         Ok(()) => ExitCode::SUCCESS,
@@ -102,7 +101,7 @@ fn measure(arguments: &[OsString]) -> Result<(), String> {
         .args(rest)
         .spawn()
         .map_err(|e| e.to_string())?;
-    // Looking costs this process some time, not the child.
+    // Polling costs this process some time, but not the child.
     let mut pause = Duration::from_micros(500);
     let end = loop {
         if let Some(status) = child.try_wait().map_err(|e| e.to_string())? {
@@ -121,7 +120,7 @@ fn measure(arguments: &[OsString]) -> Result<(), String> {
     let usage = getrusage(UsageWho::RUSAGE_CHILDREN).map_err(|e| e.to_string())?;
     let seconds = |time: TimeVal| time.num_microseconds() as f64 / 1e6;
     let seconds = seconds(usage.user_time()) + seconds(usage.system_time());
-    // Linux counts in KiB, macOS in bytes.
+    // Linux reports KiB, macOS bytes.
     let unit = if cfg!(target_os = "macos") {
         1.0
     } else {

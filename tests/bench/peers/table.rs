@@ -1,4 +1,4 @@
-//! The figures as a Markdown table.
+//! Formats the figures as a Markdown table.
 
 use crate::compare::{Figures, Row, Verdict};
 use std::time::Duration;
@@ -22,7 +22,7 @@ pub fn natural(name: &str) -> Vec<(String, u64)> {
     parts
 }
 
-/// A row while the bench goes on.
+/// A row shown while the bench runs.
 pub fn line(row: &Row) -> String {
     let one = |f: &Figures| format!("{} in {:.2} s", f.verdict.word(), f.seconds);
     let theirs = row.theirs.as_ref().map(one);
@@ -30,7 +30,7 @@ pub fn line(row: &Row) -> String {
     format!("{}: {}{theirs}", row.name, one(&row.ours))
 }
 
-/// The table of one format, beside the tool of this name.
+/// The table of one format, with the tool of this name.
 pub fn print(rows: &[Row], peer: Option<&str>, limit: Duration) {
     let mut table: Vec<Vec<String>> = Vec::new();
     let mut head = vec!["file", "verdict", "linewright", "peak"];
@@ -84,7 +84,7 @@ pub fn print(rows: &[Row], peer: Option<&str>, limit: Duration) {
     }
 }
 
-/// Time and memory, or why there are none.
+/// Time and memory, or the reason why there are none.
 fn figures(f: &Figures, limit: Duration) -> [String; 2] {
     let memory = format!("{:.0} MiB", f.mebibytes);
     match f.verdict {
@@ -95,7 +95,7 @@ fn figures(f: &Figures, limit: Duration) -> [String; 2] {
     }
 }
 
-/// How many times our time and memory the other took. A tool that was stopped would have taken
+/// Ratios of the other tool's time and memory to ours. A tool that was stopped would have taken
 /// more.
 fn ratios(ours: &Figures, theirs: &Figures) -> [String; 2] {
     let ratio = |a: f64, b: f64| format!("{:.1}", a / b.max(0.001));

@@ -1,4 +1,4 @@
-//! Any bytes as a small contract, checked and synthesized.
+//! Arbitrary bytes as a small contract, checked and synthesized.
 #![no_main]
 
 #[path = "../check.rs"]

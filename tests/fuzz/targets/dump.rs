@@ -1,4 +1,4 @@
-//! Any text as the dump of a probe.
+//! Arbitrary text as the dump of a probe.
 #![no_main]
 
 #[path = "../uf_value.rs"]

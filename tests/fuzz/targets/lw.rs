@@ -1,4 +1,4 @@
-//! Any text as a `.lw` file.
+//! Arbitrary text as a `.lw` file.
 #![no_main]
 
 #[path = "../check.rs"]

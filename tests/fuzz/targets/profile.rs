@@ -1,4 +1,4 @@
-//! Any text as a profile of `UF_Value`.
+//! Arbitrary text as a profile of `UF_Value`.
 #![no_main]
 
 #[path = "../uf_value.rs"]

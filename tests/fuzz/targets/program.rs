@@ -1,4 +1,4 @@
-//! Any text as a program of calls, in lines and as a table.
+//! Arbitrary text as a program of calls, in lines and as a table.
 #![no_main]
 
 #[path = "../program.rs"]

@@ -1,4 +1,4 @@
-//! Any text as a `.slugsin` file.
+//! Arbitrary text as a `.slugsin` file.
 #![no_main]
 
 #[path = "../check.rs"]

@@ -1,4 +1,4 @@
-//! Any text as a `.spc` file.
+//! Arbitrary text as a `.spc` file.
 #![no_main]
 
 #[path = "../check.rs"]

@@ -1,4 +1,4 @@
-//! Any text as a `.spectra` file.
+//! Arbitrary text as a `.spectra` file.
 #![no_main]
 
 #[path = "../check.rs"]

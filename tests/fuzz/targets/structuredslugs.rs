@@ -1,4 +1,4 @@
-//! Any text as a `.structuredslugs` file.
+//! Arbitrary text as a `.structuredslugs` file.
 #![no_main]
 
 #[path = "../check.rs"]

@@ -1,4 +1,4 @@
-//! Any text as a `.tlsf` file.
+//! Arbitrary text as a `.tlsf` file.
 #![no_main]
 
 #[path = "../check.rs"]

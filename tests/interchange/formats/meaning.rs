@@ -1,4 +1,4 @@
-//! What each construct of the formats means, on all valuations of a few variables.
+//! The meaning of each construct of the formats, on all valuations of a few variables.
 
 use super::{read_text, shown, verdict};
 use linewright::diagnostics::has_errors;
@@ -25,8 +25,8 @@ fn codes(format: Format, text: &str) -> Vec<&'static str> {
         .collect()
 }
 
-/// Compares the only transition of a specification with a function of current and next values,
-/// everywhere.
+/// Compares the only transition of a specification with a function of current and next values, on
+/// all valuations.
 fn everywhere(specification: &Specification, text: &str, wanted: &dyn Fn(&[i64], &[i64]) -> bool) {
     let domains: Vec<&Domain> = specification.variables.iter().map(|v| &v.domain).collect();
     let mut valuations: Vec<Vec<i64>> = vec![Vec::new()];
@@ -134,7 +134,7 @@ fn structured_formulas() {
     structured("| ! a' ! b'", |_, n| !is(n, A) || !is(n, B));
     structured("^ a c", |v, _| is(v, A) != is(v, C));
     structured("& x@0.0.5 x@2'", |v, n| v[X] % 2 == 1 && n[X] >= 4);
-    // y is held as its distance from 2.
+    // y is stored as its distance from 2.
     structured("| y@0.2.4 y@1", |v, _| v[Y] != 2);
 }
 
@@ -150,7 +150,7 @@ fn prefix_formulas() {
     slugsin("& $ 2 ! a | ? 0 b c", |v, _| {
         (!is(v, A) || is(v, B)) && is(v, C)
     });
-    // An inner buffer hides the outer one, which is there again behind it.
+    // An inner buffer hides the outer one, which is visible again after it.
     slugsin("$ 2 a & $ 2 b ! ? 0 ? 0", |v, _| !is(v, B) && is(v, A));
     slugsin("& a & b & c & a' & b' c'", |v, n| {
         v.iter().chain(n).all(|x| *x != 0)
@@ -215,7 +215,7 @@ fn initial_conditions() {
     assert!(answers("^ a b"));
     assert!(!answers("& a b"));
     assert!(!answers("& b ! b"));
-    // A transition says nothing of the last step before the environment is stuck; an initial
+    // A transition does not restrict the last step before the environment is stuck; an initial
     // condition does.
     let stuck = |section: &str| {
         let text = format!("[INPUT]\na\n[OUTPUT]\nb\n[ENV_TRANS]\n0\n[{section}]\n0\n");
@@ -233,10 +233,10 @@ fn reachability_games() {
     };
     assert!(wins("SYSINIT: !y; SYSGOAL: <>y;"));
     assert!(!wins("SYSINIT: !y; SYSTRANS: [](!y -> !y'); SYSGOAL: <>y;"));
-    // Reached at the start, and nothing is asked afterwards.
+    // Reached at the start, and nothing is required afterward.
     assert!(wins("SYSINIT: y; SYSTRANS: [](False); SYSGOAL: <>y;"));
     assert!(!wins("SYSINIT: !y; SYSTRANS: [](False); SYSGOAL: <>y;"));
-    // The transition into the goal has to be kept, the one out of it not.
+    // The transition into the goal must be kept, the one out of it need not.
     let steps = "SYSINIT: z = 0; SYSTRANS: [](z = 0 -> z' = 1) & [](z = 1 -> z' = 2) & [](z < 2);";
     assert!(wins(&format!("{steps} SYSGOAL: <>(z = 2);")));
     assert!(!wins(&format!("{steps} SYSGOAL: <>(z = 2 & x);")));
@@ -266,7 +266,7 @@ fn reachability_games() {
     assert_eq!(internal, [false, true]);
 }
 
-/// What is said about the file's own tool, given what solving gives.
+/// Notes about the file's own tool, given the result of solving.
 fn notes(format: Format, text: &str) -> Vec<String> {
     let reading = read_text(format, text);
     let specification = reading.specification.as_ref().expect("it is read");
@@ -499,8 +499,8 @@ fn what_another_game_asks_for_is_refused() {
     );
 }
 
-/// Bit k of a number is one of its distance from the smallest value, and there are as many as the
-/// largest distance needs: `x: 4...7` has two, though 7 has three.
+/// Bit k of a number is a bit of its distance from the smallest value; the number of bits is that
+/// of the largest distance: `x: 4...7` has two, though 7 has three.
 #[test]
 fn bits_of_numbers_count_from_the_smallest_value() {
     for low in -5..=6_i64 {

@@ -1,11 +1,11 @@
 //! A proof that two specifications are the same game, formula by formula, as Boolean functions.
 //!
-//! What a reader makes of a written text may have other variables (a number became its bits),
-//! formulas in another order, and formulas that keep bits to the domain of their number. So every
-//! formula of both is made a function of the bits of the second one's variables, and conjoined with
-//! the domains of the first; diagrams are canonical, so the lists agree if the sets of these
-//! functions do. What remains is that the second one's own formulas keep its bits within those
-//! domains.
+//! The specification read from a written text may have other variables (a number becomes its bits),
+//! formulas in another order, and formulas that keep bits within the domain of their number. So
+//! every formula of both is encoded as a function of the bits of the second one's variables, and
+//! conjoined with the domains of the first. Diagrams are canonical, so the lists agree if the sets
+//! of these functions do. It remains to show that the second one's own formulas keep its bits
+//! within those domains.
 
 #![expect(
     clippy::mutable_key_type,
@@ -17,19 +17,19 @@ use linewright::interchange::lower;
 use linewright::symbolic::{Biodivine, Bit, BitSet, Encoding, Kernel, Limit, Limits, Order};
 use std::collections::HashSet;
 
-/// What became of the variables of a specification in what was read.
+/// Representation of a specification's variables in what was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
-    /// They are as they were.
+    /// Unchanged.
     Same,
     /// Inputs before outputs, and numbers counted from 0.
     FromZero,
-    /// Inputs before outputs, and numbers as so many bits, the lowest first, counted from 0.
+    /// Inputs before outputs, and numbers as bits, the lowest first, counted from 0.
     Bits,
 }
 
-/// Proves that `b` is what `a` was, with its variables in this layout. The error says what is
-/// different.
+/// Proves that `b` equals `a` with its variables in this layout. The error describes the
+/// difference.
 pub fn prove(a: &Specification, b: &Specification, layout: Layout) -> Result<(), String> {
     let carried = carried(a, b, layout)?;
     let limits = Limits {
@@ -54,7 +54,7 @@ pub fn prove(a: &Specification, b: &Specification, layout: Layout) -> Result<(),
     proof.find_domains().map_err(gave_up)?;
     proof.free = proof.asks_nothing(&a.assumptions, true).map_err(gave_up)?;
     proof.at_ease = proof.asks_nothing(&a.guarantees, false).map_err(gave_up)?;
-    // Invariants are a matter of the first step and of every next one.
+    // Invariants apply to the first step and to every next one.
     let (a, b) = (lower::without_invariants(a), lower::without_invariants(b));
     for (who, owner, a, b) in [
         (
@@ -117,7 +117,7 @@ fn carried(a: &Specification, b: &Specification, layout: Layout) -> Result<Vec<E
             }
         };
     }
-    // A format that wants one output at least gets one that nothing speaks of.
+    // A format that needs at least one output gets one that nothing mentions.
     let more = &b.variables[next..];
     if more.iter().any(|v| v.name != "unused") {
         return Err(format!("there is more: {more:?}"));
@@ -127,19 +127,19 @@ fn carried(a: &Specification, b: &Specification, layout: Layout) -> Result<Vec<E
 
 type Function = <Biodivine as Kernel>::Function;
 
-/// A formula as a function, and how it is shown.
+/// A formula as a function, and its display form.
 type Item = (Function, String);
 
-/// What one side asks.
+/// Formulas of one side.
 struct Lists {
-    /// Initial conditions and transitions as they stand.
+    /// Initial conditions and transitions as written.
     written: [Vec<Function>; 2],
     initial: Vec<Item>,
     safety: Vec<Item>,
     justice: Vec<Item>,
 }
 
-/// Initial conditions and transitions that can be gone on with for ever.
+/// Initial conditions and transitions that can be continued for ever.
 struct GoingOn {
     initial: Function,
     step: Function,
@@ -152,10 +152,10 @@ struct Proof<'s> {
     layout: Layout,
     /// Whether every move of the environment is legal.
     free: bool,
-    /// Whether every move of the machine is.
+    /// Whether every move of the machine is legal.
     at_ease: bool,
     carried: &'s [Expr],
-    /// That all variables of `a` have values now, and next.
+    /// All variables of `a` have values now, and next.
     now: Function,
     next: Function,
     kernel: Biodivine,
@@ -179,7 +179,7 @@ impl Proof<'_> {
         let b = self.lists(owner, b, &Expr::Var)?;
         let (all_of_a, all_of_b) = (a, b);
         let (a, b) = (&all_of_a, &all_of_b);
-        // Where the other side has nothing to lose meanwhile, it does not matter in which step this
+        // If the other side has nothing to lose meanwhile, it does not matter in which step this
         // one loses.
         let some_time = match owner {
             Owner::Environment => self.at_ease,
@@ -252,7 +252,7 @@ impl Proof<'_> {
         Ok(Ok(()))
     }
 
-    /// Whether nothing is asked of any move of a side of `a`, or, `later`, of any but the first.
+    /// Whether no move of a side of `a` is restricted, or, with `later`, none but the first.
     fn asks_nothing(&self, side: &Side, later: bool) -> Result<bool, Limit> {
         let both = self.kernel.and(&self.now, &self.next)?;
         let of_a = |v: VarId, time| at(&self.carried[v.index()], time);
@@ -316,8 +316,8 @@ impl Proof<'_> {
         }))
     }
 
-    /// What a side asks, in a form that does not depend on which of several ways to say it was
-    /// taken.
+    /// The formulas of a side in a form that does not depend on which of several equivalent ways
+    /// was used.
     fn lists(
         &self,
         owner: Owner,
@@ -335,8 +335,8 @@ impl Proof<'_> {
         };
         for (f, shown) in safety {
             match self.over(&f, Time::Now)? {
-                // Asked of every current step, or of the first and every next one: that differs
-                // only where the environment is stuck.
+                // Restricting every current step, or the first and every next one, differs only if
+                // the environment is stuck.
                 Some(f) if self.free && owner == Owner::System => {
                     lists.safety.push((self.kernel.prime(&f)?, shown.clone()));
                     lists.initial.push((f, shown));
@@ -345,7 +345,7 @@ impl Proof<'_> {
             }
         }
         for (f, shown) in self.items(&side.justice, carry)? {
-            // Again and again in the next step is again and again.
+            // Again and again in the next step means again and again.
             let of_next = self.over(&f, Time::Next)?;
             let f = of_next.map_or(Ok(f), |f| self.kernel.unprime(&f))?;
             lists.justice.push((f, shown));
@@ -353,7 +353,7 @@ impl Proof<'_> {
         Ok(lists)
     }
 
-    /// The function over values of this time alone, if it depends on no others, where all variables
+    /// The function over values of this time alone, if it depends on no others where all variables
     /// have values.
     fn over(&self, f: &Function, time: Time) -> Result<Option<Function>, Limit> {
         let (here, there) = match time {
@@ -383,7 +383,7 @@ impl Proof<'_> {
         items.collect()
     }
 
-    /// The functions where all variables have values, without what holds in all these places.
+    /// The functions where all variables have values, without what holds everywhere there.
     fn within(&self, items: &[Item], domains: &Function) -> Result<HashSet<Function>, Limit> {
         let mut found = HashSet::new();
         for (f, _) in items {
@@ -400,7 +400,7 @@ impl Proof<'_> {
         Ok(self.kernel.is_false(&all))
     }
 
-    /// That the variable of `a` has a value.
+    /// The variable of `a` has a value.
     fn domain(&self, v: VarId, time: Time) -> Result<Function, Limit> {
         let domain = &self.a.variables[v.index()].domain;
         let value = at(&self.carried[v.index()], time);
@@ -408,7 +408,7 @@ impl Proof<'_> {
             &self.kernel,
             &Expr::binary(BinaryOp::Le, value.clone(), Expr::Const(domain.high())),
         )?;
-        // An encoded formula says nothing about codes that are no value.
+        // An encoded formula is undefined on codes that are no value.
         let mut own = Vec::new();
         value.for_each_var(&mut |w, _| own.push(w));
         for w in own {
@@ -419,7 +419,7 @@ impl Proof<'_> {
     }
 }
 
-/// An expression over current values, about another time.
+/// An expression over current values, moved to another time.
 fn at(expr: &Expr, time: Time) -> Expr {
     expr.substitute(&mut |v, _| Expr::Var(v, time))
 }

@@ -1,5 +1,5 @@
-//! Variables, labels and specifications that are called by words: of our language, and of every
-//! format that is read or written.
+//! Variables, labels and specifications named by reserved words: of Linewright's language, and of
+//! every format that is read or written.
 
 use super::equivalence::{Layout, prove};
 use super::{TARGETS, support, there_and_back};
@@ -13,8 +13,8 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Every word in quotes in the grammar of contracts and in the readers and writers of the formats:
-/// what they compare names with, and a good deal more.
+/// Every quoted word in the grammar of contracts and in the readers and writers of the formats: the
+/// words that names are compared with, and many more.
 fn words() -> Vec<String> {
     let mut texts = vec![text("crates/syntax/src/lw.pest")];
     gather(&support::root().join("crates/interchange/src"), &mut texts);
@@ -45,7 +45,7 @@ fn gather(folder: &Path, texts: &mut Vec<String>) {
     }
 }
 
-/// A file of a format whose outputs are called so, each with a formula in every place where the
+/// A file of a format with outputs of these names, each with a formula in every place where the
 /// format has formulas.
 fn file(format: Format, words: &[&str]) -> String {
     let each = |separator: &str, line: &dyn Fn(&str) -> String| {
@@ -102,7 +102,7 @@ fn accepted(format: Format, words: &[&str]) -> Option<Specification> {
     reading.specification
 }
 
-/// A file in which variables are called by words is printed as a contract that is the same game.
+/// A file with reserved words as variable names is printed as a contract that is the same game.
 #[test]
 fn words_as_names_are_imported_from_every_format() {
     let words = words();
@@ -122,7 +122,7 @@ fn words_as_names_are_imported_from_every_format() {
                 panic!("{format:?}: {what}\n{printed}");
             }
         }
-        // Each alone, with the specification called by the word as well.
+        // Each alone, with the specification named by the word as well.
         for word in &taken {
             let mut specification = accepted(format, &[word]).expect("it was taken before");
             (*word).clone_into(&mut specification.name);
@@ -144,8 +144,8 @@ fn words_as_names_are_imported_from_every_format() {
     println!("{counts}");
 }
 
-/// Variables and labels that are called by words are written in each format, and read as the same
-/// game; printed as a contract, too.
+/// Variables and labels named by reserved words are written in each format and read as the same
+/// game; also printed as a contract.
 #[test]
 fn words_as_names_are_written_in_every_format() {
     let words = words();

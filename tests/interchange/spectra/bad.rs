@@ -1,5 +1,4 @@
-//! Files with mistakes: all of them are found at once, each with a way out; and nothing that a text
-//! can hold is fatal.
+//! Files with errors: all of them are reported at once, each with a remedy; and no text is fatal.
 
 use super::bench::shown;
 use crate::support;
@@ -214,7 +213,7 @@ fn depth_and_length_are_bounded() {
             read_text(&text);
         }
     }
-    // Long is not deep.
+    // Long but not deeply nested.
     for sign in ["&", "|", "+"] {
         let chain = vec![if sign == "+" { "1" } else { "a" }; 20_000].join(sign);
         let text = if sign == "+" {
@@ -224,7 +223,7 @@ fn depth_and_length_are_bounded() {
         };
         assert!(of(text).specification.is_some(), "{sign}");
     }
-    // Definitions that double at each step, and defines in a long row.
+    // Definitions that double at each step, and long chains of defines.
     let mut doubling = String::from(head);
     doubling += "define d0 := a;\n";
     for n in 0..60 {

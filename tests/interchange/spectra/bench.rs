@@ -1,4 +1,4 @@
-//! The benchmark files: what is read, what is refused and why, and the verdicts.
+//! The benchmark files: which are read, which are rejected and why, and the verdicts.
 
 use crate::support;
 use linewright::diagnostics::render;
@@ -41,8 +41,8 @@ pub fn shown(reading: &Reading, text: &str) -> String {
     anstream::adapter::strip_str(&render::human(&sources, &reading.findings)).to_string()
 }
 
-/// Files that are refused, and why: these assumptions promise the machine's own next values, which
-/// no environment can. Their translations for slugs and gr1c are refused for the same formulas.
+/// Rejected files and the reason: these assumptions promise the machine's own next values, which no
+/// environment can. Their translations for slugs and gr1c are rejected for the same formulas.
 const REFUSED: [(&str, &str); 2] = [
     ("HumanoidLTL_713_Humanoid_unrealizable", "LW209"),
     (
@@ -51,8 +51,8 @@ const REFUSED: [(&str, &str); 2] = [
     ),
 ];
 
-/// Files of the mixed folder that have no machine, and why. Spectra's collection has the same bytes
-/// in `SYNTECH17/all_unrealizable`.
+/// Files of the mixed folder without a machine, and the reason. Spectra's collection has the same
+/// bytes in `SYNTECH17/all_unrealizable`.
 const UNREALIZABLE: [(&str, &str); 3] = [
     (
         "AirportShuttleProject_AirportShuttle1_AirportShuttle_208",
@@ -91,7 +91,7 @@ fn every_file_is_read_or_refused_for_the_known_reason() {
 
 pub fn verdict(specification: &Specification) -> Option<bool> {
     let limits = Limits {
-        // Seconds, on a machine that has nothing else to do.
+        // Seconds on an idle computer.
         deadline: linewright::deadline::Deadline::in_time(Duration::from_mins(3)),
         memory_mib: Some(1024),
         ..Limits::default()

@@ -1,10 +1,10 @@
-//! Past operators, counters, monitors, triggers and regular expressions against what they mean,
-//! worked out on a long piece of the run.
+//! Past operators, counters, monitors, triggers and regular expressions compared with their
+//! meaning, computed on a long part of the run.
 
 use super::lassos::{Lasso, agrees, agrees_assumed};
 use rayon::prelude::*;
 
-/// So many steps are looked at: enough for all that is remembered here to repeat.
+/// Number of steps to examine: enough for all memory here to repeat.
 pub fn horizon(lasso: &Lasso) -> usize {
     lasso.letters.len() + 12 * lasso.period()
 }
@@ -20,7 +20,7 @@ enum Past {
     Historically(Box<Past>),
     Since(Box<Past>, Box<Past>),
     Triggered(Box<Past>, Box<Past>),
-    /// `PREV` of an input that has become another.
+    /// `PREV` of an input that has changed.
     Changed(usize),
 }
 
@@ -101,7 +101,7 @@ fn past_operators() {
             past(meaning, lasso, 0) || lasso.at(0)[0] == 1
         });
         if !text.contains("next") {
-            // What it will be, by what it is.
+            // Its next value, given its current one.
             agrees(
                 &format!("{head}gar G next({text}) | q;"),
                 &[2, 2],
@@ -113,7 +113,7 @@ fn past_operators() {
     });
 }
 
-/// The counter's value after so many steps; `None` where it could not go on.
+/// The counter's value after this many steps; `None` where it could not continue.
 fn counted(lasso: &Lasso, steps: usize, over: &str, under: &str, reset: bool) -> Option<i64> {
     let mut value = 1;
     for t in 0..steps {
@@ -188,12 +188,12 @@ fn a_counter_without_modes_must_not_leave_its_range() {
 
 #[test]
 fn monitors() {
-    // A switch that each p turns.
+    // A switch toggled by each p.
     let text = "spec t\nenv boolean p;\nmonitor boolean on { !on; G next(on) <-> (on xor p); }\ngar GF on;\ngar GF !on;\n";
     agrees(text, &[2], |lasso| {
         (lasso.back..lasso.letters.len()).any(|t| lasso.at(t)[0] == 1)
     });
-    // What was there a step ago, as the monitor's own clause for step 0 has it.
+    // The value one step ago, as in the monitor's own clause for step 0.
     let text = "spec t\nenv Int(0..2) x;\nmonitor Int(0..2) last { last = x; trans next(last) = x; }\ngar alw x >= last;\n";
     agrees(text, &[3], |lasso| {
         (0..horizon(lasso)).all(|t| t == 0 || lasso.at(t)[0] >= lasso.at(t - 1)[0])
@@ -259,7 +259,7 @@ fn ends(re: &Re, lasso: &Lasso, limit: usize) -> Vec<u64> {
                 now = then(&now, &once);
             }
             let mut all = now.clone();
-            // Longer ones than the run need no more.
+            // Matches longer than the run are not needed.
             for _ in *low..high.unwrap_or(low + limit) {
                 now = then(&now, &once);
                 let before = all.clone();
@@ -275,10 +275,10 @@ fn ends(re: &Re, lasso: &Lasso, limit: usize) -> Vec<u64> {
     }
 }
 
-/// Whether a trigger is kept: matches are looked for one behind the other.
+/// Whether a trigger is kept: matches are searched one after the other.
 fn triggered(from: &Re, to: &Re, lasso: &Lasso) -> bool {
     let limit = (lasso.letters.len() + 9 * lasso.period()).min(62);
-    // An effect that begins here has time enough to come.
+    // An effect that begins here has enough time to occur.
     let last = lasso.letters.len() + 4 * lasso.period();
     let (causes, effects) = (ends(from, lasso, limit), ends(to, lasso, limit));
     if effects[0] & 1 == 1 {

@@ -1,5 +1,5 @@
-//! Arrays, definitions, quantifiers, numbers, enumerations and initial conditions against what they
-//! mean.
+//! Arrays, definitions, quantifiers, numbers, enumerations and initial conditions compared with
+//! their meaning.
 
 use super::constructs::horizon;
 use super::lassos::{Lasso, agrees, agrees_assumed, game, lassos};
@@ -236,7 +236,7 @@ fn initial_assumptions_leave_the_machines_values_open() {
     }
 }
 
-/// The same as [`agrees`], for a text in which there is something to be said.
+/// Like [`agrees`], for a text with findings.
 fn agrees_noted(text: &str, sizes: &[i64], naive: impl Fn(&Lasso) -> bool) {
     let (count, kept) = agrees(text, sizes, naive);
     assert!(kept > 0 && kept < count);

@@ -1,5 +1,4 @@
-//! Files that import others: what comes with them, whose names are meant, and what is said where it
-//! fails.
+//! Files that import others: what is included, how names are resolved, and the messages on failure.
 
 use linewright::diagnostics::{Diagnostic, Severity, codes, render};
 use linewright::gr1::Specification;
@@ -7,7 +6,7 @@ use linewright::interchange::{Format, Reading, read, read_with};
 use linewright::source::{FileId, SourceMap};
 use std::sync::Arc;
 
-/// Reads the first of some files, which may import the others by their names.
+/// Reads the first of some files, which may import the others by name.
 fn read_files(files: &[(&str, &str)]) -> (Reading, SourceMap) {
     let mut sources = SourceMap::new();
     for (name, text) in files {
@@ -28,7 +27,7 @@ fn shown(reading: &Reading, sources: &SourceMap) -> String {
     anstream::adapter::strip_str(&text).to_string()
 }
 
-/// What some files say, in which nothing may be wrong.
+/// The specification of some files, which must have no errors.
 fn specification(files: &[(&str, &str)]) -> Specification {
     let (reading, sources) = read_files(files);
     let shown = shown(&reading, &sources);
@@ -36,7 +35,7 @@ fn specification(files: &[(&str, &str)]) -> Specification {
     reading.specification.expect("no finding")
 }
 
-/// That some files say the same as one text: equal formulas, one by one.
+/// Checks that some files mean the same as one text: equal formulas, one by one.
 fn same(files: &[(&str, &str)], text: &str) {
     let theirs = specification(files);
     let reading = read(Format::Spectra, "test", FileId(0), text);
@@ -94,7 +93,7 @@ fn files_may_import_one_another_and_one_file_twice() {
         &[("t.spectra", file), ("a.spectra", a), ("b.spectra", b)],
         "spec t\nenv boolean x;\ngar G !x | x;\n",
     );
-    // What a file imports is not imported by those that import it.
+    // What a file imports is not passed on to its importers.
     let file = "import \"a.spectra\"\nspec t\nenv boolean x;\ngar G high(x);\n";
     let (reading, sources) = read_files(&[("t.spectra", file), ("a.spectra", a), ("b.spectra", b)]);
     let shown = shown(&reading, &sources);
@@ -141,7 +140,7 @@ fn messages_about_imports() {
     let (reading, sources) = read_files(&files);
     assert!(reading.findings.iter().all(|f| f.help.is_some()));
     let all = shown(&reading, &sources);
-    // Without the mistakes that hide what follows from them.
+    // Without the errors that hide their consequences.
     let repaired = [
         (
             files[0].0,

@@ -1,5 +1,5 @@
-//! Runs that repeat, and whether a specification is kept on them: its internal variables are found
-//! by trying all their values.
+//! Runs that repeat, and whether they keep a specification: its internal variables are found by
+//! trying all their values.
 
 use linewright::gr1::eval::holds;
 use linewright::gr1::{Formula, Owner, Specification, VarId};
@@ -28,7 +28,7 @@ impl Lasso {
         self.letters.len() - self.back
     }
 
-    /// Whether no shorter lasso is the same run.
+    /// Whether no shorter lasso represents the same run.
     fn is_shortest(&self) -> bool {
         let cycle = &self.letters[self.back..];
         let rolled = self.back > 0 && self.letters.last() == self.letters.get(self.back - 1);
@@ -39,8 +39,8 @@ impl Lasso {
     }
 }
 
-/// All runs that are lassos of up to `longest` letters over variables with so many values each, or
-/// 10,000 random ones where that is too many.
+/// All lassos of up to `longest` letters over variables with these numbers of values, or 10,000
+/// random ones if there are too many.
 pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
     let letters: i64 = sizes.iter().product();
     let count: i64 = (1..=longest)
@@ -96,18 +96,18 @@ pub fn lassos(sizes: &[i64], longest: u32) -> Vec<Lasso> {
 /// The values of two steps that follow one another.
 type Pair = (Vec<i64>, Vec<i64>);
 
-/// A specification that has internal variables only beside inputs, and whose internal variables are
+/// A specification with only inputs and internal variables, in which the internal variables are
 /// determined.
 pub struct Game {
     specification: Specification,
-    /// All values of the internal variables, inputs left at 0.
+    /// All values of the internal variables, with inputs at 0.
     choices: Vec<Vec<i64>>,
     inputs: Vec<usize>,
-    /// The internal values after some, by the letters of the two steps.
+    /// The next internal values after some, by the letters of the two steps.
     known: HashMap<(usize, Vec<i64>, Vec<i64>), Option<usize>>,
 }
 
-/// Reads a text in which nothing may be wrong.
+/// Reads a text, which must have no errors.
 pub fn game(text: &str) -> Game {
     let reading = read(Format::Spectra, "test", FileId(0), text);
     let findings = reading.findings;
@@ -176,8 +176,8 @@ impl Game {
         found
     }
 
-    /// The pairs of steps of a lasso, internal values included, and where the part begins that is
-    /// repeated; `None` where no internal values keep the guarantees that are no justice.
+    /// The pairs of steps of a lasso with internal values, and the beginning of the repeated part;
+    /// `None` if no internal values keep the guarantees other than justice.
     fn run(&mut self, lasso: &Lasso) -> Option<(Vec<Pair>, usize)> {
         let side = &self.specification.guarantees;
         let mut choice = Self::only((0..self.choices.len()).filter(|c| {
@@ -221,8 +221,8 @@ impl Game {
         Self::repeated(&self.specification.guarantees.justice, &run[start..])
     }
 
-    /// Whether the assumptions are kept on a lasso, on which the internal variables can always go
-    /// on.
+    /// Whether the assumptions are kept on a lasso on which the internal variables can always
+    /// continue.
     pub fn assumed(&mut self, lasso: &Lasso) -> bool {
         let (run, start) = self.run(lasso).expect("monitors do not get stuck");
         let side = &self.specification.assumptions;
@@ -235,8 +235,8 @@ impl Game {
     }
 }
 
-/// That a text is kept on exactly those lassos of its inputs for which `naive` says so; gives their
-/// number, and how many keep it.
+/// Checks that a text is kept on exactly those lassos of its inputs for which `naive` holds;
+/// returns their number, and how many keep it.
 pub fn agrees(text: &str, sizes: &[i64], naive: impl Fn(&Lasso) -> bool) -> (usize, usize) {
     compared(text, sizes, naive, Game::kept)
 }

@@ -1,9 +1,9 @@
-//! Every published pattern against its formula, which is evaluated step by step.
+//! Every published pattern compared with its formula, evaluated step by step.
 
 use super::lassos::{Lasso, agrees};
 use rayon::prelude::*;
 
-/// Names, parameters and formulas as the published file documents them, `V` being release.
+/// Names, parameters and formulas as documented in the published file; `V` is release.
 const PATTERNS: [(&str, &str, &str); 56] = [
     ("P_is_false_globally", "p", "G !p"),
     ("P_is_false_before_R", "pr", "(!p U r) | !F r"),
@@ -227,8 +227,8 @@ const PATTERNS: [(&str, &str, &str); 56] = [
     ("pRespondsToS", "ps", "G (p -> F s)"),
 ];
 
-/// The truth of a formula in each position of a lasso, read off its text: positions are numbered,
-/// the last is followed by `back`.
+/// The truth of a formula at each position of a lasso, parsed from its text: positions are
+/// numbered, and the last is followed by `back`.
 struct Reader<'a> {
     text: &'a [u8],
     parameters: &'a str,
@@ -293,7 +293,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Some later position keeps b, and all before it a: looked for one by one.
+    /// Some later position satisfies b, and all before it satisfy a: searched one by one.
     fn until(&self, a: &Truth, b: &Truth) -> Truth {
         let count = a.len();
         let from = |start: usize| {

@@ -1,4 +1,4 @@
-//! Unrealizable files: minimal cores, counterstrategies and plays, told in the terms of the file.
+//! Unrealizable files: minimal cores, counterstrategies and plays, in the terms of the file.
 
 #[path = "../../solver/explained/legal.rs"]
 mod legal;
@@ -22,7 +22,7 @@ const HEADINGS: [&str; 10] = [
     "what was broken stays broken",
 ];
 
-/// The core, after everything about it was checked.
+/// The core, after all checks.
 fn explained(text: &str) -> (Specification, Vec<GuaranteeRef>) {
     let limits = Limits::default();
     let specification = sound(text);
@@ -55,7 +55,7 @@ fn explained(text: &str) -> (Specification, Vec<GuaranteeRef>) {
     (specification, core)
 }
 
-/// The names of a core's formulas, and the texts that they point at.
+/// The names of a core's formulas, and the texts at their places.
 fn told(text: &str) -> Vec<(String, String)> {
     let (specification, core) = explained(text);
     let mut found: Vec<(String, String)> = core

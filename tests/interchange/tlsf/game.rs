@@ -1,10 +1,10 @@
-//! Verdicts against a naive game on explicit states, by the formula that a file means: plain and
-//! strict, Mealy and Moore.
+//! Verdicts compared with a naive game on explicit states, for the formula that a file means: plain
+//! and strict, Mealy and Moore.
 
 use super::lassos::{Dice, L};
 use super::{file, sound, verdict};
 
-/// A file whose formulas look one step ahead at most.
+/// A file whose formulas refer at most one step ahead.
 struct Random {
     moore: bool,
     strict: bool,
@@ -48,7 +48,7 @@ impl Random {
             } else {
                 Vec::new()
             },
-            // Next values of outputs would look further than REQUIRE may in a strict file.
+            // Next values of outputs would refer further than REQUIRE may in a strict file.
             require: list(dice, true),
             assert: list(dice, true),
             given: if dice.below(4) == 0 {
@@ -85,8 +85,8 @@ impl Random {
         file(&format!("{kind}{strict}"), kind, &main)
     }
 
-    /// The state after a step: what is broken so far (1 REQUIRE or safety of ASSUME, 2 GUARANTEE, 4
-    /// REQUIRE), and the letter; 32 is won, 33 lost.
+    /// The state after a step: what is violated so far (1 REQUIRE or safety of ASSUME, 2 GUARANTEE,
+    /// 4 REQUIRE), and the letter; 32 is won, 33 lost.
     fn next(&self, state: usize, letter: u8) -> usize {
         if state >= 32 {
             return state;
@@ -107,7 +107,7 @@ impl Random {
         }
         if !holds(&self.assert) {
             if self.strict {
-                // S W !R: lost unless REQUIRE is broken in this step or was before.
+                // S W !R: lost unless REQUIRE is violated in this step or was before.
                 if broken & 4 == 0 {
                     return 33;
                 }
@@ -129,7 +129,7 @@ impl Random {
         }
     }
 
-    /// Whether the machine can choose its output so that `good` holds of the letter.
+    /// Whether the machine can choose its output so that `good` holds for the letter.
     fn forces(&self, good: &dyn Fn(u8) -> bool) -> bool {
         if self.moore {
             [0, 2]
@@ -147,7 +147,7 @@ impl Random {
         let set =
             |of: &dyn Fn(usize) -> bool| (0..34).filter(|s| of(*s)).fold(0_u64, |m, s| m | 1 << s);
         let again = |f: &L| set(&|s| s == 32 || s < 32 && f.on_two((s & 3) as u8, 0));
-        // Assumptions, and promises; where the game is won the promises are kept, where it is lost
+        // Assumptions and promises; where the game is won the promises are kept, where it is lost
         // the assumptions.
         let mut assumed: Vec<u64> = self.assume[1].iter().map(|f| again(f) | 1 << 33).collect();
         assumed.push(set(&|s| s >= 32 || s >> 2 & 1 == 0));
@@ -196,8 +196,8 @@ fn random_files_have_the_verdict_of_their_formula() {
         let random = Random::new(&mut dice);
         let text = random.text();
         let reading = super::read_text(&text);
-        // What is asked of all steps in a strict file's PRESET, and of outputs in its INITIALLY,
-        // has no place of its own.
+        // Requirements on all steps in a strict file's PRESET, and on outputs in its INITIALLY,
+        // have no counterpart.
         let beyond = random.strict
             && (!random.always.is_empty() && !random.require.is_empty()
                 || random.initially.iter().any(L::mentions_b) && !random.assert.is_empty());
@@ -218,8 +218,7 @@ fn random_files_have_the_verdict_of_their_formula() {
     assert!(counts.iter().flatten().all(|c| *c > 50), "{counts:?}");
 }
 
-/// What is assumed of the first step excuses from no PRESET, and from everything else from that
-/// step on.
+/// An assumption about the first step excuses no PRESET, but everything else from that step on.
 #[test]
 fn assumptions_about_the_first_step_beside_preset() {
     let mut dice = Dice(6);
@@ -245,8 +244,8 @@ fn assumptions_about_the_first_step_beside_preset() {
     assert!(counts.iter().all(|c| *c > 50), "{counts:?}");
 }
 
-/// A Moore file for a Mealy machine, and the other way round, has the verdict of its own semantics,
-/// plain and strict.
+/// A Moore file for a Mealy machine, and vice versa, has the verdict of its own semantics, plain
+/// and strict.
 #[test]
 fn the_target_changes_no_verdict() {
     let mut dice = Dice(4);
@@ -271,7 +270,7 @@ fn the_target_changes_no_verdict() {
     assert!(counts.iter().all(|c| *c > 100), "{counts:?}");
 }
 
-/// Safety beside an implication, all in one formula: the safety is kept whatever becomes of the
+/// Safety together with an implication in one formula: the safety is kept whatever happens to the
 /// assumptions.
 #[test]
 fn safety_beside_an_implication_is_kept_anyway() {
@@ -323,7 +322,7 @@ fn safety_beside_an_implication_is_kept_anyway() {
 
 #[test]
 fn a_promise_may_be_broken_if_the_environment_will_have_to_break_its_own() {
-    // Plain: breaking b -> X !a by b = true for ever is excused, as a is then required and
+    // Plain: violating b -> X !a by b = true for ever is excused, since a is then both required and
     // forbidden.
     let main =
         "INPUTS { a; } OUTPUTS { b; } REQUIRE { b -> X a; b -> X !a; } GUARANTEE { G !b; G F b; }";

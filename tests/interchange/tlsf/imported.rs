@@ -1,10 +1,10 @@
-//! What `linewright import` prints of a TLSF file says the same.
+//! The output of `linewright import` for a TLSF file means the same.
 
 use super::{file, reload, sound, verdict};
 use linewright::interchange::contract;
 
-/// Names that the format has and the language has not: its words, apostrophes, `@`, elements of a
-/// bus beside a name like theirs.
+/// Names that are valid in the format but not in Linewright's language: its words, apostrophes,
+/// `@`, elements of a bus beside a similar name.
 #[test]
 fn names_of_the_language_are_others_in_the_contract() {
     let main = "INPUTS { next; always; input; mod; r[2]; a'; a@; } OUTPUTS { guarantee; not; r_0; then; X1; broken; }

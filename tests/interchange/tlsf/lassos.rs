@@ -1,5 +1,5 @@
-//! What formulas become, against their meaning on lassos: runs that are a finite beginning and a
-//! part that repeats.
+//! What formulas become, compared with their meaning on lassos: runs that are a finite prefix and a
+//! repeated part.
 
 use super::{file, read_text, shown, sound};
 use linewright::gr1::eval::{eval, holds};
@@ -45,7 +45,7 @@ impl fmt::Display for L {
     }
 }
 
-/// Steps as values of `a` (1) and `b` (2), and where the run goes on behind the last one.
+/// Steps as values of `a` (1) and `b` (2), and the step that follows the last one.
 #[derive(Debug, Clone)]
 struct Lasso {
     steps: Vec<u8>,
@@ -63,7 +63,7 @@ impl Lasso {
 }
 
 impl L {
-    /// Its value in every step, by the definitions.
+    /// Its value in every step, by definition.
     fn on(&self, run: &Lasso) -> Vec<bool> {
         let n = run.steps.len();
         let two = |x: &L, y: &L, op: &dyn Fn(bool, bool) -> bool| -> Vec<bool> {
@@ -118,12 +118,12 @@ impl L {
         }
     }
 
-    /// Whether it speaks of the output.
+    /// Whether it mentions the output.
     pub fn mentions_b(&self) -> bool {
         self.to_string().contains('b')
     }
 
-    /// Its value in the first of two steps, which is as far as it looks.
+    /// Its value in the first of two steps, which is as far as it refers.
     pub fn on_two(&self, now: u8, next: u8) -> bool {
         let run = Lasso {
             steps: vec![now, next],
@@ -256,7 +256,7 @@ impl Judge {
         self.accepts_while(run, &[])
     }
 
-    /// With the elements of a bus `c` that do not change.
+    /// With constant values for the elements of a bus `c`.
     fn accepts_while(&self, run: &Lasso, c: &[bool]) -> bool {
         [0, 1]
             .into_iter()
@@ -354,7 +354,7 @@ fn same(text: &str, wanted: &L, runs: &[Lasso]) -> bool {
     true
 }
 
-/// Random promises on their own: what is accepted says the same on all lassos up to length 4 and on
+/// Random promises alone: what is accepted means the same on all lassos up to length 4 and on
 /// longer ones.
 #[test]
 fn random_promises() {
@@ -412,7 +412,7 @@ fn w(p: L, q: L) -> L {
     L::W(Box::new(p), Box::new(q))
 }
 
-/// The forms that have to be accepted, on all lassos up to length 6.
+/// The forms that must be accepted, on all lassos up to length 6.
 #[test]
 fn accepted_forms() {
     use L::{A, B};
@@ -443,7 +443,7 @@ fn accepted_forms() {
         ),
         L::Or(Box::new(g(A)), Box::new(f(B))),
         L::Or(Box::new(f(g(A))), Box::new(g(f(B)))),
-        // Safety that is given, an answer from different steps on, what only the long run decides.
+        // Given safety, an answer starting in different steps, long-run properties.
         imp(g(imp(A, x(w(n(A), n(B))))), g(imp(B, f(A)))),
         imp(and(g(imp(A, w(B, A))), g(f(A))), and(g(n(B)), f(B))),
         or(g(imp(A, w(B, A))), f(B)),
@@ -501,7 +501,7 @@ fn weak_until_and_release_of_large_conditions() {
             let formula = format!("{} {op} {}", large(&mut dice), large(&mut dice));
             let main = format!("INPUTS {{ a; c[9]; }} OUTPUTS {{ b; }} GUARANTEE {{ {formula}; }}");
             let judge = Judge::new(sound(&file("Mealy", "Mealy", &main)));
-            // What c is does not change: the formula with its values is one over a and b.
+            // c does not change: the formula with its values is one over a and b.
             for _ in 0..20 {
                 let c: Vec<bool> = (0..9).map(|_| dice.below(2) == 0).collect();
                 let run = dice.lasso(5);

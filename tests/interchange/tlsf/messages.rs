@@ -1,4 +1,4 @@
-//! What is refused, and where.
+//! What is rejected, and at which place.
 
 use super::{file, read_text, shown};
 use linewright::diagnostics::has_errors;
@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 
 const SIGNALS: &str = "INPUTS { r; s; bus[2]; } OUTPUTS { g; h; }";
 
-/// The texts that errors point at.
+/// The texts at the places of errors.
 fn places(text: &str) -> Vec<String> {
     let reading = read_text(text);
     assert!(
@@ -82,12 +82,12 @@ fn what_is_outside_is_refused_at_its_smallest_part() {
             found.iter().any(|f| f == place),
             "{promises}: {found:?}, not {place}"
         );
-        // The way out that the help names.
+        // The remedy named by the help.
         super::sound(&of(mended));
     }
 }
 
-/// What the same conditions under ASSUME make of a Streett pair: a plain promise.
+/// The same conditions under ASSUME turn a Streett pair into a plain promise.
 #[test]
 fn a_condition_that_is_assumed_is_no_condition() {
     let of = |main: &str| file("Mealy", "Mealy", &format!("{SIGNALS} {main}"));
@@ -106,8 +106,7 @@ fn runs_that_end_are_outside_the_fragment() {
     }
 }
 
-/// Sections and entries in any order, and more than once; nothing but SEMANTICS and one signal is
-/// needed.
+/// Sections and entries in any order, and repeated; only SEMANTICS and one signal are required.
 #[test]
 fn sections_stand_in_any_order() {
     let text = "MAIN { GUARANTEES { G (a -> X b) } OUTPUTS { b } ASSERT { } INPUTS { a; } GUARANTEE { c; } OUTPUTS { c; } }
@@ -342,8 +341,8 @@ const WORDS: [&str; 60] = [
     "X[2]",
 ];
 
-/// `F` of an empty interval is true, as the format's tool has it, and a note says so; `G` of one
-/// is, as nobody doubts.
+/// `F` of an empty interval is true, as in the format's tool, with a note; `G` of one is true
+/// without question.
 #[test]
 fn an_empty_interval_is_noted() {
     let noted = |promise: &str| {
@@ -367,8 +366,8 @@ fn an_empty_interval_is_noted() {
     assert!(noted("F[1:1] g;").is_empty());
 }
 
-/// What `check` finds odd about assumptions is about those of the file, not about those that say in
-/// GR(1) what it means.
+/// Findings of `check` about assumptions concern those of the file, not those that express its
+/// meaning in GR(1).
 #[test]
 fn findings_about_assumptions_are_about_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -386,16 +385,16 @@ fn findings_about_assumptions_are_about_the_file() {
             shown.into_owned(),
         )
     };
-    // Beside PRESET an assumption about the first step is judged a step later: as if the plant had
-    // no next step.
+    // With PRESET an assumption about the first step is judged a step later: as if the plant had no
+    // next step.
     let (own, ids, shown) =
         found("INPUTS { a; } OUTPUTS { b; } PRESET { b; } ASSUME { a; } GUARANTEE { G b; }");
     assert_eq!((own, ids), (Some(0), [false, false]), "{shown}");
-    // A promise that is as much as an assumption, which the machine can break.
+    // A promise equivalent to an assumption that the machine can violate.
     let pairs = "GUARANTEE { F G x || F G y; }";
     let (own, ids, shown) = found(&format!("INPUTS {{ a; }} OUTPUTS {{ x; y; }} {pairs}"));
     assert_eq!((own, ids), (Some(0), [false, false]), "{shown}");
-    // The file's own assumptions are judged, also beside such ones.
+    // The file's own assumptions are judged, also together with such ones.
     let assumed = "ASSUME { G (x -> X ! a); G F a; }";
     for promise in [pairs, "GUARANTEE { G F x; }"] {
         let (own, ids, shown) = found(&format!(

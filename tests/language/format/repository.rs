@@ -1,9 +1,9 @@
 //! Every file of the repository.
 //!
-//! What a case file shows may be just what the formatter would mend, so one is left as it is if it
-//! does not parse, if its marker speaks of the line above (`//~^`: it shows a finding that spans
-//! lines), or if it spells an operator otherwise than in words (as the paper does). The rule is
-//! here, and looks at the text alone: a case that is laid out otherwise for no such reason fails.
+//! A case file may show exactly what the formatter would repair. So it is left as it is if it does
+//! not parse, if its marker refers to the line above (`//~^`: it shows a finding that spans lines),
+//! or if it spells an operator otherwise than in words (as the paper does). The rule is implemented
+//! here from the text alone: a case with another layout for no such reason fails.
 
 use super::{formatted, read};
 use linewright::syntax::format;
@@ -13,7 +13,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Every file with this ending, as path below the root and text.
+/// Every file with this extension, as relative path and text.
 fn files(ending: &str) -> Vec<(String, String)> {
     let mut found = Vec::new();
     let mut folders: Vec<PathBuf> = ["contracts", "examples", "tests", "docs", "src", "crates"]
@@ -39,7 +39,7 @@ fn files(ending: &str) -> Vec<(String, String)> {
     found
 }
 
-/// Whether an operator is spelled otherwise than in words.
+/// Whether an operator is not spelled in words.
 fn other_spelling(text: &str) -> bool {
     let code: String = text
         .lines()
@@ -62,7 +62,7 @@ fn left_alone(name: &str, text: &str) -> bool {
     name.starts_with("tests/cases/") && (text.contains("//~^") || other_spelling(text))
 }
 
-/// A file does not parse; only a case may.
+/// A file that does not parse; only a case may.
 fn broken(name: &str, text: &str) -> bool {
     let broken = !read(text).1.is_empty();
     assert!(
@@ -112,7 +112,7 @@ fn every_example_in_the_texts_is_formatted() {
         for block in text.split("```lw").skip(1) {
             let (_, block) = block.split_once('\n').expect("a line");
             let block = block.split("```").next().unwrap_or_default();
-            // An excerpt does not parse as a file, and neither does the example of a syntax error.
+            // An excerpt does not parse as a file, nor does the example of a syntax error.
             if !read(block).1.is_empty() || other_spelling(block) {
                 continue;
             }
@@ -127,8 +127,8 @@ fn every_example_in_the_texts_is_formatted() {
     assert!(looked_at > 20, "{looked_at} looked at");
 }
 
-/// The same files with their lines joined and torn apart: the same tree and the same comments come
-/// out, and lines that fit.
+/// The same files with their lines joined and split: the same tree and comments result, and lines
+/// that fit.
 #[test]
 fn other_layouts_say_the_same() {
     for (name, text) in files(".lw") {
@@ -158,7 +158,7 @@ fn other_layouts_say_the_same() {
             .join("\n");
         for other in [joined, torn] {
             let (tree, findings) = read(&other);
-            // A unit on the next line is no unit any more.
+            // A unit on the next line is no longer a unit.
             if !findings.is_empty() || tree != read(&text).0 {
                 continue;
             }
@@ -177,7 +177,7 @@ fn other_layouts_say_the_same() {
     }
 }
 
-/// What the fuzzer found interesting is formatted, too, where it parses.
+/// Interesting inputs of the fuzzer are also formatted, if they parse.
 #[test]
 fn the_corpus_of_the_fuzzer_is_formatted() {
     let folder = root().join("tests/fuzz/corpus/lw");

@@ -1,10 +1,10 @@
-//! Random sets of skills, with names that are words elsewhere.
+//! Random sets of skills whose names are words elsewhere.
 
 use super::{Choices, name};
 use linewright::source::Span;
 use linewright::syntax::ast::*;
 
-/// Among skills the words of orders are names like others, and so are the letters of temporal
+/// Among skills the words of orders are ordinary names, and so are the letters of temporal
 /// operators.
 const WORDS: &[&str] = &[
     "Left",

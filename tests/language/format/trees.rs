@@ -1,10 +1,10 @@
-//! Random syntax trees of every kind, as the parser can give them: any shape of operators (brackets
+//! Random syntax trees of every kind that the parser can produce: any shape of operators (brackets
 //! give every shape), names that are no words of the language, and nothing that no text could mean
 //! (a negative number, an `eventually` pattern without bound and scope).
 //!
-//! A tree is made from a list of numbers, each the answer to one choice, so that proptest shrinks
-//! trees by shrinking lists; once the list is at its end, every choice is the first one, which ends
-//! what is being made.
+//! A tree is generated from a list of numbers, one per choice, so that proptest shrinks trees by
+//! shrinking lists; at the end of the list, every choice is the first option, which ends the
+//! generation.
 
 #[path = "skills.rs"]
 mod skills;
@@ -12,18 +12,18 @@ mod skills;
 use linewright::source::Span;
 use linewright::syntax::ast::*;
 
-/// The answers to choices.
+/// The answers to the choices.
 pub struct Choices<'n> {
     numbers: &'n [u32],
     depth: usize,
 }
 
-/// Names, with some that are words only where a scope, a setting or a unit is looked for.
+/// Names, including some that are words only where a scope, a setting or a unit is expected.
 const NAMES: &[&str] = &[
     "a", "grip", "tx", "angle_1", "Größe", "after", "within", "s", "steps", "power", "responds",
     "_",
 ];
-/// Names that no expression before them could take for its own.
+/// Names that a preceding expression could not absorb.
 const PLAIN: &[&str] = &["a", "grip", "tx", "angle_1", "Größe", "Turn"];
 const UNITS: &[&str] = &["mm", "deg", "s", "%", "kWh", "m/s"];
 
@@ -180,8 +180,8 @@ impl<'n> Choices<'n> {
         ExprKind::Binary(self.op(), self.boxed(), self.boxed())
     }
 
-    /// A tree that long chains of one kind of operator give, and that is nearly one: halved, to the
-    /// left, to the right, or compared.
+    /// A tree produced by long chains of one kind of operator, or nearly so: halved, to the left,
+    /// to the right, or compared.
     fn chain(&mut self) -> ExprKind {
         let operands = self.list(3, 9, Self::expr);
         let op = self.op();
@@ -269,8 +269,8 @@ impl<'n> Choices<'n> {
         })
     }
 
-    fn performed(&mut self) -> Performed {
-        Performed {
+    fn performed(&mut self) -> OperationCall {
+        OperationCall {
             name: self.dotted(),
             arguments: self.arguments(0),
         }
@@ -344,8 +344,8 @@ impl<'n> Choices<'n> {
         }
     }
 
-    fn typed(&mut self, least: usize, most: usize) -> Typed {
-        Typed {
+    fn typed(&mut self, least: usize, most: usize) -> TypedDecl {
+        TypedDecl {
             doc: self.doc(),
             name: self.plain(),
             domain: self.domain(),
@@ -408,8 +408,8 @@ impl<'n> Choices<'n> {
         }
     }
 
-    fn counted(&mut self) -> Counted {
-        Counted {
+    fn counted(&mut self) -> PartCount {
+        PartCount {
             count: self.count(),
             name: self.plain(),
         }

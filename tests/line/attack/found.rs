@@ -1,6 +1,6 @@
-//! The files in which defects were found, each with what is to be said of it and what comes of its
-//! runs. They lie in `../shared/found` or where `LINEWRIGHT_FOUND` says; without them nothing is
-//! tried.
+//! The files in which defects were found, each with its expected verdict and the results of its
+//! runs. They are in `../shared/found` or where `LINEWRIGHT_FOUND` says; without them nothing is
+//! tested.
 
 use super::judge::{Judged, Report, judge, run};
 use super::runs::{PARTS, SECONDS};
@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
-/// A found file, copied with its neighbours, so that what is built stays out of the shared folder.
+/// A found file, copied with its neighbors, so that build results stay out of the shared folder.
 struct Found {
     folder: tempfile::TempDir,
     name: &'static str,
@@ -46,7 +46,7 @@ impl Found {
         linewright(self.folder.path(), &words)
     }
 
-    /// Products and violations; none where the program refuses the line.
+    /// Numbers of products and violations; `None` if the program refuses the line.
     fn ran(&self) -> Option<(u64, u64)> {
         run(
             &self.path(),
@@ -72,7 +72,7 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(out).into_owned() + &String::from_utf8_lossy(err)
 }
 
-/// A line that fails in its runs: `check` and `run` say so with the same errors.
+/// A line that fails in its runs: `check` and `run` report the same errors.
 fn is_told(name: &'static str, line: &str) {
     let Some(found) = Found::new(name) else {
         return;
@@ -91,7 +91,7 @@ fn is_told(name: &'static str, line: &str) {
     }
 }
 
-/// A line that is no line: an error, exit code 1, and a run that is refused.
+/// An invalid line: an error, exit code 1, and a run that is refused.
 fn is_refused(name: &'static str, line: &str) {
     let Some(found) = Found::new(name) else {
         return;
@@ -104,7 +104,7 @@ fn is_refused(name: &'static str, line: &str) {
     assert_eq!(found.ran(), None, "{name}: check refuses, and run runs");
 }
 
-/// A line about which check and run have to agree, whatever they say.
+/// A line on which `check` and `run` must agree, whatever the verdict.
 fn is_agreed_on(found: &Found, line: &str) {
     let judged = found.line(line);
     match found.ran() {
@@ -126,7 +126,7 @@ fn is_agreed_on(found: &Found, line: &str) {
     }
 }
 
-/// A machine's verdict, and no word of an internal error.
+/// A machine has a verdict without an internal error.
 fn has_a_verdict(name: &'static str) {
     let Some(found) = Found::new(name) else {
         return;
@@ -188,7 +188,7 @@ fn an_operation_that_needs_more_steps_than_the_limit() {
     let Some(found) = Found::new("c2.lw") else {
         return;
     };
-    // The step limit is to blame, not the coordinator's assumption.
+    // The step limit is the cause, not the coordinator's assumption.
     let check = said(&found.program(&["check", "FILE"]));
     assert!(check.contains("limit"), "{check}");
 }
@@ -208,7 +208,7 @@ fn a_route_that_no_part_can_take() {
     is_told("c1.lw", "L");
 }
 
-/// Nothing is wrong with the line before it came to nothing: it runs.
+/// Nothing is wrong with the line before the change: it runs.
 #[test]
 fn a_plain_line_is_proved() {
     let Some(found) = Found::new("base.lw") else {
@@ -225,7 +225,7 @@ fn a_type_that_is_never_served() {
         return;
     };
     let judged = found.line("L");
-    // With orders for five products the other type ends; without end it comes first for ever.
+    // With orders for five products the other type ends; without end it always comes first.
     let words = [
         "run",
         "FILE",
@@ -282,7 +282,7 @@ fn a_signal_that_breaks_an_assumption() {
     assert_eq!(build.status.code(), check.status.code(), "{}", said(&build));
 }
 
-/// Its script starts anew with each operation, and is right in each of its steps.
+/// Its script starts again with each operation, and is correct in each of its steps.
 #[test]
 fn a_scripted_signal() {
     let Some(found) = Found::new("sg.lw") else {
@@ -336,7 +336,7 @@ fn off_shift_is_idle() {
     );
 }
 
-/// No file of the folder is without its test.
+/// Every file of the folder has a test.
 #[test]
 fn every_found_file_is_tried() {
     let Some(folder) = support::found() else {

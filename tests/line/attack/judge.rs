@@ -1,20 +1,19 @@
-//! What the program says of lines before they run. Everything else here knows judgements by
-//! [`Judged`] alone.
+//! Verdicts of the program on lines before they run. Everything else here uses only [`Judged`].
 
-use crate::support::PROGRAM;
+use crate::support::{PROGRAM, documents};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-/// What is said of one line.
+/// The verdict on one line.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Judged {
     /// `proved`, `safe`, `open` or `gave_up`; none for an invalid line.
     pub proof: Option<String>,
-    /// What a proof rests on that nobody has shown, as text.
+    /// Unproved premises of a proof, as text.
     pub premises: Vec<String>,
-    /// Codes of findings that are errors, those of the line's machines among them.
+    /// Codes of findings that are errors, including those of the line's machines.
     pub errors: Vec<String>,
     /// Codes of all other findings, and what was not decided.
     pub reasons: Vec<String>,
@@ -32,18 +31,18 @@ impl Judged {
     }
 }
 
-/// What is said of a file.
+/// The verdicts on a file.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// By the line's name.
+    /// Verdicts by name of the line.
     pub lines: BTreeMap<String, Judged>,
-    /// By the machine's name: the codes of its errors, those of its contracts too.
+    /// By name of the machine: the codes of its errors, including those of its contracts.
     pub machines: BTreeMap<String, Vec<String>>,
-    /// What was said instead of a document.
+    /// Output in place of a document.
     pub failure: Option<String>,
 }
 
-/// Judges every line of a file. What `cache` has is not solved again.
+/// Judges every line of a file. What is in `cache` is not solved again.
 pub fn judge(file: &Path, cache: &Path) -> Report {
     let output = Command::new(PROGRAM)
         .args(["check", "--format", "json", "--no-timing"])
@@ -52,6 +51,7 @@ pub fn judge(file: &Path, cache: &Path) -> Report {
         .env("RUST_BACKTRACE", "0")
         .output()
         .expect("the program starts");
+    documents::assert_valid(&output.stdout);
     let Ok(document) = serde_json::from_slice::<Value>(&output.stdout) else {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         return Report {
@@ -100,7 +100,7 @@ pub fn judge(file: &Path, cache: &Path) -> Report {
     report
 }
 
-/// What a run of the program came to.
+/// Result of a run of the program.
 pub struct Ran {
     pub products: u64,
     pub violations: u64,
@@ -109,7 +109,7 @@ pub struct Ran {
 }
 
 impl Ran {
-    /// Whether it says of the line what `check` says.
+    /// Checks that it reports the same about the line as `check`.
     pub fn agrees_with(&self, judged: &Judged) -> Result<(), String> {
         let mut codes = judged.errors.iter();
         match codes.find(|code| !self.said.contains(code)) {
@@ -122,7 +122,7 @@ impl Ran {
     }
 }
 
-/// Runs the only line of a file: products and violations, or `None` where the program refuses it.
+/// Runs the only line of a file: products and violations, or `None` if the program refuses it.
 pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Option<Ran> {
     let output = Command::new(PROGRAM)
         .args(["run", "--format", "json", "--no-timing"])
@@ -134,6 +134,7 @@ pub fn run(file: &Path, cache: &Path, seed: u64, parts: u64, seconds: f64) -> Op
         .env("LINEWRIGHT_CACHE", cache)
         .output()
         .expect("the program starts");
+    documents::assert_valid(&output.stdout);
     let document: Value = serde_json::from_slice(&output.stdout).ok()?;
     let count = |key: &str| match &document[key] {
         Value::Array(list) => Some(list.len() as u64),
@@ -162,7 +163,7 @@ fn text(value: &Value) -> String {
         .map_or_else(|| value.to_string(), str::to_owned)
 }
 
-/// The codes of a row's findings that are errors, or of all others.
+/// The codes of a row's findings: of its errors, or of all others.
 fn codes(row: &Value, errors: bool) -> Vec<String> {
     let of = |f: &&Value| (f["severity"] == "error") == errors;
     let found = rows(row, "findings").filter(of);

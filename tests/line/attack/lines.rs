@@ -9,15 +9,15 @@ use std::collections::BTreeMap;
 /// A place of a line.
 struct Place {
     name: String,
-    /// What declares it; of a station, the machine with its arguments.
+    /// Its declaration; for a station, the machine with its arguments.
     head: String,
-    /// The statements within a station; `None` for what is none.
+    /// The statements within a station; `None` for other places.
     inside: Option<Vec<String>>,
     machine: usize,
 }
 
 struct Draft {
-    /// What a type carries.
+    /// Properties carried by each type.
     carried: BTreeMap<String, Vec<&'static str>>,
     places: Vec<Place>,
     routes: Vec<String>,
@@ -150,8 +150,8 @@ const CONDITIONS: [&str; 14] = [
 ];
 
 impl Draft {
-    /// What a type carries: what its machines read, or a part of it. The rest has the machine's
-    /// default.
+    /// Properties carried by a type: those that its machines read, or some of them. The others have
+    /// the machine's default.
     fn properties(&mut self, chance: &mut Chance, part: &str, batch: &Batch) -> String {
         let mut text = Vec::new();
         let mut names = Vec::new();
@@ -178,7 +178,7 @@ impl Draft {
         }
     }
 
-    /// A condition over what a type carries.
+    /// A condition on the properties carried by a type.
     fn condition(&self, chance: &mut Chance, part: &str) -> Option<&'static str> {
         let carried = &self.carried[part];
         let fits = |c: &&&str| {
@@ -253,7 +253,7 @@ impl Draft {
         });
     }
 
-    /// What a station does to a type, and what it spoils.
+    /// A station's work on a type, and its defects.
     fn task(&mut self, chance: &mut Chance, place: usize, part: &str, machines: &[Model]) {
         let model = &machines[self.places[place].machine];
         let mut calls = Vec::new();
@@ -305,7 +305,7 @@ impl Draft {
         let mut way: Vec<usize> = (0..most)
             .filter(|at| Some(*at) != to && !self.is_join(*at, part))
             .collect();
-        // Some places are passed by, some come in another order.
+        // Some places are skipped, some come in another order.
         way.retain(|_| !chance.percent(15));
         if way.len() > 1 && chance.percent(20) {
             way.reverse();
@@ -364,7 +364,7 @@ impl Draft {
         }
     }
 
-    /// Whether something is joined there, which other types do not pass.
+    /// Whether parts are joined at a place that other types do not pass.
     fn is_join(&self, at: usize, part: &str) -> bool {
         let mut inside = self.places[at].inside.iter().flatten();
         inside.any(|s| part != "J" && s.ends_with("on J") || part == "J" && s.ends_with("on J"))

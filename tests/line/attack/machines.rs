@@ -1,21 +1,21 @@
-//! Random machines as text: contracts with odd assumptions, one action or two, wires that depend on
-//! properties, parameters and scripts, writes, times and limits that may or may not fit, and
+//! Random machines as text: contracts with odd assumptions, one or two actions, wires that depend
+//! on properties, parameters and scripts, writes, times and limits that may or may not fit, and
 //! machines within machines.
 
 use super::text::{Chance, Text};
 
-/// What lines need to know of a machine.
+/// Data on a machine for generating lines.
 #[derive(Debug, Clone)]
 pub struct Model {
     pub name: String,
-    /// Its text, with the contracts of its own.
+    /// Its text, with its own contracts.
     pub text: String,
-    /// The machine within it, if there is one.
+    /// Its inner machine, if there is one.
     inner: Option<String>,
     pub operations: Vec<String>,
-    /// It has the parameter `p: 0..3`.
+    /// Whether it has the parameter `p: 0..3`.
     pub parameter: bool,
-    /// It has the argument `t`, which its time is made of.
+    /// Whether it has the argument `t`, which determines its time.
     pub timed: bool,
 }
 
@@ -34,7 +34,7 @@ impl Batch {
         HEAD.to_owned() + &texts.collect::<String>()
     }
 
-    /// Leaves out the machines that are not sound, and what has one of them within it.
+    /// Removes the machines that are not sound, and those that contain one.
     pub fn keep(&mut self, sound: impl Fn(&str) -> bool) {
         self.machines
             .retain(|m| sound(&m.name) && m.inner.as_deref().is_none_or(&sound));
@@ -70,10 +70,10 @@ moore contract Seq {
 }
 ";
 
-/// So many machines, and contracts of their own.
+/// A number of machines with their own contracts.
 pub fn batch(chance: &mut Chance, count: usize) -> Batch {
     let mut machines: Vec<Model> = Vec::new();
-    // Of every batch one is as plain as can be, so that some lines are sound.
+    // One machine of every batch is as simple as possible, so that some lines are sound.
     let q = if chance.percent(20) { "number" } else { "0..9" };
     machines.push(Model {
         name: "Plain".to_owned(),
@@ -144,7 +144,7 @@ fn formula(chance: &mut Chance) -> String {
     }
 }
 
-/// A contract with the interface that every action here has. Gives whether it is a Moore machine.
+/// A contract with the interface common to all actions here. Returns whether it is a Moore machine.
 fn contract(chance: &mut Chance, name: &str) -> String {
     let moore = chance.percent(30);
     let mut text = Text::default();
@@ -167,7 +167,7 @@ fn contract(chance: &mut Chance, name: &str) -> String {
         assumptions.push("always eventually (s or not requested)".to_owned());
     }
     if chance.percent(30) {
-        // What a property, a parameter, a constant or a script may or may not keep.
+        // Assumptions that a property, a parameter, a constant or a script may or may not keep.
         assumptions.push(match chance.below(4) {
             0 => format!("always (requested -> x <= {})", 1 + chance.below(3)),
             1 => format!("always (x <= {})", 1 + chance.below(3)),
@@ -248,7 +248,7 @@ fn abstraction(chance: &mut Chance) -> &'static str {
         "abs(x - 1)",
         "if x > 1 then 3 else 0",
         "q mod 4",
-        // These leave the domain, or are no whole numbers, for some values.
+        // For some values these leave the domain, or are no integers.
         "q",
         "x + 1",
         "x - 1",
@@ -273,7 +273,7 @@ fn time(chance: &mut Chance) -> &'static str {
         "time (q + 1) * 0.5 s per step",
         "time max(x, 1) * 2 s",
         "time 6 s / (x + 1)",
-        // These are nothing, negative or without end for some values.
+        // For some values these are 0, negative or infinite.
         "time 0 s",
         "time x * 1 s",
         "time x * 1 s per step",
@@ -308,7 +308,7 @@ fn write(chance: &mut Chance, with: &str) -> String {
         .replace('Z', &format!("{with}.z"))
 }
 
-/// A machine with one action or two.
+/// A machine with one or two actions.
 fn single(chance: &mut Chance, at: usize, q: &str) -> Model {
     let two = chance.percent(25);
     let mut text = Text::default();
@@ -396,7 +396,7 @@ fn model(name: String, text: String, inner: Option<String>) -> Model {
     }
 }
 
-/// What machines begin with.
+/// Beginning of a machine.
 fn head(chance: &mut Chance, text: &mut Text, q: &str) {
     text.line(chance.pick(&["step 1 s", "step 1 s", "step 1 s", "step 0.1 s", "step 0 s"]));
     text.line(&format!("property x: {X} = {}", chance.below(4)));
@@ -414,7 +414,7 @@ fn head(chance: &mut Chance, text: &mut Text, q: &str) {
     text.line(&format!("abstract ax: 0..3 = {}", abstraction(chance)));
 }
 
-/// What they end with.
+/// End of a machine.
 fn tail(chance: &mut Chance, text: &mut Text, last: &str) {
     for property in ["x", "q"] {
         if chance.percent(35) {
@@ -423,7 +423,7 @@ fn tail(chance: &mut Chance, text: &mut Text, last: &str) {
     }
 }
 
-/// A machine that has another one within it.
+/// A machine that contains another one.
 fn nested(chance: &mut Chance, at: usize, inner: &Model, q: &str) -> Model {
     let name = format!("M{at}");
     let mut text = Text::default();

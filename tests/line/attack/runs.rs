@@ -1,9 +1,9 @@
-//! Runs of a line, and what goes wrong in them that a proof excludes.
+//! Runs of a line, and failures in them that a proof excludes.
 
 use linewright::contract::line::{Line, NodeKind, Supply};
 use linewright::contract::machine::Machine;
 use linewright::contract::{Library, load};
-use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::machines::{MachinePlan, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::line::{End, Options, Plant, Trace};
@@ -15,16 +15,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// So many products are ordered.
+/// Number of products ordered.
 pub const PARTS: u64 = 5;
-/// In so many seconds each line here can make them several times over.
+/// Seconds in which each line here can make them several times over.
 pub const SECONDS: f64 = 5_000.0;
-/// A run that has not made them goes on for so much longer before anything is said, if no more has
-/// happened in it than this: times may be a million times a property, but a line in which much
-/// happens and nothing is made has failed.
+/// Factors by which a run that has not made them is extended before it counts as a failure, if at
+/// most this many events have happened in it: times may be a million times a property, but a line
+/// in which much happens and nothing is made has failed.
 const LONGER: [(f64, u64); 2] = [(10.0, u64::MAX), (20_000.0, 20_000)];
 
-/// Something that must not happen in a line that is proved.
+/// Something that must not happen in a proved line.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Failure {
     /// `violation`, `blocked`, `lost`, `missing` or `never`.
@@ -34,7 +34,7 @@ pub struct Failure {
     pub said: String,
 }
 
-/// The lines of a file with controllers for their machines.
+/// The lines of a file, with controllers for their machines.
 pub struct World {
     pub library: Library,
     controllers: Vec<(Arc<Machine>, Arc<Vec<mealy::Controller>>)>,
@@ -62,9 +62,9 @@ impl World {
                 machines.push(machine);
             }
         }
-        let planned: Vec<Planned<'_>> = machines
+        let planned: Vec<MachinePlan<'_>> = machines
             .iter()
-            .map(|m| Planned::new(m, &mut jobs))
+            .map(|m| MachinePlan::new(m, &mut jobs))
             .collect();
         let settings = Settings {
             limits: Limits::default(),
@@ -90,8 +90,7 @@ impl World {
         self.library.lines.iter().find(|l| l.name == name)
     }
 
-    /// A plant for the line; none where a machine has no controller, or the runner refuses the
-    /// line.
+    /// A plant for the line; `None` if a machine has no controller, or the runner refuses the line.
     pub fn plant(&self, line: &Line, options: Options) -> Option<Plant> {
         let mut controllers: BTreeMap<usize, Box<dyn Controller>> = BTreeMap::new();
         for (at, node) in line.nodes.iter().enumerate() {
@@ -112,8 +111,7 @@ impl World {
         Plant::new(Arc::new(line.clone()), controllers, options).ok()
     }
 
-    /// What fails with the first of these seeds with which something does. `None` where it cannot
-    /// be run at all.
+    /// The failures with the first of these seeds that has any. `None` if the line cannot be run.
     pub fn failures(&self, line: &Line, seeds: &[u64]) -> Option<BTreeSet<Failure>> {
         let mut failures = BTreeSet::new();
         let mut seconds = SECONDS;
@@ -135,14 +133,14 @@ impl World {
                 return Some(failures);
             }
         }
-        // By time alone every type has to come through.
+        // With a time limit only, every type has to come through.
         let trace = self.run(line, seeds[0], None, seconds)?;
         failures.extend(failures_of(line, &trace));
         failures.extend(never_through(line, &trace));
         Some(failures)
     }
 
-    /// One run. Of a line with a shift only the working time counts.
+    /// One run. For a line with a shift only the working time counts.
     pub fn run(&self, line: &Line, seed: u64, parts: Option<u64>, seconds: f64) -> Option<Trace> {
         let off = line.shift.map_or(0.0, |shift| {
             let working = (shift.to - shift.from).max(1.0);
@@ -185,7 +183,7 @@ fn failures_of(line: &Line, trace: &Trace) -> Vec<Failure> {
         general(texts.last().unwrap_or(&""))
     };
     let product = || names([line.parts[line.product].name.as_str()]);
-    // What is refused is not made either, and may be missed elsewhere: that is one failure.
+    // A refused part is not made either, and may be missing elsewhere: that counts as one failure.
     let refused = !trace.violations.is_empty();
     match trace.end {
         End::PartLost => failures.push(Failure {
@@ -214,8 +212,8 @@ fn in_a_circle(trace: &Trace) -> bool {
     helps.any(|h| h.contains("circle"))
 }
 
-/// Whether the line need not make as many products as are ordered: supplies that end, or scrap that
-/// nobody orders again.
+/// Whether the line need not make as many products as are ordered: supplies end, or scrap is not
+/// ordered again.
 fn is_bounded(line: &Line, trace: &Trace) -> bool {
     let ends = |kind: &NodeKind| match kind {
         NodeKind::Source { supply, .. } => matches!(supply, Supply::Every { limit: Some(_), .. }),
@@ -226,16 +224,21 @@ fn is_bounded(line: &Line, trace: &Trace) -> bool {
     line.nodes.iter().any(|n| ends(&n.kind)) || scrap
 }
 
-/// Types that have a source without end, and of which none came through.
+/// Types with an endless source, of which none came through.
 fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
-    use linewright::line::trace::What;
+    use linewright::line::trace::EventKind;
     if trace.end != End::Time || !trace.violations.is_empty() {
         return Vec::new();
     }
     let through: BTreeSet<usize> = trace
         .log
         .iter()
-        .filter(|e| matches!(e.what, What::Finished | What::Rejected | What::Consumed))
+        .filter(|e| {
+            matches!(
+                e.what,
+                EventKind::Finished | EventKind::Rejected | EventKind::Consumed
+            )
+        })
         .filter_map(|e| Some(e.part?.1))
         .collect();
     let mut failures = Vec::new();
@@ -243,7 +246,7 @@ fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
         let NodeKind::Source { part, supply, .. } = &node.kind else {
             continue;
         };
-        // Orders are for the product; what is not in it may have none.
+        // Orders are for the product; types that are not in it may have none.
         let ordered =
             *part == line.product || line.parts[line.product].bill.iter().any(|(c, _)| c == part);
         let endless = match supply {
@@ -262,7 +265,7 @@ fn never_through(line: &Line, trace: &Trace) -> Vec<Failure> {
     failures
 }
 
-/// A text without its numbers, so that the same failure in another run is the same.
+/// A text without its numbers, so that the same failure in another run is recognized.
 fn general(text: &str) -> String {
     let mut general = String::new();
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! What came of an attack, counted.
+//! Statistics of an attack.
 
 use super::judge::Judged;
 use super::runs::Failure;
@@ -6,30 +6,29 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
 
-/// So many ways in which something goes wrong are looked into.
+/// Maximum number of kinds of failures that are examined.
 const MOST_KINDS: usize = 25;
 
-/// The counts.
+/// Counters.
 #[derive(Debug, Default)]
 pub struct Table {
     pub machines: usize,
     pub lines: usize,
     pub proved: usize,
-    /// Proved, if some premises hold.
+    /// Number of lines proved under some premises.
     pub with_premises: usize,
-    /// Of these: with a run in which one of them does not.
+    /// Of these, those with a run in which a premise does not hold.
     pub premise_missed: usize,
     /// Not proved, and failing in some run.
     pub failing: usize,
-    /// Not proved, and nothing that can be run.
+    /// Not proved, and not runnable.
     pub not_runnable: usize,
-    /// Not proved, by the first reason: how many, and how many of them fail.
+    /// By first reason, the number of lines not proved, and of those that fail.
     reasons: BTreeMap<String, (usize, usize)>,
-    /// Machines that were not taken, by the first code.
+    /// Number of rejected machines by first code.
     refused: BTreeMap<String, usize>,
     pub without_reason: Vec<String>,
-    /// Lines that are proved and fail, and checks that ended without a judgement: what, and the
-    /// file.
+    /// Proved lines that fail, and checks that ended without a verdict: description and file.
     pub broken: Vec<String>,
     kinds: BTreeMap<String, usize>,
 }
@@ -64,13 +63,13 @@ impl Table {
         *self.refused.entry(codes[0].clone()).or_default() += 1;
     }
 
-    /// Whether nothing has gone wrong in the same way before, and not too much in other ways: then
-    /// it is worth a small file.
+    /// Whether this failure is new, and the number of kinds is within the limit: then a file is
+    /// reduced.
     pub fn is_new(&self, kind: &str, said: &str) -> bool {
         !self.kinds.contains_key(&key(kind, said)) && self.kinds.len() < MOST_KINDS
     }
 
-    /// Takes down a judgement that does not hold, and keeps the file that shows it.
+    /// Records a wrong verdict, and keeps the file that shows it.
     pub fn broken(&mut self, seed: u64, kind: &str, said: &str, text: &str, kept: Option<&Path>) {
         let key = key(kind, said);
         let first = format!("// {kind}, batch {seed}: {}\n", said.replace('\n', " "));
@@ -87,7 +86,7 @@ impl Table {
     }
 }
 
-/// What went wrong, in so many words that the same is the same.
+/// A description of the failure, general enough to recognize it again.
 fn key(kind: &str, said: &str) -> String {
     let said: String = said.chars().take(70).collect();
     format!("{kind}: {said}")

@@ -1,4 +1,4 @@
-//! Text with blocks, and choices by chance.
+//! Text with blocks, and random choices.
 
 use linewright::line::random::Stream;
 
@@ -24,7 +24,7 @@ impl Chance {
     }
 }
 
-/// A declaration a line, indented.
+/// Declarations, one per line, indented.
 #[derive(Debug, Default)]
 pub struct Text(pub String);
 

@@ -1,11 +1,11 @@
-//! The way out that a finding names is one.
+//! The remedy in a finding works.
 
 use super::examples::load;
 use linewright::game::Limits;
 use linewright::line::abstraction::{Abstraction, decide, findings};
 
-/// A station joins two P and one Q, which reach it through one buffer. Gives what is advised;
-/// nothing where the line is proved.
+/// A station joins two P and one Q, which reach it through one buffer. Returns the advice; `None`
+/// if the line is proved.
 fn advice(first: &str, second: &str) -> Option<String> {
     let text = format!(
         "import std.coordination.single

@@ -1,4 +1,4 @@
-//! The lines of `examples`: what is proved of them, and that the proof rests on what it says.
+//! The lines of `examples`: what is proved of them, and that the proof rests on what it names.
 
 use super::replay::accepts;
 use crate::models::{Builder, constant};
@@ -12,10 +12,10 @@ use linewright::game::Limits;
 use linewright::line::abstraction::{
     Abstraction, NO_CIRCULAR_WAIT, PlaceKind, decide, examine, findings,
 };
-use linewright::line::{End, Options, Undecided};
+use linewright::line::{End, Options, UndecidedReason};
 use std::path::Path;
 
-/// What small lines have.
+/// Maximum number of variables of small lines.
 const MOST_VARIABLES: usize = 24;
 
 const ICE: &str = "examples/ice-lab/line.lw";
@@ -43,11 +43,11 @@ fn they_are_proved() {
 
 #[test]
 fn the_line_of_the_laboratory_is_proved() {
-    // Where parts move at some time, they also move at once: there are fewer runs then.
+    // Parts that eventually move also move at once: there are fewer runs then.
     proved(&[ICE], &[Abstraction::of]);
 }
 
-type Form = fn(&Line) -> Result<Abstraction, Undecided>;
+type Form = fn(&Line) -> Result<Abstraction, UndecidedReason>;
 
 fn proved(paths: &[&str], forms: &[Form]) {
     for path in paths {
@@ -143,7 +143,7 @@ fn without_its_limit_the_line_of_the_laboratory_can_get_stuck() {
     }
 }
 
-/// The same places and ways, with times that drive them into the circle: the way of the products to
+/// The same places and ways, with times that force them into the circle: the way of the products to
 /// the camera is slow.
 #[test]
 fn the_runner_gets_stuck_where_the_abstraction_says() {
@@ -204,7 +204,7 @@ fn builder_again(build: &dyn Fn(Option<u32>) -> Builder, most: u32) -> linewrigh
     })
 }
 
-/// One type that goes round in a small circle, while another one goes by.
+/// One type that goes round in a small circle, while another one passes.
 #[test]
 fn a_circle_beside_a_way_that_is_open_is_found() {
     let mut builder = Builder::new(&["Other", "Brick"]);
@@ -233,7 +233,7 @@ fn a_circle_beside_a_way_that_is_open_is_found() {
     assert_eq!(found.len(), 1, "{found:#?}");
     assert_eq!(
         found[0].message,
-        "parts can wait for one another for ever, while others go on: first has a Brick that waits for room on second, \
+        "some parts can deadlock (circular wait) while others go on: first has a Brick that waits for room on second, \
          second has a Brick that waits for room on first"
     );
 }
@@ -258,7 +258,7 @@ fn table_of(path: &str) -> (usize, usize) {
     counts
 }
 
-/// That everything goes on is in these tables, too.
+/// Progress is in these tables, too.
 #[test]
 fn nothing_that_the_tables_of_lines_name_can_be_left_out() {
     let loader = table_of("examples/loader/line.lw");
@@ -269,7 +269,7 @@ fn nothing_that_the_tables_of_lines_name_can_be_left_out() {
     );
 }
 
-/// The whole laboratory: no line of its table names more than a person can look at.
+/// The whole laboratory: no line of its table is too long for a person to read.
 #[test]
 fn nothing_that_the_table_of_the_laboratory_names_can_be_left_out() {
     let (lines, mutants) = table_of(ICE);

@@ -1,32 +1,32 @@
-//! All that a small line can do, state by state, written from the text of `crates/line/src/lib.rs`:
-//! moving takes no time, everything else takes some. It shares nothing with the abstraction but the
-//! line itself.
+//! All behavior of a small line, state by state, implemented from the text of
+//! `crates/line/src/lib.rs`: moving takes no time, everything else takes some. It shares nothing
+//! with the abstraction but the line itself.
 
 use linewright::contract::line::{Line, NodeKind, Supply};
 use std::collections::{BTreeSet, HashSet, VecDeque};
 
-/// A part that waits at an outlet, by its type, and where it will go.
+/// A part that waits at an outlet, by its type, and its destination.
 type Offer = (usize, usize);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Holds {
-    /// A source or sink, or a store: what it has does not run out.
+    /// A source or sink, or a store: its stock does not run out.
     Nothing,
     Station {
         at_work: Option<usize>,
-        /// Nothing at work, and nothing that waits to leave.
+        /// No part in work, and none that waits to leave.
         free: bool,
-        /// By task and line of its bill.
+        /// By task and line of its bill, the number present.
         there: Vec<Vec<u32>>,
     },
     Queue {
         parts: Vec<usize>,
-        /// Of a conveyor: its first place is free again.
+        /// For a conveyor: its first place is free again.
         open: bool,
     },
 }
 
-/// Who waits for a node: an outlet, or a bill of the node's own that is complete.
+/// What waits for a node: an outlet, or a complete bill of the node's own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Waits {
     Outlet(usize),
@@ -43,14 +43,14 @@ struct State {
     in_line: Vec<u32>,
 }
 
-/// What is found out about a line.
+/// Results of the exploration of a line.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Explored {
-    /// Nothing can move in some state that can be reached.
+    /// Whether nothing can move in some reachable state.
     pub stuck: bool,
     /// Queues that can be full.
     pub full: BTreeSet<usize>,
-    /// How many states there are.
+    /// Number of states.
     pub states: usize,
 }
 
@@ -58,11 +58,11 @@ pub struct Explorer<'a> {
     line: &'a Line,
     /// Node and, at a store, type.
     outlets: Vec<(usize, Option<usize>)>,
-    /// By node and task: what it joins, and whether it takes its type as it is.
+    /// By node and task: its components, and whether it takes its type as it is.
     tasks: Vec<Vec<Task>>,
 }
 
-/// A type, what it is joined from, and whether it is taken as it is.
+/// A type, its components, and whether it is taken as it is.
 type Task = (usize, Vec<(usize, u32)>, bool);
 
 impl<'a> Explorer<'a> {
@@ -196,7 +196,7 @@ impl<'a> Explorer<'a> {
         ways.into_iter().map(with).collect()
     }
 
-    /// What happens at once.
+    /// Events that happen at once.
     fn at_once(&self, state: &State) -> Vec<State> {
         let mut found = Vec::new();
         for (outlet, (node, kind)) in self.outlets.iter().enumerate() {
@@ -225,7 +225,7 @@ impl<'a> Explorer<'a> {
             }
         }
         for node in 0..self.line.nodes.len() {
-            // The one that has waited longest of those that there is room for.
+            // The longest waiting one that there is room for.
             let free = matches!(state.holds[node], Holds::Station { free: true, .. });
             let next = state.waiting[node].iter().position(|waits| match waits {
                 Waits::Outlet(outlet) => {
@@ -307,7 +307,7 @@ impl<'a> Explorer<'a> {
         }
     }
 
-    /// What takes time, once nothing moves at once.
+    /// Events that take time, once nothing moves at once.
     fn in_time(&self, state: &State) -> Vec<State> {
         let mut found = Vec::new();
         for (outlet, (node, _)) in self.outlets.iter().enumerate() {
@@ -352,7 +352,7 @@ impl<'a> Explorer<'a> {
         found
     }
 
-    /// Everything that can be reached; `None` with more than so many states.
+    /// All reachable states; `None` if there are more than `most`.
     pub fn explore(&self, most: usize) -> Option<Explored> {
         let counted = self
             .line
@@ -360,7 +360,7 @@ impl<'a> Explorer<'a> {
             .iter()
             .any(|n| matches!(n.kind, NodeKind::Source { most: Some(_), .. }));
         let bare = |mut state: State| {
-            // Without a limit nobody asks how many there are.
+            // Without a limit the number does not matter.
             if !counted {
                 state.in_line.fill(0);
             }

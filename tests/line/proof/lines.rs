@@ -5,8 +5,8 @@ use linewright::contract::line::{InitialValue, Line, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::line::random::Stream;
 
-/// One or two types that go different ways through shared places, or two that are joined and go on;
-/// some go back to be worked on again. The stations' times come from the seed, too.
+/// One or two types that go different ways through shared places, or two that are joined and
+/// continue; some go back for rework. The stations' times also come from the seed.
 pub fn line(seed: u64) -> Builder {
     let mut stream = Stream::from_seed(seed);
     let shape = stream.below(4);
@@ -44,7 +44,7 @@ pub fn line(seed: u64) -> Builder {
             at_most(&mut builder.line, &name, 1 + stream.below(4) as u32);
         }
     }
-    // Some places, and a way through some of them for each type, in an order of its own.
+    // Some places, and for each type a way through some of them, in its own order.
     let pool = 2 + stream.below(3) as usize;
     let kinds: Vec<u64> = (0..pool).map(|_| stream.below(5)).collect();
     let mut ways: Vec<Vec<usize>> = Vec::new();
@@ -129,7 +129,7 @@ pub fn line(seed: u64) -> Builder {
     builder
 }
 
-/// The source makes no more while so many of its parts are in the line.
+/// The source makes no part while this many of its parts are in the line.
 pub fn at_most(line: &mut Line, name: &str, count: u32) {
     let source = line.nodes.iter_mut().find(|n| n.name == name);
     if let Some(NodeKind::Source { most, .. }) = source.map(|n| &mut n.kind) {

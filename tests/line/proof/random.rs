@@ -1,4 +1,4 @@
-//! Random small lines: the abstraction, the explorer and the runner say the same.
+//! Random small lines: the abstraction, the explorer and the runner agree.
 
 use super::explorer::Explorer;
 use super::lines::line;
@@ -91,12 +91,12 @@ fn the_explorer_and_the_runner_agree() {
             timeless += 1;
             continue;
         };
-        // What comes in the end takes longest, and is asked of some.
+        // Justice takes longest, and is examined for some lines only.
         if seed % 8 != 0 {
             abstraction.claim.goal.justice.clear();
         }
         let verdict = decide(&abstraction, &Limits::default()).unwrap();
-        // What holds of the looser abstraction holds of this one.
+        // What holds in the looser abstraction also holds in this one.
         if seed % 8 == 0 {
             let loose =
                 decide(&Abstraction::of(&builder.line).unwrap(), &Limits::default()).unwrap();
@@ -134,7 +134,7 @@ fn the_explorer_and_the_runner_agree() {
             );
         }
         let in_abstraction = full(&abstraction);
-        // The abstraction may do more, and here hardly ever does.
+        // The abstraction allows more, but hardly ever does here.
         fuller += usize::from(in_abstraction != explored.full);
         if !explored.full.is_subset(&in_abstraction) {
             let _ = writeln!(
@@ -162,8 +162,8 @@ fn the_explorer_and_the_runner_agree() {
             runs += 1;
             if trace.end == End::Blocked {
                 blocked += 1;
-                // A line that starves somebody makes no progress and is not stuck; that was not
-                // asked of all.
+                // A starving line makes no progress but is not stuck; starvation was not examined
+                // for all.
                 let stuck = trace
                     .findings
                     .iter()

@@ -1,12 +1,12 @@
-//! Counterexamples, played again by somebody who only evaluates formulas.
+//! Counterexamples, checked by code that only evaluates formulas.
 
-use linewright::algebra::proof::Broken;
+use linewright::algebra::proof::Refutation;
 use linewright::game::RuleKind;
 use linewright::gr1::Side;
 use linewright::gr1::eval::holds;
 use linewright::line::abstraction::{Abstraction, Open};
 
-/// Whether all sides are kept by this run, and where it goes round, justice too.
+/// Whether this run keeps all sides, including justice if it is a cycle.
 pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result<(), String> {
     for side in sides {
         for formula in &side.initial {
@@ -40,7 +40,7 @@ pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result
     Ok(())
 }
 
-/// Whether a counterexample is one: every place keeps its guarantees, what is given is given, and
+/// Whether a counterexample is valid: every place keeps its guarantees, what is given holds, and
 /// the goal is missed.
 pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
     let mut sides: Vec<&Side> = abstraction
@@ -60,15 +60,15 @@ pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
     {
         let within = |state: &[i64]| domain.contains(state[variable]);
         let all = match &open.why {
-            Broken::Trace(trace) => trace.iter().all(|s| within(s)),
-            Broken::Lasso(lasso) => lasso.prefix.iter().chain(&lasso.cycle).all(|s| within(s)),
+            Refutation::Trace(trace) => trace.iter().all(|s| within(s)),
+            Refutation::Lasso(lasso) => lasso.prefix.iter().chain(&lasso.cycle).all(|s| within(s)),
         };
         if !all {
             return Err(format!("variable {variable} leaves its domain"));
         }
     }
     match &open.why {
-        Broken::Trace(trace) => {
+        Refutation::Trace(trace) => {
             let run: Vec<&[i64]> = trace.iter().map(Vec::as_slice).collect();
             kept(&sides, &run, None)?;
             let last = run[run.len() - 1];
@@ -80,7 +80,7 @@ pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
             };
             missed.then_some(()).ok_or("the goal is kept".to_owned())
         }
-        Broken::Lasso(lasso) => {
+        Refutation::Lasso(lasso) => {
             let mut cycle: Vec<&[i64]> = lasso.cycle.iter().map(Vec::as_slice).collect();
             cycle.push(&lasso.cycle[0]);
             let mut run: Vec<&[i64]> = lasso.prefix.iter().map(Vec::as_slice).collect();

@@ -1,10 +1,10 @@
-//! Conveyors that a controller moves.
+//! Conveyors moved by a controller.
 
 use crate::models::{Builder, Shift1, constant, every, span};
 use linewright::contract::line::{Defect, InitialValue, Supply};
 use linewright::contract::machine::{RealExpr, RealUnary};
 use linewright::line::End;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 
 #[test]
@@ -20,7 +20,7 @@ fn a_belt_carries_parts_in_their_order() {
     let off: Vec<(f64, u64)> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .filter_map(|e| e.part.map(|p| (e.time, p.0)))
         .collect();
     assert_eq!(off, [(3.0, 1), (5.0, 2), (7.0, 3), (9.0, 4)]);
@@ -28,7 +28,7 @@ fn a_belt_carries_parts_in_their_order() {
         .log
         .iter()
         .filter_map(|e| match (e.what, e.part) {
-            (What::Place(place), Some((2, _))) => Some((e.time, place)),
+            (EventKind::Place(place), Some((2, _))) => Some((e.time, place)),
             _ => None,
         })
         .collect();
@@ -51,7 +51,7 @@ fn a_belt_sleeps_and_is_woken() {
         trace.products,
         ((100_000.0_f64 - 3.0) / 1500.0).floor() as u64
     );
-    // Some twenty steps a part, not one for each of 100 000 seconds.
+    // Some twenty steps per part, not one for each of 100 000 seconds.
     assert!(trace.events < 4000, "{}", trace.events);
     assert!(trace.findings.is_empty());
 }
@@ -71,7 +71,7 @@ fn belts_hand_over_to_belts() {
     let order: Vec<u64> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .filter_map(|e| e.part.map(|p| p.0))
         .collect();
     assert_eq!(order, (1..=20).collect::<Vec<_>>());
@@ -101,7 +101,7 @@ fn a_belt_whose_assumption_breaks_is_named() {
             self.0.simulate(operation, values)
         }
         fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError> {
-            // It was promised that nothing comes while it cannot get rid of anything.
+            // The assumption is that nothing comes while it cannot hand over anything.
             if plant == [1, 0] {
                 return Err(CallError {
                     code: ErrorCode::Assumption,
@@ -182,8 +182,8 @@ fn a_line_like_the_laboratory() {
     assert!((5..30).contains(&rejected), "{rejected}");
     assert_eq!(trace.stations[0].name, "printer");
     assert_eq!(trace.bottleneck, Some(0));
-    // The printer works without a break: one print after the other, and then the last one's way
-    // through the line.
+    // The printer works without interruption: one print after the other, and then the last one's
+    // way through the line.
     let printed = 100.0 * (50 + rejected) as f64;
     assert!(
         (printed..printed + 120.0).contains(&trace.seconds),
@@ -194,7 +194,7 @@ fn a_line_like_the_laboratory() {
     assert!(printer.busy > 0.95 && printer.blocked < 0.02, "{printer:?}");
 }
 
-/// Time counts as moving where a part changes its place, and the step after one came on or off.
+/// Time counts as moving when a part changes its place, and in the step after one came on or off.
 #[test]
 fn moving_seconds_of_a_belt() {
     let mut builder = Builder::new(&["Part"]);

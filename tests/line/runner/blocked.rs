@@ -1,4 +1,4 @@
-//! Lines that stand still, and what they say about it.
+//! Lines that stand still, and their findings.
 
 use crate::models::{Builder, Shift1, constant, every, refusing};
 use linewright::contract::line::{InitialValue, Supply};
@@ -36,7 +36,7 @@ fn a_circle_of_full_places() {
     assert_eq!(trace.end, End::Blocked);
     insta::assert_snapshot!(text(&trace), @r#"
     LW403: the line can no longer advance at 0:00:10, with 0 of 3 products made: belt_in waits for cell, cell waits for room on belt_out, belt_out waits for camera, camera waits for room on belt_in
-      Keep the circle from filling up: more room in belt_in, fewer parts let in at a time, or a way out by another route.
+      Keep the cycle from filling up: more room in belt_in, fewer parts let in at a time, or a way out by another route.
     "#);
 }
 
@@ -58,7 +58,7 @@ fn a_circle_is_found_behind_contracted_belts_too() {
     assert!(trace.seconds < 100.0);
     insta::assert_snapshot!(text(&trace), @r#"
     LW403: the line can no longer advance at 0:00:14: cell waits for room on belt_out, belt_out waits for cell
-      Keep the circle from filling up: more room in belt_out, fewer parts let in at a time, or a way out by another route.
+      Keep the cycle from filling up: more room in belt_out, fewer parts let in at a time, or a way out by another route.
     "#);
 }
 
@@ -99,7 +99,7 @@ fn a_component_behind_what_is_not_wanted() {
     assert_eq!(trace.end, End::Blocked);
     insta::assert_snapshot!(text(&trace), @r#"
     LW403: the line can no longer advance at 0:02:00, with 1 of 5 products made: belt waits for cell, cell waits for a part of type Printed, which is at printer, printer waits for room on belt
-      Keep the circle from filling up: more room in belt, fewer parts let in at a time, or a way out by another route.
+      Keep the cycle from filling up: more room in belt, fewer parts let in at a time, or a way out by another route.
     "#);
 }
 
@@ -154,7 +154,7 @@ fn a_circle_without_time_ends() {
     assert_eq!(trace.end, End::Blocked);
     insta::assert_snapshot!(text(&trace), @r#"
     LW403: the line makes no progress: at 0:00:00 parts move on and on, and no time passes
-      Look for a source without a time, a circle of routes without a station, or a station whose every part breaks a rule and is ordered again.
+      Look for a source without a time, a cycle of routes without a station, or a station whose every part breaks a rule and is ordered again.
     "#);
 }
 

@@ -1,5 +1,5 @@
-//! Random small lines with everything at once: no part is lost, all time is booked, and the same
-//! seed gives the same run.
+//! Random small lines with all features: no part is lost, all time is booked, and the same seed
+//! gives the same run.
 
 use crate::models::{Builder, Shift1, Work, every, took};
 use linewright::contract::line::{Defect, InitialValue, Supply};
@@ -10,8 +10,8 @@ use linewright::station::{CallError, ErrorCode};
 use proptest::prelude::*;
 
 /// Two ways of parts, from a source and a store, to a joining station, a camera that sends some
-/// back, and a store; between them whatever the random numbers give. With an `ample` supply the
-/// line can always go on: products have a way out, and what is rejected is made again.
+/// back, and a store; with random nodes between them. With an `ample` supply the line can always
+/// continue: products have a way out, and rejected parts are replaced.
 fn line(seed: u64, ample: bool) -> Builder {
     let mut stream = Stream::from_seed(seed);
     let mut builder = Builder::new(&["Brick", "Printed", "Product"]);
@@ -72,7 +72,7 @@ fn line(seed: u64, ample: bool) -> Builder {
         path.push(to.to_owned());
         paths.push(path);
     }
-    // The camera may look at printed ones too, before they go to the cell. That makes a circle,
+    // The camera may also check printed parts before they go to the cell. That makes a circle,
     // which can fill up.
     let early = stream.below(2) == 0 && !ample;
     for (name, parts) in [
@@ -145,7 +145,7 @@ fn line(seed: u64, ample: bool) -> Builder {
 }
 
 fn check(trace: &Trace) -> Result<(), TestCaseError> {
-    // That the books agree with the parts that are there is asserted by every run itself.
+    // Every run itself asserts that the accounts agree with the existing parts.
     let p = trace.parts;
     prop_assert_eq!(
         p.entered,

@@ -1,9 +1,9 @@
-//! Accumulating conveyors, against a simulation by places that shares nothing with the closed form
-//! of the runner.
+//! Accumulating conveyors, compared with a simulation by positions that is independent of the
+//! runner's closed form.
 
 use crate::models::{Builder, Work, constant, every, took};
 use linewright::line::random::Stream;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use proptest::prelude::*;
 
 #[test]
@@ -18,7 +18,7 @@ fn a_part_needs_its_time_and_the_next_one_its_distance() {
     let off: Vec<f64> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .map(|e| e.time)
         .collect();
     assert_eq!(off, [8.0, 10.0, 12.0]);
@@ -62,7 +62,7 @@ fn by_positions(
             free_at = now + services.get(served).copied().unwrap_or(1);
             served += 1;
         }
-        // One may come on behind one that is at least a pitch along, if all the rest still fits.
+        // A part may come on behind one that is at least a pitch along, if all the rest still fits.
         let room = on.last().is_none_or(|&last| last >= fine) && (on.len() as u64) < places;
         if next < arrivals.len() && arrivals[next] <= now && room {
             on.push(0);
@@ -73,8 +73,8 @@ fn by_positions(
             if *position < limit {
                 *position += 1;
             }
-            // The next one keeps a pitch behind; that is before its own move, so it moves with this
-            // one.
+            // The next one keeps a pitch behind; this is evaluated before its own move, so it moves
+            // with this one.
             limit = position.saturating_sub(fine);
         }
     }
@@ -93,8 +93,8 @@ proptest! {
         let mut stream = Stream::from_seed(seed);
         let count = 30;
         let mut time = 0;
-        // A store's parts come on whenever there is room; a clock before it makes them come at
-        // their times.
+        // A store's parts come on whenever there is room; a timed source before it determines their
+        // times.
         let gaps: Vec<u64> = (0..count).map(|_| stream.below(4 * fine)).collect();
         let services: Vec<u64> = (0..count).map(|_| 1 + stream.below(4 * fine)).collect();
         let arrivals: Vec<u64> = gaps.iter().map(|gap| { time += gap; time }).collect();
@@ -116,7 +116,7 @@ proptest! {
         let off: Vec<u64> = trace
             .log
             .iter()
-            .filter(|e| e.node == belt && e.what == What::Left)
+            .filter(|e| e.node == belt && e.what == EventKind::Left)
             .map(|e| e.time as u64)
             .collect();
         prop_assert_eq!(off, expected);

@@ -1,4 +1,4 @@
-//! When a run ends, what it is checked against, and lines that are refused before they run.
+//! The end of a run, its checks, and lines that are refused before they run.
 
 use crate::models::{Builder, constant, every, span};
 use linewright::contract::line::{Comparison, Limit, Metric, Requirement};
@@ -124,12 +124,12 @@ fn replications_use_different_seeds() {
     let throughput = figures.throughput_per_hour.expect("it is measured");
     let half = throughput.half_width.unwrap();
     assert!((throughput.mean - 720.0).abs() < 2.0 * half && half > 0.0);
-    // The same again: a run leaves nothing behind.
+    // Repeated: a run leaves nothing behind.
     assert_eq!(plant.replicate(20).1, figures);
     let _ = every(0.0, None);
 }
 
-/// Once the deadline is past no further run begins, and that is said.
+/// Once the deadline is past no further run begins, and a finding says so.
 #[test]
 fn replications_keep_the_time_limit() {
     let mut builder = Builder::new(&["Part"]);
@@ -153,7 +153,7 @@ fn replications_keep_the_time_limit() {
     );
 }
 
-/// A run that the limit cuts off is in no mean, and no requirement is judged by a piece of it.
+/// A run that is cut off at the limit is in no mean, and no requirement is judged by it.
 #[test]
 fn a_run_that_was_cut_off_counts_nowhere() {
     let mut builder = simple();
@@ -196,7 +196,7 @@ fn a_run_that_was_cut_off_counts_nowhere() {
     assert!(last.message.ends_with(&wanted), "{}", last.message);
 }
 
-/// Where no product was made there is no lead time, so no bound of it is kept.
+/// Without a product there is no lead time, so no bound on it is kept.
 #[test]
 fn what_was_not_measured_holds_of_nothing() {
     let run = |seconds: f64| -> Vec<bool> {

@@ -4,7 +4,7 @@ use crate::models::{Builder, constant, every, refusing, verdict};
 use linewright::contract::line::{Defect, InitialValue, NodeKind, Supply};
 use linewright::contract::machine::{RealBinary, RealExpr};
 use linewright::line::End;
-use linewright::line::trace::{PartCounts, Reject, What};
+use linewright::line::trace::{EventKind, PartCounts, Reject};
 
 #[expect(clippy::unnecessary_wraps, reason = "what a route has")]
 fn is(property: usize, value: f64) -> Option<RealExpr> {
@@ -34,7 +34,8 @@ fn two_bricks_and_a_printed_one_make_the_product() {
     assert_eq!(trace.end, End::Products);
     assert_eq!(trace.seconds, 50.0);
     assert_eq!(trace.products, 5);
-    // Only five printed ones were ordered. The cell keeps a bill's worth ahead: 2 bricks more.
+    // Only five printed parts were ordered. The cell keeps the components of one bill ahead: 2
+    // bricks more.
     assert_eq!(
         trace.parts,
         PartCounts {
@@ -49,7 +50,7 @@ fn two_bricks_and_a_printed_one_make_the_product() {
     let stored = trace
         .log
         .iter()
-        .filter(|e| e.node == warehouse && e.what == What::Finished);
+        .filter(|e| e.node == warehouse && e.what == EventKind::Finished);
     assert_eq!(stored.count(), 5, "the mark came from the printed one");
     // Components wait in the cell for one service, except the first ones.
     assert_eq!(trace.lead_time.max, 20.0);
@@ -139,7 +140,7 @@ fn defects_come_at_their_rate_and_with_their_value() {
         trace
             .log
             .iter()
-            .filter(|e| e.node == node && e.what == What::Rejected)
+            .filter(|e| e.node == node && e.what == EventKind::Rejected)
             .count() as f64
     };
     for name in ["bad_a", "bad_b"] {
@@ -185,7 +186,7 @@ fn a_source_by_time_keeps_its_rhythm() {
     let trace = builder.run(4);
     assert_eq!(trace.seconds, 33.0);
     assert_eq!(trace.lead_time.max, 3.0);
-    // A slow station: the source keeps one, and makes the next when that one has left.
+    // A slow station: the source keeps one part, and makes the next when that one has left.
     let mut builder = Builder::new(&["Part"]);
     builder
         .source("source", "Part", every(10.0, Some(4)))
@@ -211,7 +212,7 @@ fn who_has_waited_longest_goes_first() {
     let order: Vec<usize> = trace
         .log
         .iter()
-        .filter(|e| e.node == cell && e.what == What::Started)
+        .filter(|e| e.node == cell && e.what == EventKind::Started)
         .filter_map(|e| e.part.map(|p| p.1))
         .collect();
     // The second A began to wait before the first B did, both at 0; from then on they take turns.
@@ -255,7 +256,8 @@ fn an_order_raises_the_limit_of_a_source_by_time() {
         .route_if("Part", "camera", "bad", is(0, 0.0))
         .route("Part", &["camera", "good"]);
     let trace = builder.run(2);
-    // Both of the limit are bad; the third is due at 20 and made when the first is rejected, at 25.
+    // Both parts of the limit are bad; the third is due at 20 and made when the first is rejected,
+    // at 25.
     assert_eq!((trace.end, trace.seconds), (End::Products, 100.0));
     assert_eq!(trace.parts.rejected, 2);
 }
@@ -285,16 +287,16 @@ fn a_station_joins_products_and_works_on_them_again() {
         .route("Product", &["again", "cell"])
         .route("Product", &["camera", "warehouse"]);
     let trace = builder.run(1);
-    // Made by 10 and seen by 11. The bricks of the third product have waited in the cell since 10,
-    // so that one is made from 20 to 30; those of the fourth came later than the first product did,
-    // which is worked on until 40 and seen by 41.
+    // Made by 10 and checked by 11. The bricks of the third product have waited in the cell since
+    // 10, so that one is made from 20 to 30; those of the fourth came later than the first product,
+    // which is in work until 40 and checked by 41.
     assert_eq!((trace.end, trace.seconds), (End::Products, 41.0));
     assert_eq!(trace.stored, 1);
     assert_eq!(trace.lead_time.max, 41.0);
 }
 
-/// A joined product that is rejected takes all that was joined into it out of the line, so all of
-/// that is ordered again.
+/// A rejected product takes everything that was joined into it out of the line, so all of that is
+/// ordered again.
 #[test]
 fn a_rejected_product_orders_all_that_is_in_it() {
     let mut builder = Builder::new(&["Leg", "Frame", "Table"]);
@@ -320,7 +322,7 @@ fn a_rejected_product_orders_all_that_is_in_it() {
         .route("Table", &["cell", "camera"])
         .route_if("Table", "camera", "scrap", is(0, 0.0))
         .route("Table", &["camera", "sink"]);
-    // A table is of five legs: the fifth comes by a source of its own.
+    // A table has five legs: the fifth comes from its own source.
     builder
         .source("fifth", "Leg", every(0.0, None))
         .route("Leg", &["fifth", "cell"]);
@@ -332,7 +334,7 @@ fn a_rejected_product_orders_all_that_is_in_it() {
     assert_eq!(trace.rejects[0].reordered, 20);
 }
 
-/// A store that gives out stock keeps what came in meanwhile.
+/// A store that gives out stock keeps the parts that came in meanwhile.
 #[test]
 fn stock_and_what_came_in_are_kept_apart() {
     let mut builder = Builder::new(&["Part"]);
@@ -350,7 +352,7 @@ fn stock_and_what_came_in_are_kept_apart() {
     assert_eq!((trace.end, trace.seconds), (End::Products, 4.0));
 }
 
-/// What a violation takes out is ordered from the source that makes it.
+/// The replacement of a part removed by a violation is ordered from the source that makes it.
 #[test]
 fn a_replacement_comes_from_its_own_source() {
     let mut builder = Builder::new(&["B", "A"]);
@@ -368,7 +370,7 @@ fn a_replacement_comes_from_its_own_source() {
     assert_eq!(trace.rejects[0].part, 1);
 }
 
-/// A source with a limit of work in progress lets in no more than that.
+/// A source with a limit of work in process admits no more than that.
 #[test]
 fn at_most_so_many_are_in_the_line() {
     let mut builder = Builder::new(&["Part"]);
@@ -385,7 +387,8 @@ fn at_most_so_many_are_in_the_line() {
     let trace = builder.run_until(100.0);
     let (mut there, mut greatest) = (0, 0);
     for entry in &trace.log {
-        there += i32::from(entry.what == What::Entered) - i32::from(entry.what == What::Finished);
+        there += i32::from(entry.what == EventKind::Entered)
+            - i32::from(entry.what == EventKind::Finished);
         greatest = greatest.max(there);
     }
     assert_eq!((greatest, trace.products), (2, 20));

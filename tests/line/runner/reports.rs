@@ -65,7 +65,7 @@ fn as_text() {
     products     6 Product stored
     makespan     0:03:26
     throughput   104.85 an hour
-    lead time    mean 0:01:01, half within 0:01:00, 95 % within 0:01:06, longest 0:01:06
+    lead time    mean 0:01:01, median 0:01:00, 95th percentile 0:01:06, maximum 0:01:06
     bottleneck   assembly_cell_1 (busy, set up or failed 87.4 % of the time)
     energy       0.003 kWh
     parts        31 entered: 6 finished, 2 rejected, 21 joined into others, 2 still in the line
@@ -289,8 +289,8 @@ impl Controller for Faster {
     }
 }
 
-/// A run without a product has no lead time and no makespan: it is left out of their means, and is
-/// the worst one.
+/// A run without a product has no lead time and no makespan: it is not part of their means, and is
+/// the worst run.
 #[test]
 fn runs_without_a_product_measure_nothing() {
     let mut builder = Builder::new(&["Part"]);
@@ -352,7 +352,7 @@ fn runs_without_a_product_measure_nothing() {
     assert!(document["requirements"][0]["value"].is_null());
 }
 
-/// Requirements are judged over all runs, by findings, table and document alike.
+/// Requirements are judged over all runs, consistently in findings, table and document.
 #[test]
 fn requirements_over_all_runs() {
     let mut builder = Builder::new(&["Part"]);
@@ -391,7 +391,7 @@ fn requirements_over_all_runs() {
         seed: 5,
         ..Options::default()
     });
-    // 360, 180 and 120 an hour; 100, 200 and 300 s.
+    // 360, 180 and 120 per hour; 100, 200 and 300 s.
     let (traces, figures) = plant.replicate(3);
     let messages: Vec<&str> = figures
         .findings

@@ -1,10 +1,9 @@
-//! Serial lines with blocking after service, against two things that share no code with the runner:
-//! the throughput on which other simulators agree, and the recursion over departure times
-//! (max-plus).
+//! Serial lines with blocking after service, compared with two independent references: the
+//! throughput on which other simulators agree, and the recursion over departure times (max-plus).
 
 use crate::models::{Builder, Exponential, Work, took};
 use linewright::line::random::Stream;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use linewright::line::{Options, Trace};
 use proptest::prelude::*;
 
@@ -53,9 +52,9 @@ fn throughput_of_five_stations() {
 
 /// Departure times by the recursion for blocking after service: part `n` begins at station `i` when
 /// it has left station `i - 1` and its predecessor has left station `i`; it leaves when it is done
-/// and the room behind, a buffer of `b` and a station, is not taken: when part `n - b - 1` has left
-/// station `i + 1`. A buffer is entered at once, so leaving station `i - 1` is coming into the
-/// buffer, and the begin waits for the station.
+/// and the room behind, a buffer of `b` and a station, is available: when part `n - b - 1` has left
+/// station `i + 1`. A buffer is entered at once, so leaving station `i - 1` means entering the
+/// buffer, and the beginning waits for the station.
 fn recursion(services: &[Vec<f64>], buffers: &[usize]) -> Vec<Vec<f64>> {
     let stations = services.len();
     let parts = services[0].len();
@@ -92,7 +91,7 @@ fn check_against_recursion(stations: usize, buffers: &[usize], parts: usize, see
             &["Part"],
             Work(
                 move |call: u64, _: &mut [f64]| {
-                    // The source goes on after the parts that are looked at.
+                    // The source continues after the parts under test.
                     took(
                         times
                             .get(call as usize - 1)
@@ -121,7 +120,7 @@ fn check_against_recursion(stations: usize, buffers: &[usize], parts: usize, see
         let left: Vec<f64> = trace
             .log
             .iter()
-            .filter(|e| e.node == node && e.what == What::Left)
+            .filter(|e| e.node == node && e.what == EventKind::Left)
             .map(|e| e.time)
             .take(parts)
             .collect();

@@ -1,9 +1,9 @@
-//! Setup, breakdowns, shifts, energy, and how time is booked.
+//! Setup, breakdowns, shifts, energy, and the booking of time.
 
 use crate::models::{Builder, constant, every};
 use linewright::contract::machine::Failures;
 use linewright::line::Trace;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 
 fn near(a: f64, b: f64, tolerance: f64) {
     assert!((a - b).abs() <= tolerance, "{a} is not near {b}");
@@ -70,7 +70,11 @@ fn the_failure_clock_runs_only_at_work() {
         .sink("sink")
         .route("Part", &["source", "cell", "sink"]);
     let trace = builder.run_until(1_000_000.0);
-    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    let failures = trace
+        .log
+        .iter()
+        .filter(|e| e.what == EventKind::Failed)
+        .count() as f64;
     near(trace.stations[0].busy_seconds / failures, 50.0, 2.0);
     near(
         trace.stations[0].shares.failed / trace.stations[0].shares.busy,
@@ -97,7 +101,7 @@ fn off_shift_the_station_stands_still() {
     let ends: Vec<f64> = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished)
+        .filter(|e| e.what == EventKind::Finished)
         .map(|e| e.time / 3600.0)
         .collect();
     assert_eq!(
@@ -154,7 +158,7 @@ fn an_unvisited_station_is_idle() {
     assert_eq!(trace.bottleneck, Some(0));
 }
 
-/// What a hand calculation gives for a line that has nothing more to do, over shifts that go on.
+/// Results of a manual calculation for a line that has nothing left to do while shifts continue.
 #[test]
 fn off_shift_stays_idle_when_nothing_is_left_to_do() {
     const HOUR: f64 = 3600.0;
@@ -181,7 +185,7 @@ fn off_shift_stays_idle_when_nothing_is_left_to_do() {
         near(shares.starved, (on - 3.0) / until, 1e-9);
         near(shares.idle, (until - on) / until, 1e-9);
     }
-    // One that waits for a component which never comes: starved on shift, idle off shift.
+    // A station that waits for a component which never comes: starved on shift, idle off shift.
     let mut builder = Builder::new(&["A", "B", "C"]);
     builder
         .bill("C", &[("A", 1), ("B", 1)])
@@ -236,7 +240,7 @@ fn the_bottleneck_counts_setup_and_repair() {
     }
 }
 
-/// The slow station is, and works less than the other one.
+/// The slow station is the bottleneck, and works less than the other one.
 fn is_the_bottleneck(trace: &Trace) {
     let position = |name: &str| trace.stations.iter().position(|s| s.name == name);
     let busy = |name: &str| trace.stations[position(name).unwrap()].shares.busy;
@@ -244,7 +248,7 @@ fn is_the_bottleneck(trace: &Trace) {
     assert_eq!(trace.bottleneck, position("slow"));
 }
 
-/// Work that the end of a shift interrupts counts towards the next breakdown.
+/// Work interrupted by the end of a shift counts toward the next breakdown.
 #[test]
 fn the_failure_clock_goes_on_after_a_shift() {
     let mut builder = Builder::new(&["Part"]);
@@ -261,11 +265,15 @@ fn the_failure_clock_goes_on_after_a_shift() {
         .route("Part", &["source", "cell", "sink"])
         .shift(0.0, 100.0);
     let trace = builder.run_until(2000.0 * 86_400.0);
-    let failures = trace.log.iter().filter(|e| e.what == What::Failed).count() as f64;
+    let failures = trace
+        .log
+        .iter()
+        .filter(|e| e.what == EventKind::Failed)
+        .count() as f64;
     near(trace.stations[0].busy_seconds / failures, 100.0, 10.0);
 }
 
-/// What comes off shift waits for the morning, as it is or to be joined.
+/// Parts that arrive off shift wait for the morning, as they are or to be joined.
 #[test]
 fn nothing_begins_off_shift() {
     const HOUR: f64 = 3600.0;
@@ -281,9 +289,9 @@ fn nothing_begins_off_shift() {
         .route("J", &["cell", "sink"])
         .shift(6.0 * HOUR, 14.0 * HOUR);
     let trace = builder.run_until(240.0 * HOUR);
-    let started = trace.log.iter().filter(|e| e.what == What::Started);
+    let started = trace.log.iter().filter(|e| e.what == EventKind::Started);
     let hours: Vec<f64> = started.map(|e| e.time / HOUR % 24.0).collect();
     assert!(hours.len() > 40, "{hours:?}");
-    // What comes at the last second is taken.
+    // A part that arrives in the last second is accepted.
     assert!(hours.iter().all(|h| (6.0..=14.0).contains(h)), "{hours:?}");
 }

@@ -1,15 +1,15 @@
-//! Whose turn it is: the oldest request that a node would take, belts included.
+//! Turns: the oldest request that a node would accept, including belts.
 
 use crate::models::{Builder, Shift1, constant, every};
 use linewright::contract::line::Supply;
 use linewright::line::random::Stream;
-use linewright::line::trace::What;
+use linewright::line::trace::EventKind;
 use linewright::line::{End, Trace};
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 use std::collections::BTreeMap;
 
-/// A source on order has a part whenever the station is free, and a belt hands over at its steps
-/// only: its parts come through all the same.
+/// A source on order has a part whenever the station is free, and a belt hands over only at its
+/// steps: its parts come through nevertheless.
 #[test]
 fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
     let mut builder = Builder::new(&["P0", "A0", "P1"]);
@@ -28,14 +28,14 @@ fn a_belt_is_served_beside_a_source_that_always_has_a_part() {
         .route("A0", &["st1", "conv5", "st6", "out"])
         .route("P1", &["p1", "st3", "belt4", "st1", "out"]);
     let trace = builder.run_until(10_000.0);
-    // The station is free once in 55 s. Every other time the components of the next A0 were there
+    // The station is free once in 55 s. Every other time the components of the next A0 were present
     // before the P1.
     assert!(trace.products > 85, "{} products", trace.products);
     let joined = builder.part("A0");
     let finished = trace
         .log
         .iter()
-        .filter(|e| e.what == What::Finished && e.part.is_some_and(|(_, kind)| kind == joined))
+        .filter(|e| e.what == EventKind::Finished && e.part.is_some_and(|(_, kind)| kind == joined))
         .count();
     assert!(finished > 150, "{finished} joined");
 }
@@ -64,7 +64,7 @@ impl Controller for Refuses {
     }
 }
 
-/// A belt that keeps its first part where it came on.
+/// A belt that keeps its first part at its entry.
 struct Keeps(bool);
 
 impl Controller for Keeps {
@@ -83,8 +83,8 @@ impl Controller for Keeps {
     }
 }
 
-/// A belt that keeps its part likewise, and shows something new in every step in which it could
-/// leave.
+/// A belt that keeps its part in the same way, and changes its outputs in every step in which it
+/// could leave.
 struct Wavers(Keeps, bool);
 
 impl Controller for Wavers {
@@ -105,7 +105,7 @@ impl Controller for Wavers {
     }
 }
 
-/// Room is not kept for ever for a belt that does not hand over.
+/// Room is not reserved for ever for a belt that does not hand over.
 #[test]
 fn a_belt_that_does_not_hand_over_loses_its_turn() {
     let run = |controller: Box<dyn Controller>, supply: Supply| -> (Trace, u64) {
@@ -124,7 +124,7 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
         let on = trace
             .log
             .iter()
-            .filter(|e| e.node == belt && e.what == What::Arrived);
+            .filter(|e| e.node == belt && e.what == EventKind::Arrived);
         let on = on.count() as u64;
         (trace, on)
     };
@@ -133,7 +133,7 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
     // One step of the belt for each B, at the next full second.
     assert!(trace.products >= 299, "{} products", trace.products);
     assert!(trace.violation_count > 100, "it is asked again and again");
-    // Alone it is asked once, and again when something has changed.
+    // Alone it has one turn, and another when something has changed.
     let alone = every(10_000.0, None);
     let (trace, _) = run(Box::new(Refuses(Shift1::new(2))), alone);
     assert!(
@@ -148,9 +148,9 @@ fn a_belt_that_does_not_hand_over_loses_its_turn() {
     for keeps in keeps {
         let (trace, on) = run(keeps(), every(0.0, None));
         assert_eq!((trace.end, on), (End::Time, 1));
-        // As many steps as it has places, and three more, for each B.
+        // As many steps as it has places, plus three, for each B.
         assert!(trace.products >= 85, "{} products", trace.products);
-        // One that comes to a free station stands back for the belt, and is not forgotten.
+        // A part that comes to a free station gives way to the belt, and is not forgotten.
         let (trace, _) = run(keeps(), every(10.0, None));
         assert!(trace.products >= 55, "{} products", trace.products);
     }
@@ -171,7 +171,7 @@ fn a_belt_before_a_belt_is_served_in_its_turn() {
         .route("B", &["b", "second", "sink"]);
     let trace = builder.run_until(1000.0);
     let of = |kind: usize| {
-        let finished = trace.log.iter().filter(|e| e.what == What::Finished);
+        let finished = trace.log.iter().filter(|e| e.what == EventKind::Finished);
         finished
             .filter(|e| e.part.is_some_and(|p| p.1 == kind))
             .count() as i64
@@ -180,11 +180,11 @@ fn a_belt_before_a_belt_is_served_in_its_turn() {
     assert!(a > 200 && (a - b).abs() <= 4, "{a} and {b}");
 }
 
-/// A station that several nodes feed, and what feeds it. Each has a part type of its own.
+/// A station fed by several nodes, each with its own part type.
 struct Fed {
     trace: Trace,
     station: usize,
-    /// By part type: the node that it comes from, and how.
+    /// By part type: its source node, and the kind of feeder.
     feeders: BTreeMap<usize, (usize, Feeder)>,
 }
 
@@ -193,7 +193,7 @@ enum Feeder {
     /// A source that always has a part.
     Source,
     Buffer,
-    /// A belt of so many places.
+    /// A belt with this many places.
     Belt(u32),
     /// Joined at the station.
     Joined,
@@ -277,11 +277,11 @@ fn fed(seed: u64) -> Fed {
     }
 }
 
-/// By part number: when each began to wait for the station, read off the log by the words of the
-/// rule.
+/// By part number: when each began to wait for the station, derived from the log by the definition
+/// of the rule.
 fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
     let mut requests = BTreeMap::new();
-    // By node: when its last part left. By station: when the last component came.
+    // By node: when its last part left. By station: when the last component arrived.
     let mut left: BTreeMap<usize, f64> = BTreeMap::new();
     let mut component = 0.0;
     let mut arrived: BTreeMap<u64, f64> = BTreeMap::new();
@@ -290,7 +290,7 @@ fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
         let Some((number, kind)) = entry.part else {
             continue;
         };
-        if entry.what == What::Arrived && entry.node == fed.station && kind == 0 {
+        if entry.what == EventKind::Arrived && entry.node == fed.station && kind == 0 {
             component = entry.time;
         }
         let Some(&(node, feeder)) = fed.feeders.get(&kind) else {
@@ -298,13 +298,13 @@ fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
         };
         match (feeder, entry.what) {
             // It offers the next part as soon as one has left.
-            (Feeder::Source, What::Entered) => {
+            (Feeder::Source, EventKind::Entered) => {
                 requests.insert(number, left.get(&node).copied().unwrap_or(0.0));
             }
-            (Feeder::Belt(places), What::Place(place)) if place + 1 == places => {
+            (Feeder::Belt(places), EventKind::Place(place)) if place + 1 == places => {
                 requests.insert(number, entry.time);
             }
-            (Feeder::Buffer, What::Arrived) if entry.node == node => {
+            (Feeder::Buffer, EventKind::Arrived) if entry.node == node => {
                 let queue = queues.entry(node).or_default();
                 queue.push(number);
                 arrived.insert(number, entry.time);
@@ -312,28 +312,28 @@ fn requests(fed: &Fed) -> BTreeMap<u64, f64> {
                     requests.insert(number, entry.time);
                 }
             }
-            (Feeder::Buffer, What::Left) if entry.node == node => {
+            (Feeder::Buffer, EventKind::Left) if entry.node == node => {
                 let queue = queues.entry(node).or_default();
                 queue.remove(0);
                 if let Some(&front) = queue.first() {
                     requests.insert(front, entry.time.max(arrived[&front]));
                 }
             }
-            (Feeder::Joined, What::Started) => {
+            (Feeder::Joined, EventKind::Started) => {
                 requests.insert(number, component);
             }
             _ => {}
         }
-        if entry.what == What::Left && entry.node == node {
+        if entry.what == EventKind::Left && entry.node == node {
             left.insert(node, entry.time);
         }
     }
     requests
 }
 
-/// None is overtaken by a request that began later than it did, whether it is served in the end or
-/// waits still. Since each feeder waits with one part at a time, that bounds how many go before it
-/// by those that waited before.
+/// No request is overtaken by a later one, whether it is served eventually or still waits. Since
+/// each feeder waits with one part at a time, this bounds the number that go before it by those
+/// that waited earlier.
 #[test]
 fn no_request_is_overtaken_by_a_later_one() {
     let (mut waits, mut belts) = (0, 0);
@@ -342,7 +342,7 @@ fn no_request_is_overtaken_by_a_later_one() {
         let requests = requests(&fed);
         let mut started: Vec<(u64, usize)> = Vec::new();
         for entry in &fed.trace.log {
-            if entry.what == What::Started {
+            if entry.what == EventKind::Started {
                 started.extend(entry.part);
             }
         }

@@ -6,30 +6,30 @@
 //! mutation::mutants! { "crates/solver/src/mealy/certify.rs", "crates/solver/src/mealy/verify/mod.rs" }
 //! ```
 //!
-//! makes a module `certify` and a module `verify` of these files, whose paths begin at the
-//! package's folder, with the files that their `mod` items name, and a list `MUTANTS` that says
-//! what each mutant is. The files themselves stay as they are, and nothing of this is in any build
-//! but the test's. `crate::` in them becomes `linewright::`. At each place the copy asks
-//! `crate::switch::at(first, count)`, which answers `i` where mutant `first + i - 1` is switched
-//! on, and 0 otherwise.
+//! makes a module `certify` and a module `verify` of these files, whose paths are relative to the
+//! package's folder, with the files named by their `mod` items, and a list `MUTANTS` that describes
+//! each mutant. The files themselves are unchanged, and none of this is in any build but the
+//! test's. `crate::` in them becomes `linewright::`. At each place the copy calls
+//! `crate::switch::at(first, count)`, which returns `i` if mutant `first + i - 1` is active, and 0
+//! otherwise.
 //!
-//! | operator | what it makes |
+//! | operator | changes |
 //! |---|---|
-//! | comparison | `<` and `<=`, `>` and `>=` for one another; each the other way round; `==` and `!=` for one another |
-//! | logic | `&&` and `||` for one another, `!` left out |
-//! | condition | of an `if`, a guard, a predicate that is handed over: always, never |
-//! | quantifier | `any` and `all`, `is_some_and` and `is_none_or` for one another |
+//! | comparison | `<` and `<=`, `>` and `>=` exchanged; each reversed; `==` and `!=` exchanged |
+//! | logic | `&&` and `||` exchanged, `!` removed |
+//! | condition | of an `if`, a guard, a predicate argument: always, never |
+//! | quantifier | `any` and `all`, `is_some_and` and `is_none_or` exchanged |
 //! | loop | over nothing, over all but the first, over the first only; a `chain` without its second part |
-//! | arithmetic | `+` and `-`, `*` and `/`, `<<` and `>>`, `&` and `|` for one another |
+//! | arithmetic | `+` and `-`, `*` and `/`, `<<` and `>>`, `&` and `|` exchanged |
 //! | constant | truth values, `Time::Now` and `Time::Next`, the two owners, numbers by one |
-//! | statement | a call, an assignment, a `?` left out |
-//! | set | operations of the kernel for one another (`and`, `or`, `and_not`, `xor`, `iff`), `prime` left out |
-//! | arm | where two arms of a `match` give a name each, the other name |
+//! | statement | a call, an assignment, a `?` removed |
+//! | set | operations of the kernel exchanged (`and`, `or`, `and_not`, `xor`, `iff`), `prime` removed |
+//! | arm | if two arms of a `match` each give a name, the other name |
 //!
-//! Left as they are: constants outside of functions, how things are shown (`Display`, `Debug`), and
-//! what says how long something takes and never what comes out: calls that ask the clock or give a
-//! kernel an opportunity ([`SPEED`]) with conditions that guard nothing else, and comparisons with
-//! constants that choose a way by size ([`SIZES`]).
+//! Not mutated: constants outside of functions, display code (`Display`, `Debug`), and code that
+//! affects only duration and never results: calls that check the clock or give a kernel an
+//! opportunity ([`SPEED`]), with conditions that guard nothing else, and comparisons with constants
+//! that choose a way by size ([`SIZES`]).
 
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, quote};
@@ -39,10 +39,10 @@ use syn::punctuated::Punctuated;
 use syn::visit_mut::{self, VisitMut};
 use syn::{BinOp, Expr, ExprLit, Ident, Item, Lit, LitStr, Stmt, Token, UnOp, parse_quote};
 
-/// Methods that say how long something takes, never what comes out.
+/// Methods that affect only duration, never results.
 const SPEED: [&str; 4] = ["check_time", "safe_point", "set_reordering", "reserve"];
 
-/// What constants are called that choose between two right ways by size.
+/// Suffix of constants that choose between two correct ways by size.
 const SIZES: &str = "_NODES";
 
 /// Methods whose argument is a predicate.
@@ -60,7 +60,7 @@ const PREDICATES: [&str; 11] = [
     "partition",
 ];
 
-/// Methods that stand for one another.
+/// Methods that are exchanged for each other.
 const METHODS: [(&str, &str); 14] = [
     ("any", "all"),
     ("all", "any"),
@@ -106,13 +106,13 @@ pub fn mutants(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     });
     quote! {
         #modules
-        /// What each mutant is, by its number.
+        /// Description of each mutant, by number.
         pub const MUTANTS: &[crate::switch::Mutant] = &[#(#mutants),*];
     }
     .into()
 }
 
-/// The module that a file is.
+/// The module made of a file.
 fn module(switcher: &mut Switcher, file: &LitStr) -> Result<TokenStream, String> {
     let root = std::env::var("CARGO_MANIFEST_DIR").map_err(|e| e.to_string())?;
     let path = file.value();
@@ -125,14 +125,14 @@ fn module(switcher: &mut Switcher, file: &LitStr) -> Result<TokenStream, String>
     })
 }
 
-/// The items of a file, those of its modules within them.
+/// The items of a file, including those of its modules.
 fn items(switcher: &mut Switcher, root: &Path, path: &Path) -> Result<TokenStream, String> {
     let whole = root.join(path);
     let said = |error: String| format!("{}: {error}", path.display());
     let text = std::fs::read_to_string(&whole).map_err(|e| said(e.to_string()))?;
     let file = syn::parse_file(&text).map_err(|e| said(e.to_string()))?;
     let place = whole.display().to_string();
-    // So that the compiler knows when to make the copy anew.
+    // Tells the compiler when to make the copy anew.
     let mut result = quote!(
         const _: &str = include_str!(#place);
     );
@@ -164,7 +164,7 @@ fn attributes(item: &Item) -> &[syn::Attribute] {
     }
 }
 
-/// Where the module of a file lies.
+/// Path of a module's file.
 fn file_of(path: &Path, name: &str) -> PathBuf {
     let folder = path.parent().unwrap_or(path);
     if path.file_stem().is_some_and(|s| s == "mod") {
@@ -190,7 +190,7 @@ struct Switcher {
     functions: Vec<String>,
 }
 
-/// An expression as one line.
+/// An expression on one line.
 fn shown(tokens: &impl ToTokens) -> String {
     let text = tokens.to_token_stream().to_string();
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -202,7 +202,7 @@ fn shown(tokens: &impl ToTokens) -> String {
 }
 
 impl Switcher {
-    /// Notes mutants of one place; gives the question which of them is switched on.
+    /// Registers the mutants of one place; returns the query for the active one.
     fn note(
         &mut self,
         operator: &'static str,
@@ -223,7 +223,7 @@ impl Switcher {
         quote!(crate::switch::at(#first, #count))
     }
 
-    /// Puts alternatives beside an expression whose parts have been dealt with.
+    /// Adds alternatives to an expression whose parts have been processed.
     fn choose(&mut self, operator: &'static str, place: &mut Expr, right: &Expr, wrong: Vec<Expr>) {
         let shown = wrong.iter().map(shown).collect::<Vec<_>>();
         let question = self.note(operator, right, &shown);
@@ -232,7 +232,7 @@ impl Switcher {
         *place = parse_quote!((match #question { #(#arms)* _ => #now }));
     }
 
-    /// A condition: always, never, and what its parts give.
+    /// A condition: always, never, and the values of its parts.
     fn condition(&mut self, condition: &mut Expr) {
         if !has_let(condition) && by_size(condition) {
             PathChanger.visit_expr_mut(condition);
@@ -283,7 +283,7 @@ fn has_let(condition: &Expr) -> bool {
     }
 }
 
-/// Whether a statement changes no verdict.
+/// Whether a statement affects no verdict.
 fn only_speed(statement: &Stmt) -> bool {
     let Stmt::Expr(expression, _) = statement else {
         return false;
@@ -301,7 +301,7 @@ fn only_speed(statement: &Stmt) -> bool {
     }
 }
 
-/// The name that an arm of a `match` gives.
+/// The name bound by an arm of a `match`.
 fn arm_name(arm: &syn::Arm) -> Option<&Ident> {
     match &*arm.body {
         Expr::Path(path) => path.path.get_ident(),
@@ -338,7 +338,7 @@ fn arithmetic(op: &BinOp) -> Option<BinOp> {
 impl VisitMut for Switcher {
     fn visit_item_mut(&mut self, item: &mut Item) {
         match item {
-            // Small in the copy, so that small artefacts come by both ways.
+            // Small in the copy, so that small artefacts take both ways.
             Item::Const(constant) if constant.ident.to_string().ends_with(SIZES) => {
                 if constant.ident != "SMALL_NODES" {
                     *constant.expr = parse_quote!(16);
@@ -398,14 +398,14 @@ impl VisitMut for Switcher {
     }
 
     fn visit_visibility_mut(&mut self, visibility: &mut syn::Visibility) {
-        // The tests look at inner parts, too.
+        // The tests access inner parts, too.
         *visibility = match visibility {
             syn::Visibility::Restricted(_) => parse_quote!(pub),
             _ => visibility.clone(),
         };
     }
 
-    // Numbers in these are no places.
+    // Numbers in these are not mutated.
     fn visit_pat_mut(&mut self, pattern: &mut syn::Pat) {
         PathChanger.visit_pat_mut(pattern);
     }
@@ -679,21 +679,21 @@ impl VisitMut for Switcher {
                     self.choose("constant", place, &right, vec![other]);
                 }
             }
-            // How long an array is belongs to its type.
+            // The length of an array is part of its type.
             Expr::Repeat(repeat) => self.visit_expr_mut(&mut repeat.expr),
-            // What is on the left of an assignment is a place in memory.
+            // The left side of an assignment is a place in memory.
             Expr::Assign(assigned) => {
                 PathChanger.visit_expr_mut(&mut assigned.left);
                 self.visit_expr_mut(&mut assigned.right);
             }
             _ => visit_mut::visit_expr_mut(self, place),
         }
-        // Alternatives are made of what was there before.
+        // Alternatives are made of the original code.
         PathChanger.visit_expr_mut(place);
     }
 }
 
-/// For the list: a tail that has its switches already is not shown with them.
+/// For the list: a tail that already has switches is shown without them.
 fn quiet(tail: &Expr) -> Expr {
     let text = shown(tail);
     if text.contains("switch") {
@@ -702,7 +702,7 @@ fn quiet(tail: &Expr) -> Expr {
     tail.clone()
 }
 
-/// Begins paths elsewhere.
+/// Replaces the beginning of paths.
 struct PathChanger;
 
 impl VisitMut for PathChanger {

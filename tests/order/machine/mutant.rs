@@ -85,7 +85,7 @@ fn the_proof_refuses_it() {
         formula.is_some_and(|f| f.name == "order trays")
     });
     let broken = broken.unwrap_or_else(|| panic!("{verdict:#?}"));
-    // The controllers themselves make the run.
+    // The controllers themselves produce the run.
     assert_eq!(replay::open(&closed, broken), Ok(()));
 }
 

@@ -1,5 +1,4 @@
-//! Skills that are called from outside: each operation is a call, also where the same one follows
-//! on itself.
+//! Skills called from outside: each operation is a call, even if the same one follows itself.
 
 use super::mutant::library;
 use crate::laboratory::{Controlled, of_lines};
@@ -138,7 +137,7 @@ fn a_line_that_asks_against_an_order_is_told_so() {
     }
 }
 
-/// What `check` says of a file, as a document.
+/// The output of `check` for a file, as a document.
 fn checked(text: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("mover.lw"), text).expect("a file can be written");
@@ -171,7 +170,7 @@ fn mover_with(orders: &str, tasks: &[&[&str]]) -> String {
     )
 }
 
-/// The calls after which one is refused, by trying all sequences of so many tasks on the machine
+/// The calls after which one is refused, found by trying all sequences of `tasks` on the machine
 /// itself.
 fn refused_after(text: &str, tasks: &[&[&str]], most: usize) -> Option<Vec<String>> {
     let mover = controlled(text);
@@ -222,7 +221,7 @@ fn a_line_is_proved_only_where_no_sequence_of_its_parts_is_refused() {
         &[&["left", "left", "right"], &["right"]],
     ];
     let (mut proved, mut open) = (0, 0);
-    // A signal that never changes changes nothing.
+    // A signal that never changes makes no difference.
     let with_signal = |text: String| {
         text.replace("operation = left\n", "operation = left and on\n")
             .replace(
@@ -289,7 +288,7 @@ fn parameters_and_properties_are_known() {
     let part = " { property to: {l, r} = l }";
     let document = checked(&with("property", part, "perform left"));
     let line = &document["lines"][0];
-    // Every Crate has the value that it is made with: it calls Left, again and again.
+    // Every Crate keeps its initial value: it calls Left, again and again.
     assert_eq!(line["proof"], "open", "{line}");
     assert!(line.to_string().contains("LW411"), "{line}");
     let part = " { property to: {l, r} = r }";

@@ -1,4 +1,4 @@
-//! What is proved of the unit as it is synthesized, and that it works.
+//! The proof of the synthesized unit, and its operation.
 
 use super::mutant::{LINE, unit};
 use crate::support::{linewright, root};

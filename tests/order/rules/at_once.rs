@@ -1,5 +1,5 @@
-//! Events of several skills, `Left & Down`, in every place where a rule can speak of them, on all
-//! short sequences of calls of one skill or of two at once; and calls of three skills at once.
+//! Events of several skills, `Left & Down`, wherever a rule can mention them, on all short
+//! sequences of calls of one skill or of two at once; and calls of three skills at once.
 
 use super::naive::Naive;
 use super::units::{
@@ -12,7 +12,7 @@ use linewright::order::supervisor::Options;
 use linewright::order::{Event, Kind, Level, Serialisation, Skills};
 use proptest::prelude::*;
 
-/// So many skills are called in all.
+/// Total number of skills called.
 const LENGTH: usize = 5;
 
 const BOTH: [Serialisation; 2] = [Serialisation::Every, Serialisation::Some];
@@ -203,7 +203,7 @@ fn what_has_been_called_at_once_at_the_start_is_not_known() {
 
 #[test]
 fn what_has_been_called_last_at_the_start_is_not_known() {
-    // It stands left and up.
+    // It is at left and up.
     agree([after(any(&[LEFT]), any(&[UP]), any(&[GRIP]))]);
     agree([after(any(&[LEFT, UP]), any(&[UP]), any(&[GRIP]))]);
     agree([after(any(&[UP]), any(&[UP]), any(&[GRIP]))]);
@@ -223,7 +223,7 @@ fn deleted_transitions_and_recalls() {
     agree_at(&pick_and_place(), Level::Reasonable, false);
 }
 
-/// A sequence of calls of one, two or three skills of the unit, some eight skills in all.
+/// A sequence of calls of one, two or three skills of the unit, some eight skills in total.
 fn program() -> impl Strategy<Value = Vec<u64>> {
     let at = |low: u64| prop_oneof![Just(0), Just(1 << low), Just(2 << low)];
     let call = (at(LEFT as u64), at(UP as u64), at(RELEASE as u64));

@@ -1,10 +1,10 @@
-//! Random rules: the automaton and its regular expression have the same words, and those that the
-//! rules mean; making an automaton smaller keeps its words.
+//! Random rules: the automaton and its regular expression have the same words, which are those that
+//! the rules mean; minimizing an automaton keeps its words.
 
 use super::naive::{Letter, Naive};
 use super::random::{Size, options, skills, two_sets};
 use super::units::{any, at_most, unit};
-use linewright::automata::bound::{MOST_STATES, TooLarge};
+use linewright::automata::bound::{BoundExceeded, MOST_STATES};
 use linewright::automata::dfa::{Dfa, REFUSED};
 use linewright::automata::{eliminate, regex};
 use linewright::deadline::Deadline;
@@ -20,20 +20,19 @@ const SIZE: Size = Size {
     sequences: 4,
 };
 
-/// So many skills are called one after the other.
+/// Number of skills called one after the other.
 const LENGTH: usize = 5;
 
-/// So long are the words that are all compared, one after the other.
+/// Length of the words that are all compared.
 const SHORT: usize = 4;
 
-/// The automaton of the expression that is made of an automaton; `None` where that would be too
-/// long.
+/// The automaton of the expression made of an automaton; `None` if that would be too long.
 fn expressed(dfa: &Dfa) -> Option<Dfa> {
     let expression = eliminate::regex(dfa, Deadline::NONE).ok()?;
     Some(regex::automaton(&expression, dfa.letters(), MOST_STATES).expect("it was small before"))
 }
 
-/// Calls `seen` with every word up to a length that the automaton reads, the state after it, and
+/// Calls `seen` with every word up to a length that the automaton accepts, the state after it, and
 /// the skill that it refuses there, if any.
 fn each_word(
     dfa: &Dfa,
@@ -62,8 +61,8 @@ fn accepts(dfa: &Dfa, word: &[usize]) -> bool {
     dfa.run(word).is_some_and(|state| dfa.is_complete(state))
 }
 
-/// Every pair of states is told apart by some word: refused after the one, or ending there, and not
-/// so after the other.
+/// Every pair of states is distinguished by some word: refused after one, or ending there, but not
+/// after the other.
 fn is_smallest(dfa: &Dfa) -> bool {
     let states = dfa.states() as u32;
     let number = |a: u32, b: u32| (a * states + b) as usize;
@@ -87,7 +86,7 @@ fn is_smallest(dfa: &Dfa) -> bool {
     (0..states).all(|a| (0..states).all(|b| a == b || apart[number(a, b)]))
 }
 
-/// Six counters, of 4096 states together: an answer comes at once.
+/// Six counters, with 4096 states in total: an answer comes at once.
 #[test]
 fn what_is_too_large_for_an_expression_is_refused() {
     let counter = |skill| at_most(3, any(&[skill]), Vec::new(), Vec::new());
@@ -95,7 +94,7 @@ fn what_is_too_large_for_an_expression_is_refused() {
     let dfa = Fsm::of(&skills, Options::default(), 1).expect("it is small");
     let refused = eliminate::regex(&dfa.one_by_one(), Deadline::NONE).expect_err("it is too large");
     let limit = eliminate::MOST_ELIMINATED;
-    assert!(matches!(refused, TooLarge::Count { limit: at, .. } if at == limit));
+    assert!(matches!(refused, BoundExceeded::Count { limit: at, .. } if at == limit));
 }
 
 proptest! {
@@ -128,7 +127,7 @@ proptest! {
         for dfa in [dfa.clone(), dfa.prefix_closed()] {
             if let Some(again) = expressed(&dfa) {
                 prop_assert_eq!(again.difference(&dfa), None);
-                // The product is not all that says so.
+                // The product is not the only evidence.
                 each_word(&dfa, 0, &mut Vec::new(), LENGTH, &mut |word, after| match after {
                     Ok(state) => {
                         assert_eq!(dfa.is_complete(state), accepts(&again, word), "{word:?}");
@@ -168,7 +167,7 @@ proptest! {
                 assert!(trimmed.run(&word).is_none(), "{word:?}");
             }
         });
-        // What is left can be completed from everywhere; only the start stays whatever comes of it.
+        // The rest can be completed from everywhere; only the start is always kept.
         for state in 1..trimmed.states() as u32 {
             let successors = |state: &u32| -> Vec<((), u32)> {
                 let all = (0..trimmed.letters()).map(|l| trimmed.next(*state, l));

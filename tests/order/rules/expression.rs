@@ -15,7 +15,7 @@ fn has_words(regex: &Regex, skills: usize) -> bool {
     }
 }
 
-/// A word of single skills, out of so many.
+/// A word of single skills, out of this many.
 #[derive(Clone, Copy)]
 pub struct Word<'a> {
     pub called: &'a [usize],
@@ -23,17 +23,17 @@ pub struct Word<'a> {
 }
 
 impl Word<'_> {
-    /// Whether the whole word is one of the expression.
+    /// Whether the whole word belongs to the expression.
     pub fn is_whole(self, regex: &Regex) -> bool {
         self.ends(regex, 0) >> self.called.len() & 1 == 1
     }
 
-    /// Whether it is the beginning of a word of the expression.
+    /// Whether it is a prefix of a word of the expression.
     pub fn is_begun(self, regex: &Regex) -> bool {
         self.begins(regex, 0)
     }
 
-    /// Where words of the expression end that begin at this position.
+    /// Positions at which words of the expression end that begin at this position.
     fn ends(self, regex: &Regex, at: usize) -> u32 {
         let one = |fits: bool| if fits { 1 << (at + 1) } else { 0 };
         let here = self.called.get(at);
@@ -62,7 +62,7 @@ impl Word<'_> {
             return ends;
         }
         for next in positions(self.ends(of, at)) {
-            // A time that calls nothing counts only for as long as some are wanted.
+            // A repetition without calls counts only as long as more are required.
             if next > at || low > 0 {
                 let high = high.map(|h| h - 1);
                 ends |= self.repeated(of, low.saturating_sub(1), high, next);
@@ -71,7 +71,7 @@ impl Word<'_> {
         ends
     }
 
-    /// Whether all that is called from this position on is the beginning of a word.
+    /// Whether everything called from this position on is a prefix of a word.
     fn begins(self, regex: &Regex, at: usize) -> bool {
         if !has_words(regex, self.skills) {
             return false;
@@ -118,8 +118,8 @@ fn positions(mask: u32) -> impl Iterator<Item = usize> {
     (0..u32::BITS as usize).filter(move |p| mask >> p & 1 == 1)
 }
 
-/// What is left of some skills when others have been called; `None` where one is called that is not
-/// among them.
+/// The remaining skills after others have been called; `None` if one is called that is not among
+/// them.
 fn left_of(skills: &[usize], called: &[usize]) -> Option<Vec<usize>> {
     let mut left = skills.to_vec();
     for skill in called {

@@ -1,4 +1,4 @@
-//! What is found wrong with rules, against the words that they allow.
+//! Findings about rules, compared with the words that they allow.
 
 use super::naive::Naive;
 use super::random::{Size, skills};
@@ -8,7 +8,7 @@ use super::units::{
 use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, codes};
 use linewright::order::findings::examine;
-use linewright::order::program::{Apart, difference};
+use linewright::order::program::{DifferenceOptions, difference};
 use linewright::order::supervisor::{Options, Supervisor};
 use linewright::order::{Kind, Level, Skills, fsm};
 use linewright::source::{FileId, Span};
@@ -22,10 +22,10 @@ const SIZE: Size = Size {
     sequences: 2,
 };
 
-/// Words of so many calls are tried one by one.
+/// Maximum length of words that are tried one by one.
 const LONGEST: usize = 4;
 
-/// Every word of these calls that is allowed, up to so many calls.
+/// Every allowed word of these calls, up to `longest` calls.
 fn words(naive: &Naive<'_>, calls: &[u64], longest: usize) -> Vec<Vec<u64>> {
     let mut all = vec![Vec::new()];
     let mut last = all.clone();
@@ -53,7 +53,7 @@ fn named(message: &str, skills: &Skills) -> u64 {
     masks.last().expect("a skill is named")
 }
 
-/// The same with names and places by which the rules are told apart, all at the level valid.
+/// The same with names and places that distinguish the rules, all at the level valid.
 fn numbered(mut skills: Skills) -> Skills {
     for (number, rule) in skills.rules.iter_mut().enumerate() {
         rule.name = format!("r{number}");
@@ -107,7 +107,7 @@ proptest! {
                     Supervisor::new(&skills, options).expect("it is small"),
                     Supervisor::new(&without, options).expect("it is small"),
                 );
-                let apart = Apart { whole: true, ..Apart::default() };
+                let apart = DifferenceOptions { whole: true, ..DifferenceOptions::default() };
                 let apart = difference(&all, &fewer, &fsm::calls(&skills, 2), apart);
                 prop_assert!(apart.expect("it is small").is_some(), "{} in {:#?}", name, found);
             }

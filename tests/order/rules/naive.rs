@@ -1,34 +1,33 @@
-//! What rules mean, without automata: every kind by quantifiers over the positions of a word,
+//! The meaning of rules without automata: every kind by quantifiers over the positions of a word,
 //! several skills at once by trying all orders.
 //!
-//! It follows the words of `crates/language/src/order/mod.rs` and shares nothing with
-//! `crates/language/src/order` but the shape of its data. What those words leave open is decided
-//! here so:
+//! It follows the text of `crates/language/src/order/mod.rs` and shares only data types with
+//! `crates/language/src/order`. What that text leaves open is decided here as follows:
 //!
 //! - The call that ends a window is inside it, the one that begins it is not:
 //!   `at most 2 of X between Y and X` counts the last `X`.
-//! - `X before X` says nothing, and `X only after X` never allows an `X`.
-//! - An event of several skills has not been called at the start, wherever the components stand.
-//! - Which of two skills that stand at the start has been called last is not known. With `Every`
-//!   all orders have to be suited.
-//! - Events of several skills come anywhere among the skills of their call. What is in a row goes
-//!   by the skills alone: `Left & Down` is there where the two follow each other in one call.
+//! - `X before X` has no effect, and `X only after X` never allows an `X`.
+//! - An event of several skills has not been called at the start, wherever the components are.
+//! - Which of two skills that hold at the start was called last is not known. With `Every` all
+//!   orders must be suitable.
+//! - Events of several skills occur anywhere among the skills of their call. Only skills count for
+//!   consecutive calls: `Left & Down` occurs where the two follow each other in one call.
 
 use super::expression;
 use linewright::order::supervisor::Options;
 use linewright::order::{Event, Kind, Level, Rule, Serialisation, Skills};
 use std::collections::BTreeSet;
 
-/// A skill, or an event of several, that comes in some order of a call.
+/// A skill, or an event of several, at its place in some order of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Letter {
-    /// The skills, as a mask.
+    /// Mask of the skills.
     pub mask: u64,
-    /// The place of the call.
+    /// Index of the call.
     pub call: usize,
 }
 
-/// Positions in a word at which one of some events stands, as a mask.
+/// Positions in a word at which one of some events occurs, as a mask.
 #[derive(Clone, Copy)]
 struct Places(u64);
 
@@ -48,16 +47,16 @@ impl Places {
     }
 }
 
-/// The rules of a level, as they are written.
+/// The rules of a level, as written.
 pub struct Naive<'a> {
     skills: &'a Skills,
     options: Options,
     rules: Vec<&'a Rule>,
     deleting: Vec<&'a Rule>,
-    /// The events of several skills.
+    /// Events of several skills.
     at_once: Vec<u64>,
-    /// What may hold at the start: for every rule, whether it begins as if called. One for every
-    /// order in which what stands may have been called.
+    /// What may hold at the start: for every rule, whether it begins as if called. One entry for
+    /// every order in which the initial skills may have been called.
     beginnings: BTreeSet<Vec<bool>>,
 }
 
@@ -129,7 +128,7 @@ impl<'a> Naive<'a> {
         self.suits_components(program) && self.asks(program, Self::keeps)
     }
 
-    /// Whether a program that is allowed may end here: no sequence is in the middle of a word.
+    /// Whether an allowed program may end here: no sequence is in the middle of a word.
     pub fn may_end(&self, program: &[u64]) -> bool {
         self.asks(program, |naive, word| {
             naive.is_whole(word)
@@ -137,9 +136,9 @@ impl<'a> Naive<'a> {
         })
     }
 
-    /// The rules, by their places, that keep a program that is allowed from ending here: what every
-    /// order leaves unfinished, where that is nothing or every order has to be suited, what some
-    /// order does.
+    /// The rules, by index, that prevent an allowed program from ending here: what every order
+    /// leaves unfinished; if that is empty or every order must be suitable, what some order leaves
+    /// unfinished.
     pub fn unfinished(&self, program: &[u64]) -> Vec<usize> {
         if self.may_end(program) {
             return Vec::new();
@@ -163,7 +162,7 @@ impl<'a> Naive<'a> {
         every
     }
 
-    /// How many calls are allowed up to the first that is not.
+    /// Number of calls allowed before the first refused one.
     pub fn allowed(&self, program: &[u64]) -> usize {
         let all = (1..=program.len()).take_while(|n| self.allows(&program[..*n]));
         all.count()
@@ -176,14 +175,14 @@ impl<'a> Naive<'a> {
         skills.chain(events.filter(|e| e & call == *e)).collect()
     }
 
-    /// Asks all orders, or some one, whatever is wanted.
+    /// Tests all orders, or some order, as required.
     fn asks(&self, program: &[u64], is: impl Fn(&Self, &[Letter]) -> bool) -> bool {
         let every = self.options.serialisation == Serialisation::Every;
         let mut found = false;
         let mut word = Vec::new();
         self.each_order(program, 0, &mut word, &mut |word| {
             found = is(self, word);
-            // The answer is known with the first refusal, or with the first order that is allowed.
+            // The answer is known with the first refusal, or with the first allowed order.
             found == every
         });
         found
@@ -199,7 +198,7 @@ impl<'a> Naive<'a> {
         orders
     }
 
-    /// Gives every order of the letters of every call, for as long as more are wanted.
+    /// Passes on every order of the letters of every call, as long as more are requested.
     fn each_order(
         &self,
         program: &[u64],
@@ -224,7 +223,7 @@ impl<'a> Naive<'a> {
         self.beginnings.iter().map(Vec::as_slice)
     }
 
-    /// The rules that one order breaks, out of those that are kept at this level.
+    /// The rules kept at this level that one order violates.
     pub fn broken(&self, beginning: &[bool], word: &[Letter]) -> Vec<&'a Rule> {
         let rules = self.rules.iter().copied().zip(beginning);
         let broken = rules.filter(|(rule, begun)| !self.keeps_one(&rule.kind, **begun, word));
@@ -310,8 +309,8 @@ impl<'a> Naive<'a> {
         }
     }
 
-    /// Whether components allow these calls: no two skills of one at once, no recall where none is
-    /// to be, no deleted transition.
+    /// Whether components allow these calls: no two skills of one at once, no forbidden recall, no
+    /// deleted transition.
     pub fn suits_components(&self, program: &[u64]) -> bool {
         let components = 0..self.skills.components.len();
         let mut situation: Vec<usize> = components
@@ -367,7 +366,7 @@ fn begins(kind: &Kind, standing: &[u64]) -> bool {
     }
 }
 
-/// Whether these skills begin with the places of a word in a row.
+/// Whether these skills begin with the consecutive places of a word.
 fn stands_in_front(places: &[Vec<Event>], skills: &[Letter]) -> bool {
     let Some((place, others)) = places.split_first() else {
         return true;

@@ -1,5 +1,5 @@
-//! Up to six skills at once: the sets that are counted through in
-//! `crates/language/src/order/serial.rs` against all orders, one after the other.
+//! Up to six skills at once: compares the sets counted in `crates/language/src/order/serial.rs`
+//! with all orders, one after the other.
 
 use super::naive::{Letter, Naive};
 use super::random::{Size, program, skills};
@@ -20,10 +20,10 @@ const SIZE: Size = Size {
     sequences: 4,
 };
 
-/// Calls with more letters than this have too many orders to try them all.
+/// Maximum number of letters in a call whose orders are all tried.
 const MOST_LETTERS: usize = 6;
 
-/// So many orders are tried for each skill that may come next.
+/// Maximum number of orders tried for each skill that may come next.
 const MOST_ORDERS: usize = 1500;
 
 /// Skills, some calls of one or two of them, and a last call of up to six.
@@ -32,7 +32,7 @@ fn with_calls() -> impl Strategy<Value = (Skills, Vec<u64>, u64)> {
         let before = program(&skills, 2, 0..=2);
         let mut own: Vec<Vec<u64>> = vec![vec![0]; skills.components.len()];
         for (number, skill) in skills.skills.iter().enumerate() {
-            // A component is left out now and then only.
+            // A component is omitted only occasionally.
             own[skill.component].extend([1 << number; 3]);
         }
         let last: Vec<_> = own.into_iter().map(select).collect();
@@ -57,7 +57,7 @@ fn options(serialisation: Serialisation) -> Options {
     }
 }
 
-/// The state after the calls that are allowed, and these.
+/// The state after the allowed calls, and these calls.
 fn after(supervisor: &mut Supervisor<'_>, calls: &[u64]) -> (State, Vec<u64>) {
     let mut state = supervisor.start();
     let mut allowed = Vec::new();
@@ -70,7 +70,7 @@ fn after(supervisor: &mut Supervisor<'_>, calls: &[u64]) -> (State, Vec<u64>) {
     (state, allowed)
 }
 
-/// As many of the skills of a call, in ascending order, as do not have too many letters.
+/// As many skills of a call, in ascending order, as do not have too many letters.
 fn few(naive: &Naive<'_>, call: u64) -> u64 {
     let skills = (0..64).filter(|s| call >> s & 1 == 1);
     skills.fold(0, |few, skill| {
@@ -83,7 +83,7 @@ fn few(naive: &Naive<'_>, call: u64) -> u64 {
     })
 }
 
-/// Letters of the last call, put to the rules one by one behind what was called before.
+/// Letters of the last call, appended one by one to what was called before.
 struct Behind<'a> {
     naive: &'a Naive<'a>,
     beginning: &'a [bool],
@@ -92,8 +92,8 @@ struct Behind<'a> {
 }
 
 impl Behind<'_> {
-    /// Whether these skills, with events anywhere among them, break the rule with the last of them
-    /// and no rule before.
+    /// Whether these skills, with events anywhere among them, violate the rule with the last of
+    /// them and no rule before.
     fn breaks_last(&mut self, rule: &Rule, order: &[usize], events: &[u64]) -> bool {
         let skill = order.split_first().map(|(s, rest)| (1 << s, rest, None));
         let event = |at: usize| (events[at], order, Some(at));
@@ -120,8 +120,8 @@ impl Behind<'_> {
     }
 }
 
-/// Whether some order of what was called before is allowed, and this order behind it breaks a rule
-/// with its last skill and none before.
+/// Whether some order of the earlier calls is allowed, and this order after it violates a rule with
+/// its last skill and none before.
 fn is_refused_at_last(
     naive: &Naive<'_>,
     before: &[u64],
@@ -170,8 +170,8 @@ proptest! {
             return Ok(());
         };
         prop_assert_eq!(supervisor.is_complete(&state), naive.may_end(&program));
-        // What is known then is all that the orders leave open. That is asked of every skill, where
-        // there are not too many orders.
+        // What is then known is everything that the orders leave open. This is tested for every
+        // skill, if there are not too many orders.
         let orders = program.iter().map(|call| (1..=naive.letters(*call).len()).product::<usize>());
         if orders.product::<usize>() > MOST_ORDERS {
             return Ok(());
@@ -210,7 +210,7 @@ proptest! {
             prop_assert!(is_refused_at_last(&naive, &before, call, rule, &order));
             return Ok(());
         }
-        // Every rule is asked by itself; the first that refuses is named.
+        // Every rule is tested by itself; the first that refuses is named.
         for earlier in 0..rule {
             let alone = alone(&skills, earlier);
             prop_assert!(Naive::new(&alone, options).allows(&program));

@@ -1,6 +1,6 @@
-//! All sequences of calls of one skill or of two at once, up to so many skills in all: allowed when
-//! every order of the pairs is, looked up one by one in a table of all words of single skills; or
-//! when some is.
+//! All sequences of calls of one skill or of two at once, up to a total number of skills: allowed
+//! if every order of the pairs is, looked up one by one in a table of all words of single skills;
+//! or if some is.
 
 use super::naive::{Letter, Naive};
 use super::units::{
@@ -14,8 +14,8 @@ use linewright::order::{Kind, Serialisation, Skills};
 
 const SKILLS: usize = 6;
 
-/// For all words of single skills, length by length, whether they keep the rules. A word is a
-/// number whose digits are its skills.
+/// For all words of single skills, by length, whether they keep the rules. A word is a number whose
+/// digits are its skills.
 struct Words(Vec<Vec<bool>>);
 
 impl Words {
@@ -27,8 +27,8 @@ impl Words {
     }
 
     fn fill(&mut self, naive: &Naive<'_>, word: &mut Vec<Letter>, number: usize) {
-        // What goes on from a refused word is refused; that it is for the naive evaluator, too, is
-        // not looked at.
+        // Continuations of a refused word are refused; that the naive evaluator agrees is not
+        // tested.
         if !naive.keeps(word) {
             return;
         }
@@ -46,8 +46,8 @@ impl Words {
     }
 }
 
-/// The orders of calling one after the other what has been called, as numbers; how many skills that
-/// were; and the state of the automaton.
+/// The sequential orders of what has been called, as numbers; the number of skills; and the state
+/// of the automaton.
 struct Called {
     orders: Vec<usize>,
     skills: usize,
@@ -58,7 +58,7 @@ struct Compared {
     fsm: Fsm,
     words: Words,
     serialisation: Serialisation,
-    /// How many sequences were allowed, and how many refused whose beginning was allowed.
+    /// Number of allowed sequences, and of refused ones with an allowed prefix.
     allowed: usize,
     refused: usize,
 }
@@ -139,7 +139,7 @@ fn agree(kinds: impl IntoIterator<Item = Kind>, length: usize) {
 #[test]
 fn without_rules_everything_is_allowed() {
     let compared = Compared::new(&unit([]), Serialisation::Every, 7);
-    // One skill out of six or two out of twelve pairs come last: f(n) = 6 f(n - 1) + 12 f(n - 2).
+    // The last call is one of six skills or of twelve pairs: f(n) = 6 f(n - 1) + 12 f(n - 2).
     let mut counts = vec![1, 6];
     for n in 2..=7 {
         counts.push(6 * counts[n - 1] + 12 * counts[n - 2]);

@@ -1,11 +1,11 @@
-//! Random programs over random rules: where a program is refused first, how it could go on, how it
-//! could end, and what tells two sets of rules apart.
+//! Random programs over random rules: the first refusal, possible continuations, possible endings,
+//! and differences between two sets of rules.
 
 use super::naive::Naive;
 use super::random::{Size, options, program, skills, two_sets};
 use super::units::{LEFT, RIGHT, unit, word};
 use linewright::automata::regex::Regex;
-use linewright::order::program::{Apart, Difference, check, difference};
+use linewright::order::program::{Difference, DifferenceOptions, check, difference};
 use linewright::order::supervisor::{Call, Options, Refusal, Supervisor};
 use linewright::order::{Kind, Serialisation, Skills, fsm};
 use proptest::prelude::*;
@@ -18,13 +18,13 @@ const SIZE: Size = Size {
     sequences: 4,
 };
 
-/// Which programs may end is a matter of sequences.
+/// Only sequences determine which programs may end.
 const SEQUENCES: Size = Size {
     sequences: 16,
     ..SIZE
 };
 
-/// So long are the ways that are tried one by one.
+/// Maximum length of ways that are tried one by one.
 const LONGEST: usize = 4;
 
 fn calls(masks: &[u64]) -> Vec<Call> {
@@ -35,7 +35,7 @@ fn masks(calls: &[Call]) -> Vec<u64> {
     calls.iter().map(|call| call.0).collect()
 }
 
-/// The length of the shortest allowed way of single skills behind a program, up to so many, after
+/// The length of the shortest allowed way of single skills after a program, up to a limit, after
 /// which something holds.
 fn shortest_way(
     naive: &Naive<'_>,
@@ -57,8 +57,7 @@ fn shortest_way(
     None
 }
 
-/// A way that was found is allowed, does what is asked for, and none of those that are tried is
-/// shorter.
+/// A way that was found is allowed, has the required effect, and none of those tried is shorter.
 fn is_shortest(
     naive: &Naive<'_>,
     skills: usize,
@@ -83,13 +82,13 @@ fn is_shortest(
     }
 }
 
-/// The length of the shortest sequence of calls that tells two sets of rules apart, up to so many,
-/// by trying all that both allow.
+/// The length of the shortest sequence of calls that distinguishes two sets of rules, up to a
+/// limit, by trying all that both allow.
 fn shortest_difference(
     naive: [&Naive<'_>; 2],
     columns: &[u64],
     most: usize,
-    apart: Apart,
+    apart: DifferenceOptions,
 ) -> Option<usize> {
     let differ = |[first, second]: [bool; 2]| first != second && (first || !apart.one_way);
     let mut both: Vec<Vec<u64>> = vec![Vec::new()];
@@ -115,8 +114,8 @@ fn shortest_difference(
     None
 }
 
-/// A difference is one: up to the last call both allow it, and then only the one that it says.
-fn tells_apart(naive: [&Naive<'_>; 2], found: &Difference, apart: Apart) {
+/// A difference is correct: both allow it up to the last call, and then only the stated one.
+fn tells_apart(naive: [&Naive<'_>; 2], found: &Difference, apart: DifferenceOptions) {
     let program = masks(&found.calls);
     let both = |program: &[u64]| naive.map(|n| n.allows(program));
     let first = found.first_allows;
@@ -217,7 +216,7 @@ proptest! {
     }
 }
 
-/// After `Left` only a call tells them apart, after `Right` already that a program may end.
+/// After `Left` only a call distinguishes them, after `Right` the fact that a program may end.
 #[test]
 fn an_end_is_found_before_a_longer_difference() {
     let one = |skill| Regex::Letter(skill);
@@ -231,9 +230,9 @@ fn an_end_is_found_before_a_longer_difference() {
         &supervisor(&first, options),
         &supervisor(&second, options),
         &columns,
-        Apart {
+        DifferenceOptions {
             whole: true,
-            ..Apart::default()
+            ..DifferenceOptions::default()
         },
     );
     let expected = Difference {
@@ -253,7 +252,7 @@ proptest! {
         options in options(),
         (whole, one_way) in any::<(bool, bool)>(),
     ) {
-        let apart = Apart { whole, one_way, ..Apart::default() };
+        let apart = DifferenceOptions { whole, one_way, ..DifferenceOptions::default() };
         let columns = fsm::calls(&one, 2);
         let found = difference(
             &supervisor(&one, options),

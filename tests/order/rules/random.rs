@@ -16,22 +16,21 @@ pub struct Layout {
     skills: Vec<Skill>,
 }
 
-/// How large the random sets get.
+/// Limits of the random sets.
 #[derive(Debug, Clone, Copy)]
 pub struct Size {
     pub components: usize,
-    /// So many skills a component has at most.
+    /// Maximum number of skills of a component.
     pub skills: usize,
-    /// So many rules at most.
+    /// Maximum number of rules.
     pub rules: usize,
-    /// So many skills an event has at most.
+    /// Maximum number of skills of an event.
     pub at_once: usize,
-    /// How many of twenty rules are sequences, about.
+    /// Approximate number of sequences among twenty rules.
     pub sequences: u32,
 }
 
-/// A component: how many situations it has, in which it is at the start, and the effects of its
-/// skills.
+/// A component: its number of situations, its initial situation, and the effects of its skills.
 fn one_component(skills: usize) -> impl Strategy<Value = (usize, usize, Vec<Option<usize>>)> {
     (0..=3_usize).prop_flat_map(move |situations| {
         let effect = prop_oneof![
@@ -80,7 +79,7 @@ impl Layout {
         }
     }
 
-    /// A skill, or now and then several of different components.
+    /// A skill, or occasionally several of different components.
     fn event(&self, at_once: usize) -> BoxedStrategy<Event> {
         let count = self.skills.len();
         let single = (0..count).prop_map(|s| Event(vec![s]));
@@ -94,7 +93,7 @@ impl Layout {
         }
         let several = subsequence(own, 2..=most).prop_flat_map(|components| {
             let one_each: Vec<_> = components.into_iter().map(select).collect();
-            // Skills are numbered component by component, so that they come in ascending order.
+            // Skills are numbered component by component, so that they are in ascending order.
             one_each.prop_map(Event)
         });
         prop_oneof![4 => single, 1 => several].boxed()
@@ -168,7 +167,7 @@ pub fn skills(size: Size) -> impl Strategy<Value = Skills> {
     })
 }
 
-/// The same skills with two sets of rules, and some rules in both.
+/// The same skills with two sets of rules, some of which are in both.
 pub fn two_sets(size: Size) -> impl Strategy<Value = (Skills, Skills)> {
     layout(size).prop_flat_map(move |layout| {
         let rules = || layout.rules(size);
@@ -196,7 +195,7 @@ pub fn options() -> impl Strategy<Value = Options> {
     })
 }
 
-/// Calls of up to so many of these skills at once, sensible or not.
+/// Calls of up to a number of these skills at once, sensible or not.
 pub fn program(
     skills: &Skills,
     at_once: usize,

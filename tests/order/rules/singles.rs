@@ -15,13 +15,13 @@ use linewright::order::fsm::Fsm;
 use linewright::order::supervisor::Options;
 use linewright::order::{Kind, Level, Serialisation, Skills};
 
-/// What the paper speaks of, and what refuses much, is counted through up to here.
+/// Length up to which rules from the paper, and rules that refuse much, are enumerated.
 const FULL: usize = 8;
 
-/// All else.
+/// Length for all other rules.
 const SHORTER: usize = 7;
 
-/// An automaton on its way along a word; nothing follows what is refused.
+/// An automaton in the middle of a word; nothing follows a refused skill.
 #[derive(Clone, Copy)]
 struct Reader<'a> {
     dfa: &'a Dfa,
@@ -50,13 +50,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What reads a word.
+/// The readers of a word.
 #[derive(Clone, Copy)]
 struct Readers<'a> {
     fsm: Reader<'a>,
-    /// The regular expression of whole programs.
+    /// The regular expression of complete programs.
     whole: Reader<'a>,
-    /// That of the beginnings of programs.
+    /// The regular expression of prefixes of programs.
     begun: Reader<'a>,
 }
 
@@ -67,7 +67,7 @@ fn expressed(dfa: &Dfa) -> Dfa {
     again
 }
 
-/// Goes through all words up to the length; returns how many were allowed.
+/// Enumerates all words up to the length; returns the number allowed.
 fn agree(skills: &Skills, options: Options, length: usize) -> usize {
     let fsm = Fsm::of(skills, options, 1).expect("it is small");
     let dfa = fsm.one_by_one();
@@ -84,7 +84,7 @@ fn agree(skills: &Skills, options: Options, length: usize) -> usize {
     allowed
 }
 
-/// The calls so far, as a program and as the only order in which they can come.
+/// The calls so far, as a program and as their only possible order.
 #[derive(Default)]
 struct Path {
     program: Vec<u64>,

@@ -1,4 +1,4 @@
-//! The paper's pick-and-place unit, and the rule sets that are counted through over it.
+//! The paper's pick-and-place unit, and the sets of rules that are enumerated over it.
 
 use linewright::automata::regex::Regex;
 use linewright::order::{Component, Deletion, Event, Kind, Level, Rule, Skill, Skills};
@@ -11,7 +11,7 @@ pub const DOWN: usize = 3;
 pub const RELEASE: usize = 4;
 pub const GRIP: usize = 5;
 
-/// A component, which has so many situations and is in this one at the start.
+/// A component with this number of situations and this initial one.
 pub fn component(name: &str, situations: usize, initial: usize) -> Component {
     Component {
         name: name.to_owned(),
@@ -45,12 +45,12 @@ pub fn rule(kind: Kind) -> Rule {
     }
 }
 
-/// The paper's unit, which stands left and up and is open, with these rules.
+/// The paper's unit, initially left, up and open, with these rules.
 pub fn unit(kinds: impl IntoIterator<Item = Kind>) -> Skills {
     unit_at([0, 0, 0], kinds)
 }
 
-/// The same, which stands elsewhere.
+/// The same with another initial situation.
 pub fn unit_at(initial: [usize; 3], kinds: impl IntoIterator<Item = Kind>) -> Skills {
     let names = [["Left", "Right"], ["Up", "Down"], ["Release", "Grip"]];
     let skills = names.iter().enumerate().flat_map(|(component, both)| {
@@ -137,7 +137,7 @@ pub fn pick_and_place() -> Skills {
     skills
 }
 
-/// One after the other, each of them given as an expression.
+/// A sequence of expressions.
 pub fn word(parts: impl IntoIterator<Item = Regex>) -> Regex {
     Regex::Concat(parts.into_iter().collect())
 }
@@ -150,15 +150,15 @@ pub fn repeat(of: Regex, low: u32, high: Option<u32>) -> Regex {
     }
 }
 
-/// The intended sequence of the paper, as often as one likes: Right, Down, Grip, Up, Left, Down,
+/// The intended sequence of the paper, any number of times: Right, Down, Grip, Up, Left, Down,
 /// Release, Up.
 pub fn pick_and_place_sequence() -> Regex {
     let skills = [RIGHT, DOWN, GRIP, UP, LEFT, DOWN, RELEASE, UP];
     repeat(word(skills.map(Regex::Letter)), 0, None)
 }
 
-/// A cycle that leaves some freedom: down and grip in any order or not at all, at most two other
-/// calls, and up.
+/// A cycle with some freedom: down and grip in any order or not at all, at most two other calls,
+/// and up.
 pub fn loose_sequence() -> Regex {
     let optional = repeat(Regex::AnyOrder(vec![DOWN, GRIP]), 0, Some(1));
     let others = repeat(Regex::AnyBut(vec![DOWN, GRIP, UP]), 1, Some(2));

@@ -1,5 +1,4 @@
-//! What is known of a contract that has not changed is not worked out again; nothing else about a
-//! run changes.
+//! Results of an unchanged contract are not computed again; nothing else about a run changes.
 
 use super::session::{Printed, Session};
 use serde_json::Value;
@@ -67,7 +66,7 @@ fn a_hit_can_be_seen() {
         "{}",
         printed.out
     );
-    // What a verdict depends on.
+    // Everything that a verdict depends on.
     assert_eq!(
         cached(&session, &format!("{line} --kernel oxidd")),
         [false, false]
@@ -95,7 +94,7 @@ fn a_changed_contract_is_solved_again() {
     let session = Session::new();
     let line = "check unrealizable.lw";
     assert_eq!(cached(&session, line), [false]);
-    // Its place in the file is not what it says.
+    // Its place in the file does not matter.
     let text = std::fs::read_to_string(session.path("unrealizable.lw")).expect("a text");
     std::fs::write(session.path("unrealizable.lw"), format!("\n\n{text}")).expect("a file");
     assert_eq!(cached(&session, line), [true]);
@@ -112,8 +111,8 @@ fn a_changed_contract_is_solved_again() {
     assert_eq!(cached(&session, line), [false]);
 }
 
-/// `check` of a machine's component and `synth` ask for more than a verdict: an entry that says
-/// less is no hit.
+/// `check` of a machine's component and `synth` need more than a verdict: an entry with less is no
+/// hit.
 #[test]
 fn a_controller_is_there_where_it_is_needed() {
     let session = Session::new();
@@ -175,7 +174,7 @@ fn runs_beside_each_other_do_not_harm() {
     assert!(names.clone().all(|n| n.starts_with("entry-")), "{left:?}");
 }
 
-/// Whatever the cache's place is: no word is lost about it.
+/// Problems with the cache's folder are never reported.
 #[test]
 fn a_place_that_cannot_be_written_is_no_matter() {
     let session = Session::new();
@@ -193,6 +192,6 @@ fn a_place_that_cannot_be_written_is_no_matter() {
         assert_eq!((printed.code, &printed.out), (0, &expected.out), "{place}");
         assert_eq!(printed.err, expected.err, "{place}");
     }
-    // Only the last one named no place of its own.
+    // Only the last one did not name a folder.
     assert!(cfg!(not(target_os = "linux")) || session.path("home/.cache/linewright").is_dir());
 }

@@ -1,11 +1,11 @@
-//! A run that fails leaves nothing half-written, and deletes nothing.
+//! A failing run leaves nothing half-written, and deletes nothing.
 
 use super::session::Session;
 use std::collections::BTreeMap;
 
 type Contents = BTreeMap<String, Vec<u8>>;
 
-/// What is there now and was not, or has other bytes; folders left out. Nothing may have gone.
+/// Files that are new or changed; without folders. No file may have disappeared.
 fn added(before: &Contents, after: &Contents) -> Vec<String> {
     for name in before.keys() {
         assert!(after.contains_key(name), "{name} is gone");
@@ -23,7 +23,7 @@ fn a_failed_run_changes_nothing() {
     assert_eq!(session.run("run lamp.lw").code, 0);
     std::fs::write(session.path(".linewright/notes.txt"), "mine").expect("a file");
     std::fs::write(session.path("taken"), "mine").expect("a file");
-    // From here on, a library would have to be made anew.
+    // From here on, a library would have to be rebuilt.
     session.edit("lamp.lw", "power 5 W", "power 6 W");
     let before = session.contents();
     let failing = [("PATH", path.as_str())];

@@ -21,7 +21,7 @@ fn the_first_of_2_3_1_wins() {
         let printed = session.run(line);
         assert_eq!(printed.code, code, "{line}\n{}", printed.out);
     }
-    // All findings are printed, whichever decides.
+    // All findings are printed, whichever determines the exit code.
     let printed = session.run("check unrealizable.lw syntax.lw type.lw missing.lw --no-timing");
     for code in ["LW203", "LW002", "LW103", "LW001"] {
         assert!(printed.out.contains(code), "{code}: {}", printed.out);
@@ -71,7 +71,7 @@ fn formats() {
     }
 }
 
-/// Where the one who reads has gone, the program ends without a word; the exit code stays the
+/// If the reader has closed the pipe, the program ends silently; the exit code remains the
 /// verdict's.
 #[test]
 fn a_closed_pipe_is_quiet() {
@@ -96,7 +96,7 @@ fn a_closed_pipe_is_quiet() {
         let output = output.expect("the program starts");
         let words = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(code), "{line}: {words}");
-        // Findings are no part of the result of `run`, and stay.
+        // Findings are not part of the result of `run`, and are still printed.
         assert_eq!(words, "", "{line}");
     }
 }

@@ -1,4 +1,4 @@
-//! `fmt`: what is written, what is left, and the exit codes.
+//! `fmt`: which files are written or left, and the exit codes.
 
 use super::session::Session;
 use std::io::Write as _;
@@ -11,7 +11,7 @@ fn read(session: &Session, name: &str) -> String {
     std::fs::read_to_string(session.path(name)).expect("a text")
 }
 
-/// A folder with a rough file below it and a smooth one.
+/// A folder with an unformatted file below it and a formatted one.
 fn session() -> Session {
     let session = Session::new();
     std::fs::create_dir_all(session.path("plant/deep")).expect("a folder");
@@ -62,7 +62,7 @@ fn what_does_not_parse_is_left_as_it_is() {
         assert!(printed.err.contains("LW002"), "{}", printed.err);
     }
     assert_eq!(read(&session, "syntax.lw"), before);
-    // The other files are formatted all the same.
+    // The other files are formatted nevertheless.
     assert_eq!(read(&session, "plant/deep/rough.lw"), SMOOTH);
     let missing = session.run("fmt missing.lw");
     assert_eq!(missing.code, 2);

@@ -1,9 +1,9 @@
-//! Files that are missing or wrong, names that are not there, and lines that stand still.
+//! Missing or wrong files, unknown names, and lines that stand still.
 
 use super::session::{Session, assert_shown};
 use crate::support::root;
 
-/// Runs every command, compares it with its snapshot, and its exit code.
+/// Runs every command, compares its output with its snapshot, and checks its exit code.
 fn check(cases: &[(&str, &str, i32)]) {
     let session = Session::new();
     for (name, line, code) in cases {
@@ -136,7 +136,7 @@ fn a_line_without_an_end() {
 #[test]
 fn a_line_whose_every_part_is_refused() {
     let session = Session::new();
-    // No operation ever ends: `check` says so, and nothing is run.
+    // No operation ever ends: `check` reports it, and nothing is run.
     let checked = session.run("check starved.lw");
     let printed = session.run("run starved.lw");
     assert_eq!((checked.code, printed.code), (1, 1));
@@ -177,7 +177,7 @@ fn mistakes_elsewhere_in_the_file_do_not_matter_to_synth() {
     assert_eq!(session.run("synth lamp.lw::Broken").code, 1);
 }
 
-/// A share is what stands there, and not a product of two rounded numbers.
+/// A share is read exactly, not as a product of two rounded numbers.
 #[test]
 fn percentages_are_read_as_they_are_written() {
     let text = std::fs::read_to_string(root().join("tests/cases/line/sound.lw")).expect("a line");

@@ -1,5 +1,5 @@
-//! Faults of the program itself: the variable `LINEWRIGHT_PANIC` makes it panic where what is being
-//! done has these words in it.
+//! Internal errors: the variable `LINEWRIGHT_PANIC` makes the program panic where the activity
+//! contains these words.
 
 use super::session::{Printed, Session};
 use serde_json::Value;
@@ -15,8 +15,8 @@ fn verdict<'a>(document: &'a Value, list: &str, name: &str) -> &'a str {
     entry["verdict"].as_str().expect("a verdict")
 }
 
-/// Where it fails, and what becomes of the contract, the machine and the line of the file:
-/// everything else is judged as always.
+/// The place of the failure, and the outcome for the contract, the machine and the line of the
+/// file: everything else is judged as always.
 #[test]
 fn what_it_fails_at_has_no_verdict_and_all_else_has_one() {
     const FAILED: &str = "internal_error";
@@ -56,7 +56,7 @@ fn what_it_fails_at_has_no_verdict_and_all_else_has_one() {
         if line == FAILED {
             assert_eq!(document["lines"][0]["proof"], Value::Null, "{at}");
         }
-        // What was found before and after stands there.
+        // Results from before and after are present.
         if !["solving", "extracting", "examining"]
             .iter()
             .any(|w| at.starts_with(w))
@@ -95,12 +95,12 @@ fn a_command_that_fails_as_a_whole_leaves_a_document() {
         assert_eq!((human.code, human.out.as_str()), (4, ""), "{line}");
         assert!(human.err.contains("error[LW007]"), "{}", human.err);
     }
-    // Of a machine that cannot be built the others are.
+    // If one machine cannot be built, the others are.
     let at = "building the machine `Lamp`";
     let printed = run(&session, "build lamp.lw --target source --out c", at);
     assert_eq!(printed.code, 4, "{}", printed.err);
     assert!(printed.err.contains(at), "{}", printed.err);
-    // The variable is there for these words only.
+    // The variable applies to these words only.
     assert_eq!(run(&session, "check lamp.lw", "something else").code, 0);
     assert_eq!(run(&session, "check lamp.lw", "").code, 0);
 }

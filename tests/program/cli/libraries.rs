@@ -1,4 +1,4 @@
-//! Compilers that are missing, folders that cannot be written, libraries that are damaged.
+//! Missing compilers, unwritable folders, damaged libraries.
 
 use super::session::{Session, assert_shown};
 use crate::support::sandbox;
@@ -19,21 +19,21 @@ fn no_compiler_on_the_path() {
 }
 
 /// Without a compiler for Windows, the message names the two ways to get one; no other compiler is
-/// taken.
+/// used.
 #[test]
 fn no_compiler_for_windows() {
     let session = Session::new();
     let windows = session.run_with("build lamp.lw --target windows", &[("PATH", "nowhere")]);
     assert_eq!(windows.code, 2);
     assert_shown!("windows_missing", windows);
-    // The compilers of this computer do not do.
+    // The compilers of this computer are not suitable.
     if cfg!(not(windows)) {
         let msvc = session.run("build lamp.lw --target msvc");
         assert_eq!(msvc.code, 2);
         assert_shown!("msvc_missing", msvc);
     }
     assert!(!session.path(".linewright").exists(), "nothing was built");
-    // One that is named and not there is not replaced silently by none.
+    // A named compiler that does not exist is not silently ignored.
     let named = [
         ("PATH", "nowhere"),
         ("CC_x86_64_pc_windows_gnu", "no-such-compiler"),
@@ -63,7 +63,7 @@ fn a_compiler_that_fails() {
     assert!(printed.err.contains("= help: "), "{}", printed.err);
 }
 
-/// A file stands where a folder should be: that holds for root too, who may write everywhere.
+/// A file in place of a folder: this also applies to root, who may write everywhere.
 #[test]
 fn folders_that_cannot_be_written() {
     let session = Session::new();
@@ -92,7 +92,7 @@ fn folders_that_cannot_be_written() {
     assert_shown!("unwritable_default", printed);
 }
 
-/// What may not be written because of its permissions; root may, and then there is nothing to see.
+/// A place without write permission; root may write, and then there is nothing to test.
 #[test]
 #[cfg(unix)]
 fn a_folder_without_permission() {
@@ -136,7 +136,7 @@ fn damaged_libraries() {
             "left alone"
         );
     }
-    // What the message says to do helps: either way.
+    // Both remedies in the message work.
     assert_eq!(session.run("run lamp.lw --rebuild").code, 0);
     assert_eq!(session.run("run lamp.lw").code, 0);
     std::fs::write(&library, b"").expect("a file");
@@ -150,7 +150,7 @@ fn damaged_libraries() {
     assert_shown!("manifest_damaged", printed);
 }
 
-/// The whole line: a second run starts no compiler, one after a contract was changed does.
+/// The whole line: a second run starts no compiler, but a run after a contract was changed does.
 #[test]
 fn what_is_built_is_not_built_again() {
     let session = Session::new();
@@ -159,7 +159,7 @@ fn what_is_built_is_not_built_again() {
     let line = format!(
         "run {at}/examples/ice-lab/line.lw --parts 50 --library {at}/contracts --no-timing"
     );
-    // What is asked here is not how long the solver takes.
+    // The solver's time is not under test here.
     let cache = session.path("cache").display().to_string();
     let cached = ("LINEWRIGHT_CACHE", cache.as_str());
     let first = session.run_with(&line, &[cached]);
@@ -173,7 +173,7 @@ fn what_is_built_is_not_built_again() {
 
     let contract = folder.path().join("contracts/handling/inspect.lw");
     let text = std::fs::read_to_string(&contract).expect("a contract");
-    // A remark is no change of what the machine does.
+    // A comment does not change the machine's behavior.
     std::fs::write(&contract, format!("{text}\n// a remark\n")).expect("a file");
     assert_eq!(again().code, 0);
     assert!(!session.compiler_was_started());
@@ -187,11 +187,11 @@ fn what_is_built_is_not_built_again() {
     assert!(session.compiler_was_started());
     let code = changed.err.starts_with("error[LW502]") || changed.err.starts_with("error[LW501]");
     assert!(code && changed.err.contains("= help: "), "{}", changed.err);
-    // With a compiler that works, all is well again.
+    // With a working compiler, everything is fine again.
     assert_eq!(session.run_with(&line, &[cached]).code, 0);
 }
 
-/// Of a file with machines and a line, what the line needs is built, as `run` would; and what no
+/// For a file with machines and a line: builds what the line needs, as `run` would, and what no
 /// line uses, with its default sizes.
 #[test]
 fn a_file_with_machines_and_a_line_builds_what_the_line_needs() {
@@ -227,7 +227,7 @@ fn a_file_with_machines_and_a_line_builds_what_the_line_needs() {
             .expect("a help")
             .contains("mixed.lw::Lamp")
     );
-    // By its name it has its own sizes.
+    // Selected by name, it has its own sizes.
     let alone = session.run("build mixed.lw::Lamp --target source --out d --format json");
     let document: serde_json::Value = serde_json::from_str(&alone.out).expect("a document");
     assert_eq!(document["libraries"].as_array().map(Vec::len), Some(1));

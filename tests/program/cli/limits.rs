@@ -1,4 +1,4 @@
-//! Limits end a run in time, whatever is being computed, and say what was reached.
+//! Limits end a run in time, whatever is being computed, with a report of the progress.
 
 use super::session::Session;
 use crate::support::{linewright, root};
@@ -6,11 +6,11 @@ use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// How long the program may go on after a limit. The promise is a second; the rest is for a busy
-/// machine.
+/// Time for the program to end after a limit. One second is promised; the rest is for a busy
+/// computer.
 const MARGIN: Duration = Duration::from_secs(2);
 
-/// `product.lw` multiplies two numbers of 20 bits: no order of the variables makes that small.
+/// `product.lw` multiplies two 20-bit numbers: no variable order makes that small.
 const HARD: &str = "check product.lw --no-timing";
 
 #[test]
@@ -111,7 +111,7 @@ fn json_keeps_its_form_when_it_gives_up() {
     assert_eq!(document["summary"]["gave_up"], 1);
 }
 
-/// What a proof may take is counted, so a busy computer and a generous time change nothing.
+/// The effort of a proof is counted, so a busy computer and a long time limit change nothing.
 #[test]
 fn proofs_are_limited_by_counted_work() {
     let session = Session::new();
@@ -196,8 +196,8 @@ mod interrupts {
         assert!(text(&output).contains(wanted), "{}", text(&output));
     }
 
-    /// Not only contracts are given up: so are the proofs of lines, and runs. The proof takes
-    /// some 20 s in a release build: it is interrupted long before its end.
+    /// Not only contracts are given up, but also proofs of lines, and runs. The proof takes some 20
+    /// s in a release build: it is interrupted long before its end.
     #[test]
     fn it_ends_proofs_and_runs() {
         let session = Session::new();
@@ -214,7 +214,7 @@ mod interrupts {
                 "it was interrupted: it has come to",
             ),
         ] {
-            // One call before it has compiled the library.
+            // An earlier call has already compiled the library.
             let _ = session.run("build joined.lw");
             let child = start(&session, &format!("{command} --format short"));
             std::thread::sleep(Duration::from_millis(1500));
@@ -241,7 +241,7 @@ mod interrupts {
     }
 }
 
-/// A machine whose tables would be large becomes functions, wherever these will do.
+/// A machine with large tables becomes functions, if these are acceptable.
 #[test]
 fn large_tables_become_functions() {
     let session = Session::new();
@@ -308,8 +308,8 @@ fn joined(session: &Session) {
     std::fs::copy(file, session.path("joined.lw")).expect("a copy");
 }
 
-/// Wherever a limit of the command ends the proof of a line, the exit code is 3 and the limit is
-/// named: never a weaker verdict that looks like one of the line.
+/// If a limit of the command ends the proof of a line, the exit code is 3 and the limit is named:
+/// never a weaker verdict that looks like the line's own.
 #[test]
 fn a_proof_that_is_cut_short_names_the_limit() {
     let session = Session::new();
@@ -389,7 +389,7 @@ line L {
     line + &way + "\n    route P: m59 -> k when n >= 9000\n    route P: m59 -> m0 otherwise\n}\n"
 }
 
-/// What `build` and `run` look at beside their own work is named where a limit cut it short.
+/// Checks of `build` and `run` beside their own work are named if a limit cut them short.
 #[test]
 fn parts_that_are_not_followed_in_time_are_named_by_all_commands() {
     let session = Session::new();
@@ -408,7 +408,7 @@ fn parts_that_are_not_followed_in_time_are_named_by_all_commands() {
     }
 }
 
-/// Thousands of variables in one line of text, each with a finding, are prepared and told about
+/// Thousands of variables on one line of text, each with a finding, are prepared and reported
 /// within seconds.
 #[test]
 fn many_variables_take_no_time_of_their_own() {
@@ -442,8 +442,8 @@ fn a_proof_of_a_large_line_ends_by_itself() {
     }
 }
 
-/// A small budget ends a proof: no operation on diagrams goes on and on because little is
-/// remembered of it.
+/// A small budget ends a proof: no operation on diagrams continues for ever because its cache is
+/// small.
 #[test]
 fn a_small_effort_ends_soon() {
     let line = "examples/ice-lab/line.lw";
@@ -454,8 +454,8 @@ fn a_small_effort_ends_soon() {
     assert!(text.contains("the proof took more than"), "{text}");
 }
 
-/// What a limit left undecided is no error: that the parts of this machine fit together takes more
-/// work than is allowed, and what its coordinator alone allows need not happen.
+/// What a limit left undecided is no error: proving that the parts of this machine fit together
+/// takes more work than allowed, and what its coordinator alone allows need not happen.
 #[test]
 fn what_was_not_decided_is_no_error() {
     let session = Session::new();
@@ -509,13 +509,13 @@ machine Two {
     assert!(!all.contains("error["), "{all}");
 }
 
-/// Compilers are ended at the limit as everything else is, and leave nothing half done.
+/// Compilers are terminated at the limit, and leave no partial results.
 #[cfg(unix)]
 #[test]
 fn a_time_limit_ends_compilers() {
     use std::os::unix::fs::PermissionsExt as _;
     let session = Session::new();
-    // A compiler that takes its time over libraries, and over nothing that it is tried with.
+    // A compiler that is slow for libraries, but not for trials.
     let script = "#!/bin/sh\ncase \"$*\" in *-shared*) exec sleep 600;; *) exec cc \"$@\";; esac\n";
     std::fs::write(session.path("slow-cc"), script).expect("a file");
     let mode = std::fs::Permissions::from_mode(0o755);
@@ -538,7 +538,7 @@ fn a_time_limit_ends_compilers() {
     }
 }
 
-/// Reading does not look at the clock: input that never ends is left all the same.
+/// Reading does not check the clock: input that never ends is abandoned nevertheless.
 #[test]
 fn a_time_limit_ends_what_does_not_look_at_it() {
     let session = Session::new();

@@ -1,5 +1,5 @@
-//! Which machines are built, what their files are called, and that no file of one thing takes the
-//! place of another's.
+//! Which machines are built, the names of their files, and that no file replaces that of something
+//! else.
 
 use super::session::Session;
 use crate::support::root;
@@ -15,8 +15,7 @@ fn files(session: &Session, folder: &str) -> Vec<String> {
     names
 }
 
-/// Names that differ in capitals, underscores or umlauts only, and one that Windows keeps for
-/// itself.
+/// Names that differ only in case, underscores or umlauts, and one reserved by Windows.
 #[test]
 fn machines_with_names_alike_have_files_of_their_own() {
     let session = Session::new();
@@ -44,7 +43,7 @@ fn machines_with_names_alike_have_files_of_their_own() {
         .collect();
     let wanted = own.map(|name| format!("{name}.simtalk.txt"));
     assert_eq!(methods, wanted.iter().collect::<Vec<_>>());
-    // Nor does one take another's handle.
+    // Nor does one use another's handle.
     let marks: BTreeSet<String> = own
         .iter()
         .map(|name| {
@@ -94,13 +93,13 @@ fn controllers_with_names_alike_are_not_written_over_each_other() {
         "FastBelt.st",
     ];
     assert_eq!(found, wanted);
-    // The way out of the message.
+    // The remedy in the message.
     let alone = session.run("synth belts.lw::Fastbelt --emit c --out other");
     assert_eq!(alone.code, 0, "{}", alone.err);
     assert_eq!(files(&session, "other"), ["Fastbelt.c", "Fastbelt.h"]);
 }
 
-/// A line's machines are built with the sizes that they have in it.
+/// A line's machines are built in the sizes used in it.
 #[test]
 fn a_line_is_built_machine_by_machine() {
     let session = Session::new();
@@ -131,7 +130,7 @@ line Two {
     let named = session.run("build two.lw::Two --target source --out named");
     assert_eq!(named.code, 0, "{}", named.err);
     assert_eq!(files(&session, "named"), files(&session, "out"));
-    // A machine of that name is still meant before any line.
+    // A machine with that name still takes precedence over any line.
     let alone = session.run("build two.lw::Belt --target source --out alone");
     assert_eq!(alone.code, 0, "{}", alone.err);
     assert_eq!(

@@ -1,4 +1,4 @@
-//! The command line from outside: exit codes, streams, and the fields that others rely on.
+//! The command line from outside: exit codes, streams, and the fields that other programs rely on.
 
 use crate::support;
 use serde_json::Value;
@@ -152,7 +152,7 @@ fn sarif_and_json_are_whole_documents_even_in_failure() {
     }
 }
 
-/// Whoever reads the result closes the pipe after the first byte; there is much more to come.
+/// The reader closes the pipe after the first byte; much more output would follow.
 #[test]
 fn a_closed_pipe_ends_quietly() {
     let mut child = Command::new(support::PROGRAM)

@@ -1,4 +1,4 @@
-//! What lies on the disk and is no file of ours, and folders in which there is nothing.
+//! Foreign objects on disk, and empty folders.
 
 use super::session::Session;
 use crate::support::{linewright, root};
@@ -27,8 +27,8 @@ fn a_folder_without_files_is_the_same_to_all() {
     }
 }
 
-/// A folder that cannot be read, since its path is longer than the system takes, is named; what
-/// lies beside it is looked at.
+/// A folder that cannot be read, since its path is too long for the system, is reported; its
+/// neighbors are examined.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_that_cannot_be_read_is_named() {
@@ -53,7 +53,8 @@ fn a_folder_that_cannot_be_read_is_named() {
     }
 }
 
-/// Whatever names its own source as the place of its result is refused, and the source stays.
+/// A command that names its own source as the place of its result is refused, and the source is
+/// kept.
 #[test]
 fn no_result_is_written_over_its_source() {
     let session = Session::new();
@@ -90,7 +91,7 @@ fn no_result_is_written_over_its_source() {
     }
 }
 
-/// A folder that is called like a contract is named, and not searched.
+/// A folder named like a contract is reported, and not searched.
 #[test]
 fn a_folder_with_the_name_of_a_file() {
     let session = Session::new();
@@ -106,8 +107,8 @@ fn a_folder_with_the_name_of_a_file() {
     }
 }
 
-/// Makes a named pipe, where there is a program for it. Nobody writes into it, so whoever reads it
-/// waits for ever.
+/// Creates a named pipe, if there is a program for it. Nothing writes to it, so reading it never
+/// ends.
 #[cfg(unix)]
 fn pipe(at: &Path) -> bool {
     let made = Command::new("mkfifo").arg(at).status();
@@ -118,7 +119,7 @@ fn pipe(at: &Path) -> bool {
     made
 }
 
-/// What a command gives back, which has to come to an end.
+/// The result of a command, which must end.
 #[cfg(unix)]
 fn ended(mut command: Command) -> Output {
     let mut child = command
@@ -138,8 +139,7 @@ fn ended(mut command: Command) -> Output {
     child.wait_with_output().expect("it ended")
 }
 
-/// What lies in place of a library, a manifest or an entry of the cache is replaced, and never
-/// waited for.
+/// Objects in place of a library, a manifest or a cache entry are replaced, and never waited for.
 #[cfg(unix)]
 #[test]
 fn pipes_in_place_of_what_was_made_are_replaced() {
@@ -215,7 +215,7 @@ fn a_named_pipe_is_named_and_hangs_nothing() {
             assert!(all.contains(name) && all.contains(what), "{line}: {all}");
         }
     }
-    // What can be read is judged all the same.
+    // Readable files are judged nevertheless.
     let printed = session.run("check plant --format short");
     assert!(
         printed
@@ -226,7 +226,7 @@ fn a_named_pipe_is_named_and_hangs_nothing() {
     );
 }
 
-/// A link to a file of results stays a link, and the file behind it is written.
+/// A link to a result file stays a link, and its target is written.
 #[cfg(unix)]
 #[test]
 fn a_result_is_written_where_a_link_leads() {
@@ -240,8 +240,8 @@ fn a_result_is_written_where_a_link_leads() {
     assert!(text.contains("linewright/proof/1"), "{text}");
 }
 
-/// A file that is imported in two ways is one file, from whichever folder the program is called,
-/// also through links.
+/// A file that is imported in two ways is one file, from whichever folder the program is started,
+/// including through links.
 #[test]
 fn a_file_is_one_file_however_it_is_reached() {
     let session = Session::new();

@@ -1,6 +1,6 @@
 //! A folder with copies of the cases, and the program run in it.
 
-use crate::support::{PROGRAM, root};
+use crate::support::{PROGRAM, documents, root};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ pub struct Session {
     folder: tempfile::TempDir,
 }
 
-/// What a command printed and gave back.
+/// Output and exit code of a command.
 pub struct Printed {
     pub code: i32,
     pub out: String,
@@ -50,14 +50,14 @@ impl Session {
         self.folder.path().join(name)
     }
 
-    /// A file's text with something replaced, which has to be in it.
+    /// Replaces a text in a file, which must contain it.
     pub fn edit(&self, name: &str, from: &str, to: &str) {
         let text = std::fs::read_to_string(self.path(name)).expect("a text");
         assert!(text.contains(from), "{name} holds {from}");
         std::fs::write(self.path(name), text.replace(from, to)).expect("a file");
     }
 
-    /// The program as a command, with nothing from outside that decides about compilers or colours.
+    /// The program as a command, without environment variables for compilers or colors.
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(PROGRAM);
         command.args(line.split_whitespace());
@@ -80,11 +80,13 @@ impl Session {
         self.run_with(line, &[])
     }
 
-    /// Runs the program with environment variables.
+    /// Runs the program with environment variables. Documents that it prints have to be as their
+    /// schemas say.
     pub fn run_with(&self, line: &str, environment: &[(&str, &str)]) -> Printed {
         let mut command = self.command(line);
         command.envs(environment.iter().copied());
         let output = command.output().expect("the program starts");
+        documents::assert_valid(&output.stdout);
         let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
         let variables = environment.iter().map(|(n, v)| format!("{n}={v} "));
         Printed {
@@ -95,7 +97,7 @@ impl Session {
         }
     }
 
-    /// A `PATH` in which the compiler is a program that writes down that it was started, and fails.
+    /// A `PATH` in which the compiler is a program that records that it was started, and fails.
     pub fn failing_compiler(&self) -> String {
         let folder = self.path("failing");
         std::fs::create_dir_all(&folder).expect("a folder");
@@ -118,7 +120,7 @@ impl Session {
         self.path("compiler.log").exists()
     }
 
-    /// Every file and folder below this one, with what is in it; hidden ones too.
+    /// Every file and folder below this one with its content, including hidden ones.
     pub fn contents(&self) -> BTreeMap<String, Vec<u8>> {
         fn visit(folder: &Path, top: &Path, found: &mut BTreeMap<String, Vec<u8>>) {
             for entry in std::fs::read_dir(folder).expect("a folder") {
@@ -175,7 +177,7 @@ impl Printed {
     }
 }
 
-/// Compares with a snapshot, what differs from machine to machine left out.
+/// Compares with a snapshot, without what differs between computers.
 macro_rules! assert_shown {
     ($name:expr, $printed:expr) => {
         insta::with_settings!({filters => vec![

@@ -1,6 +1,6 @@
-//! One command on one file, and what is wrong with how it went.
+//! One command on one file, and the faults in its behavior.
 
-use crate::support::PROGRAM;
+use crate::support::{PROGRAM, documents};
 use linewright::line::random::Stream;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -9,24 +9,24 @@ use std::time::{Duration, Instant};
 
 /// `--timeout` of every command, in seconds.
 const TIMEOUT: &str = "2";
-/// A command that takes longer has not kept its limit. The rest is for starting up, for a last
-/// question, for a C compiler, and for a machine that does other things, too.
+/// Duration after which a command has exceeded its limit. The margin is for startup, a last
+/// question, a C compiler, and other load.
 const OVERRUN: Duration = Duration::from_secs(10);
-/// A command that takes longer hangs, and is killed.
+/// Time after which a command counts as hung, and is killed.
 const HANG: Duration = Duration::from_mins(1);
 
-/// What is done with a file.
+/// A command to run on a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attempt {
     pub arguments: Vec<String>,
-    /// What comes on standard input.
+    /// Standard input.
     pub typed: String,
 }
 
-/// What went wrong.
+/// A fault.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The same for the same fault: the message without its numbers and names, and the place.
+    /// Equal for equal faults: the message without numbers and names, and the place.
     pub key: String,
     pub said: String,
 }
@@ -107,10 +107,10 @@ impl Attempt {
         self.arguments.first().is_some_and(|a| a == command)
     }
 
-    /// Writes the file, runs the command on it, and says what is wrong.
+    /// Writes the file, runs the command on it, and returns the fault.
     pub fn make(&self, place: &Place, bytes: &[u8]) -> Result<(), Fault> {
         self.once(place, bytes, OVERRUN).or_else(|fault| {
-            // A machine that was busy is no fault of the program's.
+            // A busy computer is no fault of the program.
             if fault.key.starts_with("overrun") || fault.key.starts_with("hang") {
                 self.once(place, bytes, 2 * OVERRUN)
             } else {
@@ -140,6 +140,11 @@ impl Attempt {
         let Some(code @ 0..=3) = status.code() else {
             return fault(format!("{} ends with {status}", self.arguments[0]));
         };
+        if let Some(faults) = place.faulty_document() {
+            let first = faults.lines().next().unwrap_or_default();
+            let key = format!("not as its schema says: {}", general(first));
+            return Err(Fault { key, said: faults });
+        }
         if took > patience {
             return fault(format!(
                 "overrun: {} takes longer than --timeout allows",
@@ -160,7 +165,7 @@ impl Attempt {
         Ok(())
     }
 
-    /// What `fmt` has written is laid out, and declares the same.
+    /// A file written by `fmt` is formatted, and declares the same.
     fn is_formatted(place: &Place, before: &[u8], after: &[u8]) -> Result<(), Fault> {
         let fault = |key: &str| {
             Err(Fault {
@@ -227,7 +232,7 @@ impl Attempt {
     }
 }
 
-/// The names in a file that a command may pick.
+/// Names in a file for use in commands.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Names {
     pub contracts: Vec<String>,
@@ -246,7 +251,7 @@ impl Names {
     }
 }
 
-/// Where one command after the other is made.
+/// Place where commands are run one after the other.
 pub struct Place {
     /// The file.
     pub file: PathBuf,
@@ -269,6 +274,14 @@ impl Place {
         }
     }
 
+    /// What is wrong with a document on standard output, by its schema.
+    fn faulty_document(&self) -> Option<String> {
+        let output = std::fs::read(&self.output).unwrap_or_default();
+        let documents = documents::documents(&output);
+        let mut faults = documents.iter().map(documents::faults);
+        faults.find(|f| !f.is_empty())
+    }
+
     fn said(&self) -> String {
         let read = |path: &Path| {
             let bytes = std::fs::read(path).unwrap_or_default();
@@ -278,7 +291,7 @@ impl Place {
     }
 }
 
-/// The key of a panic, or of another fault that the program finds in itself.
+/// The key of a panic, or of another fault that the program detects itself.
 fn internal(said: &str) -> Option<String> {
     let mut lines = said.lines();
     while let Some(line) = lines.next() {

@@ -1,18 +1,17 @@
-//! What is damaged: a copy of everything in the tree that the program reads, in the folders that
+//! Inputs to damage: a copy of all files in the tree that the program reads, in the folders that
 //! imports expect.
 
 use crate::support;
 use std::path::{Path, PathBuf};
 
-/// Endings of files that the program reads.
+/// Extensions of files that the program reads.
 const ENDINGS: [&str; 6] = ["lw", "spc", "slugsin", "structuredslugs", "spectra", "tlsf"];
-/// Longer files are left out: they take their time in a solver, and no other way through the
-/// readers.
+/// Maximum size of files: longer ones take time in a solver, and no other path through the readers.
 const MOST_BYTES: usize = 24_000;
 
-/// One file to begin with.
+/// An initial file.
 pub struct Seed {
-    /// Where the copy lies, from the top of the copied tree.
+    /// Path of the copy, relative to the copied tree.
     pub path: PathBuf,
     pub text: String,
 }
@@ -22,7 +21,7 @@ impl Seed {
         self.path.extension().is_none_or(|e| e != "lw")
     }
 
-    /// The names that are declared with a word such as `machine`.
+    /// The names declared with a word such as `machine`.
     pub fn declared(text: &str, word: &str) -> Vec<String> {
         let lines = text.lines().map(str::trim_start);
         let after = lines.filter_map(|l| {
@@ -38,8 +37,8 @@ impl Seed {
     }
 }
 
-/// Copies contracts, examples, cases, the snippets of the README and `../shared/found` (where it
-/// is) below `tree`, and gives them all.
+/// Copies contracts, examples, cases, the snippets of the README and `../shared/found` (if it
+/// exists) below `tree`, and returns them.
 pub fn copied_to(tree: &Path) -> Vec<Seed> {
     let root = support::root();
     let mut seeds = Vec::new();
@@ -90,7 +89,7 @@ fn collect(folder: &Path, name: &Path, seeds: &mut Vec<Seed>) {
     }
 }
 
-/// The blocks of a text that stand for files: ```` ```lw name.lw ````.
+/// The blocks of a text that are files: ```` ```lw name.lw ````.
 fn snippets(path: &Path) -> Vec<(String, String)> {
     let text = std::fs::read_to_string(path).expect("the README");
     let mut found: Vec<(String, String)> = Vec::new();

@@ -1,4 +1,4 @@
-//! Damage: to bytes, to words and signs, to lines and blocks.
+//! Damages bytes, words and characters, lines and blocks.
 
 use linewright::line::random::Stream;
 
@@ -160,7 +160,7 @@ fn bytes_damaged(stream: &mut Stream, bytes: &mut Vec<u8>) {
     }
 }
 
-/// Words, numbers, signs and what stands between them; together the text.
+/// Words, numbers, characters and the text between them; together the whole text.
 pub fn tokens(text: &str) -> Vec<String> {
     let mut tokens: Vec<String> = Vec::new();
     let class = |c: char| match c {
@@ -218,7 +218,7 @@ fn words_damaged(stream: &mut Stream, text: &str) -> String {
             }
         }
         6 | 7 => {
-            // A number that is nearly the same meets bounds that an extreme one jumps over.
+            // A similar number meets bounds that an extreme one skips.
             if let Some(number) = number
                 && let Ok(value) = tokens[number].parse::<i64>()
             {
@@ -247,7 +247,7 @@ fn words_damaged(stream: &mut Stream, text: &str) -> String {
     tokens.concat()
 }
 
-/// The lines of a block that begins with this line and ends where its brace does.
+/// The lines of a block that begins with this line and ends with its brace.
 fn block(lines: &[&str], from: usize) -> usize {
     let mut depth = 0i64;
     for (at, line) in lines.iter().enumerate().skip(from) {

@@ -1,6 +1,6 @@
-//! A file that is as small as it gets while the same fault comes of it.
+//! Reduces a file as far as possible while it still causes the same fault.
 
-/// Leaves lines out as long as `fails` says yes, asking at most so often.
+/// Removes lines as long as `fails` holds, within a maximum number of tests.
 pub fn reduced_by_lines(
     bytes: &[u8],
     mut most: usize,
@@ -15,7 +15,7 @@ pub fn reduced_by_lines(
         .into_bytes()
 }
 
-/// The same for other pieces, which together are the file.
+/// The same for other pieces, which together form the file.
 pub fn reduced_by(
     pieces: Vec<String>,
     mut most: usize,

@@ -1,5 +1,5 @@
-//! Right machines, counterstrategies and functions, and what they become when something is changed:
-//! of contracts of the repository and of random specifications.
+//! Correct machines, counterstrategies and functions, and changed ones: of contracts of the
+//! repository and of random specifications.
 
 use crate::random::{self, Random};
 use crate::support;
@@ -19,41 +19,40 @@ use linewright::symbolic::{Bit, Diagram};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// What is checked.
+/// An artefact to check.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Artefact {
     Machine(Machine),
     Counterstrategy(Machine),
     Functions(Box<Functions>),
     Proof(Value, Tried),
-    /// The edges of a graph with what holds on them, as bits: that it stays bad, and what is to be
-    /// met.
+    /// The edges of a graph with their labels as bits: whether it stays bad, and what is met.
     Graph(Vec<Vec<(usize, u32)>>, usize),
-    /// Formulas, and the values that their variables get.
+    /// Formulas, and the values that their variables receive.
     Formulas(Vec<Expr>, Vec<[i64; 2]>),
-    /// What a verifier builds of a right machine or counterstrategy.
+    /// What a verifier builds for a correct machine or counterstrategy.
     Product(Box<Artefact>),
 }
 
-/// How a proof is looked at.
+/// How a proof is examined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tried {
-    /// States and inputs are counted through.
+    /// States and inputs are enumerated.
     All,
-    /// So many are tried that all are met.
+    /// Enough are tried to meet all.
     Some,
-    /// States are, none of their inputs: whether a step has an answer is not asked.
+    /// States are examined without their inputs: whether a step has an answer is not tested.
     StatesOnly,
 }
 
-/// As many valuations, and as many pairs of bits, are counted through.
+/// Maximum number of valuations, and of pairs of bits, that are enumerated.
 const MOST_VALUATIONS: u64 = 130;
 const MOST_PAIRS: usize = 7;
 
-/// Proofs are checked state by state and step by step.
+/// Maximum number of states of proofs that are checked state by state and step by step.
 const MOST_STATES: u128 = 40;
 
-/// As many states are tried so often that all are met.
+/// Maximum number of states that are tried often enough to meet all.
 const MOST_TRIED: u128 = 6;
 
 fn sizes(specification: &Specification) -> u128 {
@@ -65,7 +64,7 @@ fn small(specification: &Specification) -> bool {
     sizes(specification) <= u128::from(MOST_VALUATIONS)
 }
 
-/// What the solver makes of a specification.
+/// The solver's results for a specification.
 pub fn right(specification: &Specification) -> Vec<Artefact> {
     let limits = Limits::default();
     let options = Options {
@@ -103,7 +102,7 @@ pub fn right(specification: &Specification) -> Vec<Artefact> {
     }
 }
 
-/// A graph with up to six nodes, of which up to three things are to be met.
+/// A graph with up to six nodes and up to three conditions to meet.
 pub fn graph(r: &mut Random) -> Artefact {
     let nodes = 1 + r.below(6) as usize;
     let met = r.below(4) as usize;
@@ -176,7 +175,7 @@ pub fn specifications(random_ones: u64) -> Vec<Specification> {
         if small(&specification) {
             found.push(specification.clone());
         }
-        // With an output of which nothing is said.
+        // With an output that nothing mentions.
         if seed % 4 == 0 {
             let domain = Domain::Range { low: 0, high: 2 };
             specification.variables.push(Variable {
@@ -195,7 +194,7 @@ pub fn specifications(random_ones: u64) -> Vec<Specification> {
     found
 }
 
-/// Functions of more bits than fit a word, which can only be looked at from outside: each output
+/// Functions of more bits than fit a word, which can only be examined from outside: each output
 /// repeats an input.
 pub fn wide() -> (Specification, Functions) {
     let mut specification = Specification {
@@ -241,7 +240,7 @@ pub fn wide() -> (Specification, Functions) {
     (specification, functions)
 }
 
-/// Functions of which one asks for a bit at the end of a word, at once or beneath another bit.
+/// Functions, one of which tests a bit at the end of a word, either at once or below another bit.
 pub fn at_words(right: &Functions) -> Vec<Functions> {
     let end = 2 * right.pairs() as u16;
     let words = (0..end).step_by(64);
@@ -286,8 +285,8 @@ fn formula(name: &str, expr: Expr) -> Formula {
     }
 }
 
-/// Specifications with a formula more whose numbers leave 64 bits: the first of all, the last of
-/// all, and the only one.
+/// Specifications with one more formula whose numbers exceed 64 bits: the first, the last, and the
+/// only one.
 pub fn too_large(specification: &Specification) -> [Specification; 3] {
     let variable = Expr::Var(VarId(0), Time::Now);
     let large = Expr::binary(BinaryOp::Mul, variable, Expr::Const(i64::MAX));
@@ -302,7 +301,7 @@ pub fn too_large(specification: &Specification) -> [Specification; 3] {
     [first, last, only]
 }
 
-/// A specification with goals alone.
+/// A specification with only goals.
 pub fn goals_alone(specification: &Specification) -> Specification {
     let mut alone = specification.clone();
     let side = &mut alone.guarantees;
@@ -331,7 +330,7 @@ fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Changes a specification or what was made of it.
+/// Changes a specification or an artefact for it.
 pub fn change(
     r: &mut Random,
     specification: &mut Specification,
@@ -357,7 +356,7 @@ fn pick<T>(r: &mut Random, list: &[T]) -> Option<usize> {
     (!list.is_empty()).then(|| r.below(list.len() as u64) as usize)
 }
 
-/// A formula more, or less, or another one.
+/// Adds, removes or replaces a formula.
 fn change_specification(
     r: &mut Random,
     specification: &mut Specification,
@@ -365,18 +364,18 @@ fn change_specification(
     steps: &[[Vec<i64>; 2]],
 ) {
     let kind = match r.below(8) {
-        // What is met again and again.
+        // Justice, met again and again.
         kind if answers && r.chance(50) => [0, 3, 3, 7][kind as usize % 4],
         kind if !answers && r.chance(25) => [3, 7][kind as usize % 2],
         kind => kind,
     };
     let variables = specification.variables.clone();
     let inputs = |v: usize| variables[v].owner == Owner::Environment;
-    // What may be mentioned: current and next variables.
+    // Variables that may be mentioned: current and next ones.
     let (now, next): (Vec<usize>, Vec<usize>) = {
         let all = 0..variables.len();
         match kind {
-            // What the environment gives after an answer may be assumed to fit it.
+            // The environment's values after an answer may be assumed to fit it.
             0 if answers => (all.collect(), Vec::new()),
             0 | 1 => (all.filter(|v| inputs(*v)).collect(), Vec::new()),
             2 => (all.clone().collect(), all.filter(|v| inputs(*v)).collect()),
@@ -392,7 +391,7 @@ fn change_specification(
                 continue;
             }
             let domain = &variables[*v].domain;
-            // Initial conditions and invariants speak of the step that is taken, too.
+            // Initial conditions and invariants also refer to the step taken.
             let place = usize::from(time == Time::Next || matches!(kind, 0 | 1 | 4 | 5));
             let value = match step {
                 Some(step) if r.chance(80) => step[place][*v],
@@ -466,7 +465,7 @@ fn change_machine(r: &mut Random, machine: &mut Machine) {
         0 => return change_ports(r, &mut machine.inputs),
         1 => return change_ports(r, &mut machine.outputs),
         4 | 5 => {
-            // A guard that asks for what nothing else does.
+            // A guard that tests an input that nothing else does.
             let spare = inputs.iter().position(|p| p.name == "spare");
             let mut lists: Vec<_> = machine.states.iter_mut().collect();
             lists.push(&mut machine.initial);
@@ -556,7 +555,7 @@ fn change_machine(r: &mut Random, machine: &mut Machine) {
     }
 }
 
-/// A test wider, narrower, elsewhere, one more or one less.
+/// Makes a test wider, narrower, different, additional or missing.
 fn change_cube(r: &mut Random, transition: &mut Transition, inputs: &[Port]) {
     let Some(c) = pick(r, &transition.guard.0) else {
         return;
@@ -584,7 +583,7 @@ fn change_cube(r: &mut Random, transition: &mut Transition, inputs: &[Port]) {
     }
 }
 
-/// The function with one valuation of some bits given a value.
+/// The function with the value for one valuation of some bits changed.
 fn pointed(diagram: &mut Diagram, edge: Edge, bits: &[(Bit, bool)], value: bool) -> Edge {
     let mut inner = if value { Edge::TRUE } else { Edge::FALSE };
     for (bit, set) in bits {
@@ -608,8 +607,7 @@ fn literal(diagram: &mut Diagram, bit: Bit) -> Edge {
     Edge::to(diagram.nodes.len() - 1)
 }
 
-/// A function of some bit; now and then it comes to it only after another one, which is always
-/// known.
+/// A function of some bit; occasionally it tests another, always known bit first.
 fn asking(r: &mut Random, diagram: &mut Diagram, bit: Bit) -> Edge {
     let edge = literal(diagram, bit);
     if r.chance(60) {
@@ -735,7 +733,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                 }
             }
         }
-        // A set that asks for any bit, a function that does.
+        // A set that tests an arbitrary bit, a function that does.
         9 => {
             let bit = any_bit(r);
             let edge = asking(r, &mut functions.controls.certificate.diagram, bit);
@@ -866,7 +864,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
             }
             functions.controls.certificate.diagram = diagram;
         }
-        // What is asked of a driver, in some of its inputs.
+        // Checks of a driver in some of its inputs.
         34..=38 => {
             let first = r.chance(40);
             let inputs = functions.input_bits.iter().flatten().map(|b| b.primed());
@@ -906,7 +904,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                 functions.controls.certificate.goals[goal].pop();
             }
         }
-        // A state less, or one more, everywhere.
+        // One state less or more, everywhere.
         28 | 29 => {
             let (bits, value) = (point(r, 90, true), r.chance(30));
             let certificate = &mut functions.controls.certificate;
@@ -933,7 +931,7 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
     }
 }
 
-/// Values of some of a proof's bits, each taken with this chance.
+/// Values of some of a proof's bits, each taken with this probability.
 fn some_bits(r: &mut Random, document: &Value, chance: u64) -> Vec<(u64, bool)> {
     let variables = document["variables"].as_array().into_iter().flatten();
     let bits = variables.flat_map(|v| v["bits"].as_array().into_iter().flatten());
@@ -947,9 +945,9 @@ fn some_bits(r: &mut Random, document: &Value, chance: u64) -> Vec<(u64, bool)> 
     found
 }
 
-/// What is asked of functions in ways that chance seldom finds: steps that leave a layer whose
-/// assumption never holds, steps that lead below the layer they are to lead to, and the last of
-/// several assumptions not asked of a driver.
+/// Aspects of functions that random changes seldom reach: steps that leave a layer whose assumption
+/// never holds, steps that lead below their target layer, and the last of several assumptions
+/// missing from a driver.
 pub fn variants(
     r: &mut Random,
     specification: &Specification,
@@ -1015,7 +1013,7 @@ pub fn variants(
     found
 }
 
-/// A function of a proof with another value where bits have these.
+/// A function of a proof with another value where bits have these values.
 fn changed(document: &mut Value, edge: &Value, bits: &[(u64, bool)], value: bool) -> Value {
     let mut inner = json!(u64::from(value));
     let Some(nodes) = document["nodes"].as_array_mut() else {
@@ -1032,14 +1030,14 @@ fn changed(document: &mut Value, edge: &Value, bits: &[(u64, bool)], value: bool
     inner
 }
 
-/// A function of a proof that is another one in one state, or some.
+/// A function of a proof that differs in one state or several.
 fn another(r: &mut Random, document: &mut Value, edge: &Value) -> Value {
     let value = r.chance(50);
     let bits = some_bits(r, document, 85);
     changed(document, edge, &bits, value)
 }
 
-/// A layer more, of what was there before and one state, or some, which are said to wait.
+/// Adds a layer of the previous states and one state or several, which are marked as waiting.
 fn add_layer(r: &mut Random, document: &mut Value, goal: usize, layer: usize) {
     let bits = some_bits(r, document, 95);
     let layers = &document["goals"][goal]["layers"];
@@ -1055,8 +1053,8 @@ fn add_layer(r: &mut Random, document: &mut Value, goal: usize, layer: usize) {
     }
 }
 
-/// Two layers more, of states from which the goal is reached already: that they are said to wait,
-/// too, is no matter, wherever they lead.
+/// Adds two layers of states from which the goal is already reached: marking them as waiting is
+/// harmless, wherever they lead.
 fn add_idle_layers(r: &mut Random, document: &mut Value, goal: usize) {
     let bits = some_bits(r, document, 95);
     let states = changed(document, &json!(0), &bits, true);
@@ -1066,7 +1064,7 @@ fn add_idle_layers(r: &mut Random, document: &mut Value, goal: usize) {
     }
 }
 
-/// Another function in one place of a proof, a part less, or something that is no proof.
+/// Replaces a function in a proof, removes a part, or makes it no proof at all.
 fn change_proof(r: &mut Random, document: &mut Value) {
     let count = document["nodes"].as_array().map_or(0, Vec::len) as u64;
     let goals = document["goals"].as_array().map_or(0, Vec::len) as u64;

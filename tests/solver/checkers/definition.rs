@@ -1,10 +1,10 @@
-//! What a right machine, a right counterstrategy and a right certificate are, by enumeration: which
-//! clauses an artefact breaks. Formulas are evaluated directly, diagrams are walked from their
-//! roots, nothing of the checkers is used.
+//! Definition of a correct machine, counterstrategy and certificate, by enumeration: which clauses
+//! an artefact violates. Formulas are evaluated directly, diagrams are walked from their roots, and
+//! no part of the checkers is used.
 //!
-//! Clauses come in stages, and a checker names one of the first stage in which something is broken:
-//! the form, without which the others say nothing, then safety before liveness, or a certificate's
-//! region before what is promised and the steps.
+//! Clauses are in stages, and a checker names one of the first stage with a violation: the form,
+//! without which the others are meaningless, then safety before liveness, or a certificate's region
+//! before promises and steps.
 
 use crate::game::value;
 use linewright::game::{Aim, Assumed, Edge};
@@ -18,11 +18,11 @@ use std::collections::{BTreeSet, HashMap};
 
 pub type Broken = BTreeSet<Clause>;
 
-/// The clauses that an artefact breaks.
+/// The clauses that an artefact violates.
 pub struct Found<C> {
-    /// Those of the first stage in which something is broken, one of which a checker names.
+    /// Violated clauses of the first stage, one of which a checker names.
     pub named: BTreeSet<C>,
-    /// Those of the later stages, as far as they say something.
+    /// Violated clauses of later stages, as far as they are meaningful.
     pub later: BTreeSet<C>,
 }
 
@@ -36,7 +36,7 @@ impl<C: Ord> Found<C> {
     }
 }
 
-/// All valuations of one side's variables; the others are 0.
+/// All valuations of one side's variables; the other variables are 0.
 pub fn valuations(specification: &Specification, owner: Owner) -> Vec<Vec<i64>> {
     let mut all = vec![vec![0; specification.variables.len()]];
     for (v, variable) in specification.variables.iter().enumerate() {
@@ -56,7 +56,7 @@ pub fn valuations(specification: &Specification, owner: Owner) -> Vec<Vec<i64>> 
     all
 }
 
-/// The values of one side's variables, in their order.
+/// The values of one side's variables, in order.
 pub fn part(specification: &Specification, valuation: &[i64], owner: Owner) -> Vec<i64> {
     let variables = specification.variables.iter().zip(valuation);
     let own = variables.filter(|(v, _)| v.owner == owner);
@@ -86,7 +86,7 @@ pub fn holds(formula: &Formula, now: &[i64], next: &[i64]) -> bool {
     value(&formula.expr, now, next) != 0
 }
 
-/// The formulas of a side that a step breaks; without a valuation before it, it is the first one.
+/// The formulas of a side that a step violates; without a previous valuation, it is the first step.
 pub fn broken<'a>(
     side: &'a linewright::gr1::Side,
     now: Option<&[i64]>,
@@ -103,7 +103,7 @@ pub fn broken<'a>(
     found
 }
 
-/// The transitions with the cubes that some values satisfy: a transition for each cube.
+/// The transitions with the cubes that some values satisfy, one entry per cube.
 pub fn matching<'m>(transitions: &'m [Transition], values: &[i64]) -> Vec<&'m Transition> {
     let cubes = transitions
         .iter()
@@ -128,7 +128,7 @@ fn same_ports(specification: &Specification, owner: Owner, ports: &[Port]) -> bo
             .all(|(v, p)| v.name == p.name && v.domain == p.domain)
 }
 
-/// What is wrong with the form of transitions: they ask `asked` and give `given`.
+/// Violations in the form of transitions: they test `asked` and set `given`.
 fn form(specification: &Specification, machine: &Machine, asked: Owner, given: Owner) -> Broken {
     let mut found = Broken::new();
     if !same_ports(specification, asked, &machine.inputs)
@@ -179,14 +179,14 @@ fn form(specification: &Specification, machine: &Machine, asked: Owner, given: O
     found
 }
 
-/// A play's graph: nodes are states of a machine with a valuation, and what is met on an edge is
-/// asked of two valuations.
+/// A play's graph: nodes are states of a machine with a valuation, and conditions on an edge depend
+/// on two valuations.
 #[derive(Default)]
 pub struct Product {
     pub nodes: Vec<(usize, Vec<i64>)>,
     numbers: HashMap<(usize, Vec<i64>), usize>,
     pub edges: Vec<(usize, usize)>,
-    /// How the product can begin.
+    /// Initial nodes of the product.
     pub first: Vec<usize>,
 }
 
@@ -200,8 +200,7 @@ impl Product {
         number
     }
 
-    /// Walks from the first steps on; `next` gives the steps from a node, or from before the first
-    /// step.
+    /// Walks from the first steps on; `next` returns the steps from a node, or the initial ones.
     fn walk(mut next: impl FnMut(Option<(usize, &[i64])>) -> Vec<(usize, Vec<i64>)>) -> Self {
         let mut product = Self::default();
         for node in next(None) {
@@ -256,7 +255,7 @@ fn reachable(out: &[Vec<usize>], from: usize) -> Vec<bool> {
     reached
 }
 
-/// The clauses that a machine breaks.
+/// The clauses that a machine violates.
 pub fn machine(specification: &Specification, machine: &Machine) -> (Found<Clause>, Product) {
     let mut found = form(specification, machine, Owner::Environment, Owner::System);
     if !found.is_empty() {
@@ -295,7 +294,7 @@ pub fn machine(specification: &Specification, machine: &Machine) -> (Found<Claus
     (Found::staged([found, missed]), product)
 }
 
-/// The clauses that a counterstrategy breaks.
+/// The clauses that a counterstrategy violates.
 pub fn counterstrategy(
     specification: &Specification,
     machine: &Machine,
@@ -309,7 +308,7 @@ pub fn counterstrategy(
         let transitions = machine.transitions(at.map(|(s, _)| s));
         let now = at.map(|(_, now)| now);
         let mut steps = Vec::new();
-        // What it gives, taken or not, keeps the assumptions.
+        // Its values, whether taken or not, keep the assumptions.
         let mut keeps = Vec::new();
         for t in transitions {
             let mut wrong: BTreeSet<&str> =
@@ -342,8 +341,7 @@ pub fn counterstrategy(
             }
             for (t, keeps) in transitions.iter().zip(&keeps) {
                 let next = step(t);
-                // What is given first is met with this answer whether or not a transition is for
-                // it.
+                // Values given first meet this answer whether or not a transition is for it.
                 let met = first || of.contains(&t);
                 if !(met && *keeps && legal(&next)) {
                     continue;
@@ -369,7 +367,7 @@ pub fn counterstrategy(
     (Found::staged([found, live]), product)
 }
 
-/// Whether some cycle of bad edges meets all that is to be met.
+/// Whether some cycle of bad edges meets all conditions.
 pub fn fair_cycle(edges: &[Vec<(usize, u32)>], met: usize) -> bool {
     let bad: Vec<Vec<(usize, u32)>> = edges
         .iter()
@@ -394,7 +392,7 @@ pub fn fair_cycle(edges: &[Vec<(usize, u32)>], met: usize) -> bool {
     })
 }
 
-/// The value of an edge, bits being indexed by their number.
+/// The value of an edge, with bits indexed by number.
 fn evaluate(diagram: &Diagram, mut edge: Edge, bits: &[bool]) -> bool {
     let mut negated = false;
     loop {
@@ -411,7 +409,7 @@ fn evaluate(diagram: &Diagram, mut edge: Edge, bits: &[bool]) -> bool {
     }
 }
 
-/// The bits that an edge asks for.
+/// The bits that an edge tests.
 fn asked(diagram: &Diagram, edge: Edge) -> BTreeSet<Bit> {
     let mut found = BTreeSet::new();
     let mut open = vec![edge];
@@ -436,8 +434,8 @@ fn sound(diagram: &Diagram, bits: usize, edges: &[Edge]) -> bool {
 
 type Certified = BTreeSet<certify::Clause>;
 
-/// The clauses that functions with their certificate break; `None` where formulas would be asked of
-/// codes without a meaning.
+/// The clauses that functions with their certificate violate; `None` if formulas would be evaluated
+/// on codes without a meaning.
 pub fn functions(
     specification: &Specification,
     functions: &Functions,
@@ -447,7 +445,7 @@ pub fn functions(
         return Some(Found::staged([found]));
     }
     let codes = Codes::new(specification, functions);
-    // Of more nobody counts through all.
+    // Too many to enumerate.
     if codes.pairs > 12 {
         None
     } else {
@@ -612,7 +610,7 @@ fn form_of_functions(specification: &Specification, functions: &Functions) -> Ce
     found
 }
 
-/// Bits instead of values, and what is asked of them.
+/// Bits instead of values, and conditions on them.
 struct Codes<'a> {
     specification: &'a Specification,
     functions: &'a Functions,
@@ -632,7 +630,7 @@ impl<'a> Codes<'a> {
         }
     }
 
-    /// The values that current (0) or next (1) bits stand for.
+    /// The values encoded by current (0) or next (1) bits.
     fn values(&self, bits: &[bool], time: usize) -> Vec<i64> {
         let variables = self.specification.variables.iter().zip(&self.layout);
         let code = |of: &Vec<Bit>| {
@@ -650,7 +648,7 @@ impl<'a> Codes<'a> {
             .map(|(v, _)| v.name.as_str())
     }
 
-    /// All ways of setting the current or next bits of some variables.
+    /// All valuations of the current or next bits of some variables.
     fn all(&self, bits: &[bool], time: usize, owner: Option<Owner>) -> Vec<Vec<bool>> {
         let variables = self.specification.variables.iter().zip(&self.layout);
         let own = variables.filter(|(v, _)| owner.is_none_or(|o| v.owner == o));
@@ -675,7 +673,7 @@ impl<'a> Codes<'a> {
         evaluate(&self.functions.controls.diagram, edge, bits)
     }
 
-    /// Current bits that are the next ones of these.
+    /// Current bits equal to the next ones of these.
     fn then(bits: &[bool]) -> Vec<bool> {
         let mut then = bits.to_vec();
         for pair in then.chunks_exact_mut(2) {
@@ -728,12 +726,12 @@ impl<'a> Codes<'a> {
                 sets.insert(Clause::Layers);
             }
         }
-        // Of codes outside the domains formulas say nothing.
+        // Formulas are undefined on codes outside the domains.
         if sets.iter().any(|c| matches!(c, Clause::Domain(_))) {
             return Some(Found::staged([sets]));
         }
 
-        // What a driver is asked for.
+        // Checks of a driver.
         let legal = |bits: &[bool], first: bool| {
             let next = self.values(bits, 1);
             let now = self.values(bits, 0);
@@ -779,7 +777,7 @@ impl<'a> Codes<'a> {
                 let wrong = guarantee.initial.iter().filter(|f| !holds(f, &next, &[]));
                 steps.extend(wrong.map(|f| Clause::Initial(f.name.clone())));
                 if self.outside(&next, Owner::System).is_some() {
-                    // What a formula says of codes without a value means nothing.
+                    // Formulas are meaningless on codes without a value.
                     let any = guarantee.initial.iter();
                     steps.extend(any.map(|f| Clause::Initial(f.name.clone())));
                 }
@@ -864,8 +862,8 @@ impl<'a> Codes<'a> {
     }
 }
 
-/// The obligations of `docs/proof.md` that a document does not meet. Who counts states through in
-/// their order names the first.
+/// The obligations of `docs/proof.md` that a document violates. A checker that enumerates states in
+/// the same order names the first.
 pub fn proof(specification: &Specification, document: &Value) -> Found<String> {
     let obligations = Document::read(document)
         .filter(|d| d.goals.len() == specification.guarantees.justice.len().max(1));
@@ -876,7 +874,7 @@ pub fn proof(specification: &Specification, document: &Value) -> Found<String> {
     Found::staged(stages.map(|clause| [clause.to_owned()].into()))
 }
 
-/// A proof, as sets of states are needed of it.
+/// A proof with its sets of states.
 struct Document {
     bits: Vec<(Vec<usize>, i64)>,
     nodes: Vec<[usize; 3]>,
@@ -952,7 +950,7 @@ impl Document {
         self.holds(if set { high } else { low }, state) != (edge % 2 == 1)
     }
 
-    /// What is broken, in the order in which it is found.
+    /// Violations in the order in which they are found.
     fn broken(&self, specification: &Specification) -> Vec<&'static str> {
         let mut found = Vec::new();
         let (assume, guarantee) = (&specification.assumptions, &specification.guarantees);
@@ -978,7 +976,7 @@ impl Document {
                 .all(|f| holds(f, s, &[]))
         };
         let region = |s: &[i64]| self.holds(self.region, s);
-        // Whether the machine can answer so that something holds of each step.
+        // Whether the machine can answer so that each step satisfies `good`.
         let can = |given: &[&Vec<i64>], good: &dyn Fn(&[i64]) -> bool| match specification.timing {
             Timing::Mealy => given
                 .iter()

@@ -1,18 +1,18 @@
-//! The mutants that nothing can notice: whatever is checked, the verdict is the same, and so is the
-//! play that shows it.
+//! The undetectable mutants: whatever is checked, the verdict is the same, and so is the play that
+//! shows it.
 //!
-//! Most save time: a table of what is known already, a question that spares others. What they leave
-//! out is done by what follows, only later.
+//! Most save time: a table of known results, or a test that avoids others. Later code does what
+//! they omit.
 
-/// A mutant that comes to the same.
+/// An equivalent mutant.
 pub struct Equivalent {
     pub file: &'static str,
     pub function: &'static str,
     pub right: &'static str,
     pub wrong: &'static str,
-    /// Which one of the mutants that look like this in the function, in the order of the text.
+    /// Index among the mutants with this description in the function, in text order.
     pub number: usize,
-    /// Why it comes to the same.
+    /// Why it is equivalent.
     pub why: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! Whether the play of a violation shows what is said of it.
+//! Checks whether the play of a violation shows it.
 
 use super::artefacts::Artefact;
 use super::copies::checker;
@@ -11,7 +11,7 @@ use linewright::game::Limits;
 use linewright::gr1::{BinaryOp, Expr, Formula, Owner, Specification, Time, Timing};
 use linewright::mealy::{Machine, Transition};
 
-/// The clause, or that its play does not show it.
+/// The clause, or a text that its play does not show it.
 fn shown(clause: String, why: Result<(), &str>) -> String {
     match why {
         Ok(()) => clause,
@@ -142,7 +142,7 @@ fn play_of_counterstrategy(
             let moore = specification.timing == Timing::Moore;
             let outputs = valuations(specification, Owner::System);
             let right = match clause {
-                // The values of what was not decided yet are not told.
+                // Values that were not yet chosen are not shown.
                 "Unanswered" if moore => outputs.iter().any(|o| {
                     matching(transitions, &part(specification, o, Owner::System)).is_empty()
                 }),
@@ -192,7 +192,7 @@ fn play_of_counterstrategy(
     }
 }
 
-/// Looks for a fair cycle; what is found is one.
+/// Searches for a fair cycle; a result must be one.
 pub fn cycle(edges: &[Vec<(usize, u32)>], met: usize) -> String {
     let edge = |(to, label): &(usize, u32)| Edge {
         to: *to,
@@ -217,7 +217,7 @@ pub fn cycle(edges: &[Vec<(usize, u32)>], met: usize) -> String {
         .iter()
         .all(|(from, edge)| bad(edge.label) && graph[*from].contains(edge));
     let all = (0..met).all(|i| cycle.iter().any(|(_, edge)| fair(edge.label, i)));
-    // With one thing to meet it ends where it is one; with more they are met in turn.
+    // With one condition it ends where it is a cycle; with several they are met in turn.
     let short = met > 1
         || (1..cycle.len()).all(|end| {
             let closed = cycle[end - 1].1.to == cycle[0].0;
@@ -236,7 +236,7 @@ pub fn cycle(edges: &[Vec<(usize, u32)>], met: usize) -> String {
     )
 }
 
-/// What a verifier builds of a right artefact: the steps from each node in order and each once,
+/// What a verifier builds for a correct artefact: the steps from each node in order, each step and
 /// each label once.
 pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) -> String {
     let (edges, labels) = match of {
@@ -266,8 +266,8 @@ pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) ->
     }
 }
 
-/// Formulas of a specification, whose valuations are all there, of which one variable after the
-/// other becomes known.
+/// Formulas of a specification over all of its valuations, with variables fixed one after the
+/// other.
 pub fn formulas(specification: &Specification, formulas: &[Expr], values: &[[i64; 2]]) -> String {
     for owner in [Owner::Environment, Owner::System] {
         if checker::valuations(specification, owner) != valuations(specification, owner) {
@@ -312,7 +312,7 @@ pub fn formulas(specification: &Specification, formulas: &[Expr], values: &[[i64
             return "a value is another one".to_owned();
         }
     }
-    // What is the same on both sides needs no question.
+    // Equal formulas on both sides need no query.
     if let Some(i) = ids.iter().position(|id| pool.value(*id).is_none()) {
         let expr = &formulas[i];
         let same = Expr::binary(BinaryOp::Eq, expr.clone(), expr.clone());
@@ -336,7 +336,7 @@ pub fn formulas(specification: &Specification, formulas: &[Expr], values: &[[i64
     if tree.place(&pool, again.collect()) != place {
         return "one conjunction has two places".to_owned();
     }
-    // A tree that asks for everything comes to an end where all is known.
+    // A tree that queries everything ends where all is known.
     let mut at = place;
     while let Some(question) = tree.question(at) {
         let asked = order[question].0 as usize;

@@ -1,4 +1,4 @@
-//! The unrealizable ones of the public benchmarks.
+//! The unrealizable public benchmarks.
 
 use super::{legal::legal, mended};
 use crate::support;
@@ -13,7 +13,7 @@ use linewright::source::FileId;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// The files, where they lie beside the repository.
+/// The files, if they are in a folder beside the repository.
 fn files() -> Option<Vec<PathBuf>> {
     let folder = support::specs()?;
     let mut files = Vec::new();
@@ -33,14 +33,14 @@ fn files() -> Option<Vec<PathBuf>> {
     Some(files)
 }
 
-/// Seconds that something takes.
+/// Runs something; returns its seconds.
 fn timed<T>(what: impl FnOnce() -> T) -> (f64, T) {
     let clock = Instant::now();
     let result = what();
     (clock.elapsed().as_secs_f64(), result)
 }
 
-/// Large ones are all realizable (`tests/interchange/formats.rs` knows them); deciding each again
+/// Large ones are all realizable (`tests/interchange/formats.rs` decides them); deciding each again
 /// would take minutes.
 const MOST_VARIABLES: usize = 60;
 
@@ -51,7 +51,7 @@ fn specification(file: &PathBuf) -> Option<Specification> {
     (spec.variables.len() <= MOST_VARIABLES).then_some(spec)
 }
 
-/// Cores, counterstrategies, plays and repairs of all that are unrealizable; prints the table of
+/// Cores, counterstrategies, plays and repairs of all unrealizable benchmarks; prints the table of
 /// `tests/README.md`.
 #[test]
 fn every_unrealizable_benchmark_is_explained() {

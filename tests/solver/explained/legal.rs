@@ -1,10 +1,10 @@
-//! Whether a play is what it claims to be, by evaluating the formulas on its steps.
+//! Checks whether a play is what it claims to be, by evaluating the formulas on its steps.
 
 use linewright::game::{Ending, GuaranteeKind, GuaranteeRef, Play};
 use linewright::gr1::eval::holds;
 use linewright::gr1::{Formula, Specification, Timing, VarId};
 
-/// The formulas of a side that are broken by step `at` of a play: with their kinds' meaning.
+/// The formulas of a side that step `at` of a play violates, according to their kinds.
 fn broken<'a>(
     initial: &'a [Formula],
     invariants: &'a [Formula],
@@ -27,7 +27,7 @@ fn broken<'a>(
     found
 }
 
-/// Says what is wrong with a play.
+/// Checks a play; returns an error description.
 pub fn legal(spec: &Specification, play: &Play) -> Result<(), String> {
     let clash = matches!(play.ending, Ending::Clash(_));
     let last = play.steps.len() - 1;
@@ -38,8 +38,8 @@ pub fn legal(spec: &Specification, play: &Play) -> Result<(), String> {
                 return Err(format!("step {at}: {} leaves its domain", v.name));
             }
         }
-        // Safety assumptions may speak of the machine's next values, which mean nothing in the step
-        // of a clash.
+        // Safety assumptions may mention the machine's next values, which are meaningless in the
+        // step of a clash.
         let of_inputs = |f: &&Formula| {
             let mut inputs = true;
             f.expr.for_each_var(&mut |v, t| {
@@ -75,7 +75,7 @@ pub fn legal(spec: &Specification, play: &Play) -> Result<(), String> {
             if let Some(f) = a.justice.iter().find(|f| !meets(f)) {
                 return Err(format!("assumption {} is starved", f.name));
             }
-            // The step back into the round has to be legal, too.
+            // The step back to the start of the cycle must be legal, too.
             let back = [play.steps[last].clone(), play.steps[*from].clone()];
             let steps = broken(&a.initial, &a.invariants, &a.safety, &back, 1);
             let answers = broken(&g.initial, &g.invariants, &g.safety, &back, 1);
@@ -90,7 +90,7 @@ pub fn legal(spec: &Specification, play: &Play) -> Result<(), String> {
     }
 }
 
-/// No answer in the last step keeps all of the rules; some answer keeps all but any one of them.
+/// No answer in the last step keeps all of the rules; for each rule some answer keeps all others.
 fn clashes(spec: &Specification, play: &Play, rules: &[GuaranteeRef]) -> Result<(), String> {
     let last = play.steps.len() - 1;
     let given = &play.steps[last];

@@ -1,4 +1,4 @@
-//! Whether advice is good: every claim is checked by solving again.
+//! Checks advice: every claim is checked by solving again.
 
 use linewright::game::{
     Advice, AssumptionRef, GuaranteeKind, GuaranteeRef, Limits, Options, Outcome, solve_with,
@@ -20,7 +20,7 @@ pub fn realizable(spec: &Specification) -> bool {
     }
 }
 
-/// Whether some play keeps everything: both sides as one player.
+/// Whether some play keeps everything, with both sides as one player.
 pub fn satisfiable(spec: &Specification) -> bool {
     let mut one = spec.clone();
     for variable in &mut one.variables {
@@ -77,7 +77,7 @@ fn formula(expr: &Expr) -> Formula {
     }
 }
 
-/// Whether a set of guarantees clashes, and no smaller one does.
+/// Whether a set of guarantees clashes, and no proper subset does.
 pub fn minimal(
     spec: &Specification,
     assumptions: Option<&[AssumptionRef]>,
@@ -95,7 +95,7 @@ pub fn minimal(
     Ok(())
 }
 
-/// Says what is wrong with a piece of advice.
+/// Checks advice; returns an error description.
 pub fn holds(spec: &Specification, core: &[GuaranteeRef], advice: &Advice) -> Result<(), String> {
     minimal(spec, None, core)?;
     minimal(spec, Some(&advice.matters), core)?;

@@ -1,12 +1,12 @@
-//! Guarantees that read the same monitor: none of them is to blame for what another one asks.
+//! Guarantees that read the same monitor: none of them is to blame for the demands of another.
 
 use crate::random::Random;
 use linewright::contract;
-use linewright::game::{Limits, Lost, Outcome, advise, attack, reduced, solve};
+use linewright::game::{Limits, LostGame, Outcome, advise, attack, reduced, solve};
 use linewright::gr1::Specification;
 use std::fmt::Write as _;
 
-/// What guarantees say; `P` is one of few past formulas, so that most contracts ask for one of them
+/// Forms of guarantees; `P` is one of few past formulas, so that most contracts use one of them
 /// twice.
 const WORDS: [&str; 10] = [
     "always (x <-> P)",
@@ -34,7 +34,7 @@ fn specification(guarantees: &[String]) -> Specification {
     (*library.contracts[0].specification).clone()
 }
 
-fn lost(guarantees: &[String]) -> Option<(Specification, Lost)> {
+fn lost(guarantees: &[String]) -> Option<(Specification, LostGame)> {
     let specification = specification(guarantees);
     match solve(&specification, &Limits::default()) {
         Outcome::Unrealizable(lost) => Some((specification, lost)),
@@ -43,7 +43,7 @@ fn lost(guarantees: &[String]) -> Option<(Specification, Lost)> {
     }
 }
 
-/// The guarantees of these names, others being left out of the text.
+/// The guarantees with these names; others are removed from the text.
 fn only(guarantees: &[String], kept: impl Fn(&str) -> bool) -> Vec<String> {
     let numbered = guarantees.iter().enumerate();
     numbered
@@ -57,8 +57,8 @@ fn only(guarantees: &[String], kept: impl Fn(&str) -> bool) -> Vec<String> {
         .collect()
 }
 
-/// Every core is one by name: its guarantees alone clash, and without any of them the others do
-/// not. What is suggested to be left out mends the whole.
+/// Every core is correct by name: its guarantees alone clash, and without any one of them the
+/// others do not. Leaving out what is suggested repairs the whole.
 #[test]
 fn cores_name_no_guarantee_for_a_monitor_that_it_shares() {
     let limits = Limits::default();

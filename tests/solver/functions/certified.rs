@@ -1,4 +1,4 @@
-//! The certificate check: right functions pass on both kernels, and whatever passes is right.
+//! The certificate check: correct functions pass on both kernels, and whatever passes is correct.
 
 use super::{benchmark, explicit, fixtures, functions};
 use crate::random::{self, Random};
@@ -72,7 +72,7 @@ fn functions_of_random_specifications_are_right_and_no_wrong_ones_pass() {
     assert!(wrong > 100 && passed > 50);
 }
 
-/// Flips an edge of the diagram, or lets a root lead elsewhere.
+/// Flips an edge of the diagram, or redirects a root.
 fn mutate(random: &mut Random, functions: &Functions) -> Option<Functions> {
     let mut mutant = functions.clone();
     let controls = &mut mutant.controls;
@@ -140,7 +140,7 @@ fn mutate_certificate(random: &mut Random, specification: &Specification, mutant
                 &mut node.low
             };
             *edge = match random.below(3) {
-                // The edge for 1 may be negated here: whoever reads a diagram has to cope.
+                // The edge for 1 may be negated here: readers of a diagram must handle it.
                 0 => edge.negated(),
                 1 => Edge::TRUE,
                 _ => Edge::FALSE,
@@ -181,7 +181,7 @@ fn mutate_certificate(random: &mut Random, specification: &Specification, mutant
     }
 }
 
-/// The layer that a mode names.
+/// The layer that a mode refers to.
 fn layer_of(mode: &mut Mode) -> Option<&mut usize> {
     match &mut mode.aim {
         Aim::Layer(layer) => Some(layer),

@@ -1,4 +1,5 @@
-//! The C of a controller against its interpreter: 100,000 random steps, refused ones among them.
+//! The C of a controller compared with its interpreter: 100,000 random steps, including refused
+//! ones.
 
 use super::{benchmark, fixtures, functions, library, support};
 use crate::random::{self, Random};
@@ -16,13 +17,13 @@ use std::process::{Command, Stdio};
 
 const STEPS: usize = 100_000;
 
-/// So many letters are tried for a step.
+/// Maximum number of letters tried for a step.
 const TRIES: usize = 16;
 
-/// After so many refused steps in a row the play begins anew.
+/// Number of successive refused steps after which the play is reset.
 const REFUSED_AT_MOST: usize = 50;
 
-/// A controller that can be played step by step: the outputs, or the code of the refusal.
+/// A controller played step by step: outputs, or the code of the refusal.
 trait Player {
     fn inputs(&self) -> &[Port];
     fn step(&mut self, inputs: &[i64]) -> Result<Vec<i64>, i32>;
@@ -56,7 +57,7 @@ struct Explicit<'a> {
     machine: &'a Machine,
     assumed: Assumed<'a>,
     state: Option<usize>,
-    /// Letters that were refused although there is a transition for them.
+    /// Refused letters for which there is a transition.
     overruled: usize,
 }
 
@@ -87,7 +88,7 @@ impl Player for Explicit<'_> {
     }
 }
 
-/// Inputs near the last ones; rarely some outside of their domains.
+/// Inputs near the last ones; rarely some outside their domains.
 fn letter(last: &[i64], domains: &[Domain], random: &mut Random) -> Vec<i64> {
     let mut inputs = last.to_vec();
     let all = random.chance(20);
@@ -103,9 +104,9 @@ fn letter(last: &[i64], domains: &[Domain], random: &mut Random) -> Vec<i64> {
     inputs
 }
 
-/// Plays at random: what was given, and what came of it. Inputs stay near the last ones that were
-/// not refused, so that most keep the assumptions. Where nothing is accepted for long, the
-/// environment has no way on, and all begins anew.
+/// Plays at random: inputs and answers. Inputs stay near the last accepted ones, so that most keep
+/// the assumptions. If nothing is accepted for long, the environment has no way to continue, and
+/// everything is reset.
 fn play(player: &mut dyn Player, random: &mut Random, steps: usize) -> (String, String) {
     let (mut given, mut wanted) = (String::new(), String::new());
     let domains: Vec<_> = player.inputs().iter().map(|p| p.domain.clone()).collect();
@@ -118,7 +119,7 @@ fn play(player: &mut dyn Player, random: &mut Random, steps: usize) -> (String, 
             last = domains.iter().map(Domain::low).collect();
             refused = 0;
         }
-        // A refusal changes nothing, so that a few letters can be tried; two times in five the
+        // A refusal changes nothing, so that a few letters can be tried; in two of five steps the
         // first one is taken as it is.
         let tries = if random.chance(40) { 1 } else { TRIES };
         let mut inputs = Vec::new();
@@ -157,7 +158,7 @@ fn fields(files: &Files, structure: &str) -> Vec<String> {
     fields.filter(|f| *f != "none").map(str::to_owned).collect()
 }
 
-/// A program that reads inputs and prints what `NAME_step` answers.
+/// A program that reads inputs and prints the answers of `NAME_step`.
 fn driver(files: &Files) -> String {
     let name = &files.name;
     let mut reads = String::new();
@@ -204,7 +205,7 @@ fn compile(folder: &Path, arguments: &[&str]) {
     assert!(output.status.success() && text.is_empty(), "{text}");
 }
 
-/// Compiles without a warning, runs, and compares. Gives how many steps were accepted.
+/// Compiles without a warning, runs, and compares. Returns the number of accepted steps.
 fn compare(files: &Files, player: &mut dyn Player, steps: usize) -> usize {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| {
@@ -254,7 +255,7 @@ fn compare(files: &Files, player: &mut dyn Player, steps: usize) -> usize {
     accepted
 }
 
-/// The number of steps accepted; `None` for an unrealizable specification.
+/// The number of accepted steps; `None` for an unrealizable specification.
 fn compare_functions(specification: &Specification, steps: usize) -> Option<usize> {
     let functions = functions(specification, KernelChoice::Automatic)?;
     let mut player = Played {
@@ -272,7 +273,7 @@ fn compare_machine(specification: &Specification, steps: usize) {
     }
 }
 
-/// How many letters were refused although the machine has a transition for them.
+/// Number of refused letters for which the machine has a transition.
 fn play_machine(machine: &Machine, specification: &Specification, steps: usize) -> usize {
     let mut player = Explicit {
         machine,

@@ -1,11 +1,11 @@
-//! Functions played out: the explicit machine with a state for all that they remember.
+//! The explicit machine of functions, with a state for each value of their memory.
 
 use linewright::gr1::Domain;
 use linewright::mealy::functions::{Functions, State};
 use linewright::mealy::{Cube, Guard, Machine, Test, Transition};
 use std::collections::HashMap;
 
-/// The machine; a transition for every single input that is not refused.
+/// The machine, with a transition for every single input that is not refused.
 pub fn machine(functions: &Functions) -> Machine {
     let mut numbers: HashMap<State, usize> = HashMap::new();
     let mut todo: Vec<State> = Vec::new();

@@ -1,5 +1,5 @@
-//! What a machine shall be good at: whatever is preferred it is right, and preferring few states
-//! never gives more.
+//! Preferences of a machine: it is correct whatever is preferred, and preferring few states never
+//! gives more.
 
 use super::{benchmark, fixtures, random};
 use linewright::game::{Limits, Outcome, Preference, solve};

@@ -1,4 +1,4 @@
-//! Expressions as gates over lanes: an integer is one wire a value.
+//! Expressions as gates over lanes: an integer is one wire per value.
 
 use super::words::Lanes;
 use linewright::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId, eval};
@@ -16,15 +16,15 @@ enum Gate {
     Or(Wire, Wire),
 }
 
-/// A value: for each integer it can be, the wire that says whether it is.
+/// A value: for each possible integer, the wire that is true for it.
 type Value = BTreeMap<i64, Wire>;
 
 /// Gates, each after those it reads.
 pub struct Circuit {
     gates: Vec<Gate>,
     known: HashMap<Gate, Wire>,
-    /// The first input of a variable's values, and how many there are (from 0; a boolean has one
-    /// input, that it is true).
+    /// The first input of a variable's values, and their number (from 0; a boolean has one input
+    /// for true).
     inputs: HashMap<(VarId, Time), (usize, i64)>,
 }
 
@@ -38,8 +38,8 @@ impl Circuit {
         }
     }
 
-    /// Says where the values of a variable are among the inputs: one input if it has two values,
-    /// one a value otherwise.
+    /// Declares the inputs for a variable's values: one input if it has two values, otherwise one
+    /// per value.
     pub fn declare(&mut self, variable: VarId, time: Time, first: usize, values: i64) {
         self.inputs.insert((variable, time), (first, values));
     }
@@ -164,7 +164,7 @@ impl Circuit {
     }
 }
 
-/// The gates against direct evaluation, with every operator that a lowering uses.
+/// The gates compared with direct evaluation, with every operator that a lowering uses.
 #[test]
 fn gates_compute_what_expressions_mean() {
     let (a, b) = (VarId(0), VarId(1));

@@ -1,5 +1,4 @@
-//! Patterns from end to end: as guarantees of machines that are then played, and as assumptions
-//! that are relied on.
+//! Patterns end to end: as guarantees of machines that are then played, and as assumptions.
 
 use super::logic;
 use super::patterns::{Case, cases};
@@ -56,8 +55,8 @@ fn machine_of(specification: &Specification) -> Option<Machine> {
     Some(machine)
 }
 
-/// The letters of a play of the machine on a lasso of inputs, up to where it repeats. `owner[v]`
-/// says that variable `v` is an output.
+/// The letters of a play of the machine on a lasso of inputs, up to its repetition. `owner[v]` says
+/// that variable `v` is an output.
 fn play(machine: &Machine, inputs: &[Vec<i64>], back: usize, outputs: &[bool]) -> Lassos {
     let lanes = |x: i64| if x == 1 { Lanes::ALL } else { Lanes::NONE };
     let mut letters = Vec::new();
@@ -90,7 +89,7 @@ fn play(machine: &Machine, inputs: &[Vec<i64>], back: usize, outputs: &[bool]) -
     }
 }
 
-/// Who can keep a pattern globally follows from who owns its letters.
+/// Which side can keep a pattern globally, given the owners of its letters.
 fn expected(case: &Case, outputs: &[bool]) -> Option<bool> {
     let controls = |e: &Expr| matches!(e, Expr::Var(v, _) if outputs[v.index()]);
     match (&case.scope, &case.pattern) {
@@ -109,8 +108,8 @@ fn expected(case: &Case, outputs: &[bool]) -> Option<bool> {
     }
 }
 
-/// Adds that every letter holds again and again, which an input is assumed to do and an output has
-/// to do.
+/// Adds that every letter holds again and again: an assumption for an input, a guarantee for an
+/// output.
 fn enliven(specification: &mut Specification, outputs: &[bool]) {
     for (v, output) in outputs.iter().enumerate() {
         let often = Obligation {
@@ -126,8 +125,8 @@ fn enliven(specification: &mut Specification, outputs: &[bool]) {
     }
 }
 
-/// With all divisions of the letters into inputs and outputs; once as it is, where never opening a
-/// scope is a way to win, and once in a lively world where every letter comes again and again.
+/// With all divisions of the letters into inputs and outputs; once as they are, where a side may
+/// win by never opening a scope, and once with every letter recurring.
 #[test]
 fn machines_keep_the_patterns_they_guarantee() {
     let (mut realizable, mut unrealizable, mut plays) = ([0, 0], [0, 0], [0, 0]);
@@ -189,8 +188,8 @@ fn machines_keep_the_patterns_they_guarantee() {
     assert!(plays.iter().all(|n| *n > 2_000));
 }
 
-/// What is assumed of the inputs can be guaranteed of their copies (or, where the machine answers
-/// first, of the inputs themselves), and not without the assumption.
+/// An assumption about the inputs can be guaranteed for their copies (or, if the machine answers
+/// first, for the inputs themselves), but not without the assumption.
 #[test]
 fn machines_can_rely_on_the_patterns_they_assume() {
     for case in cases(1..=2) {
@@ -233,7 +232,7 @@ fn machines_can_rely_on_the_patterns_they_assume() {
     }
 }
 
-/// The pattern over variables `shift` further on.
+/// The pattern with variables shifted by `shift`.
 fn shifted(case: &Case, shift: u32) -> (Pattern, Scope) {
     let of = |e: &Expr| e.substitute(&mut |v, time| Expr::Var(VarId(v.0 + shift), time));
     let pattern = match &case.pattern {

@@ -1,8 +1,8 @@
-//! Temporal logic by its definition, and a reader for the formulas as they stand in the tables.
+//! Temporal logic by definition, and a parser for the formulas in the tables.
 
 use super::words::{Lanes, Lassos};
 
-/// A formula with future or past operators. `Within` variants look at most so many steps away.
+/// A formula with future or past operators. `Within` variants are bounded by a number of steps.
 #[derive(Debug, Clone)]
 pub enum Logic {
     Var(usize),
@@ -26,11 +26,10 @@ pub enum Logic {
 use Logic as L;
 
 impl Logic {
-    /// The value in every position of the lassos. No past operators.
+    /// The value at every position of the lassos. No past operators.
     pub fn on(&self, lassos: &Lassos) -> Vec<Lanes> {
         let length = lassos.letters.len();
-        // The positions that come, up to the one that has been there before: all that are ever
-        // reached.
+        // The following positions up to the first repeated one: all that are ever reached.
         let walk = |from: usize| {
             let mut position = from;
             std::iter::from_fn(move || {
@@ -97,7 +96,7 @@ impl Logic {
         }
     }
 
-    /// The value in every position of finite words. No future operators.
+    /// The value at every position of finite words. No future operators.
     pub fn in_the_past_of(&self, word: &[Vec<Lanes>]) -> Vec<Lanes> {
         let each = |value: &dyn Fn(usize) -> Lanes| (0..word.len()).map(value).collect::<Vec<_>>();
         let exists = |a: &[Lanes]| a.iter().fold(Lanes::NONE, |found, x| found | *x);
@@ -146,9 +145,9 @@ impl Logic {
     }
 }
 
-/// Reads `G ((q & !r) -> (!p W r))`, with the letters of `names` as variables. Unary operators bind
-/// most; then come `U`, `W` and `S`, then `&`, `or` and `->`. Future operators are `F`, `G`, `U`,
-/// `W`, past ones `Y`, `O`, `H`, `S`; a bound is `F<=3`.
+/// Parses `G ((q & !r) -> (!p W r))`, with the letters of `names` as variables. Unary operators
+/// bind tightest; then come `U`, `W` and `S`, then `&`, `or` and `->`. Future operators are `F`,
+/// `G`, `U`, `W`, past ones `Y`, `O`, `H`, `S`; a bound is `F<=3`.
 pub fn read(text: &str, names: &[char]) -> Logic {
     let mut tokens: Vec<String> = Vec::new();
     let mut rest = text.trim_start();
@@ -168,7 +167,7 @@ pub fn read(text: &str, names: &[char]) -> Logic {
 }
 
 struct Reader<'a> {
-    /// The next one is the last.
+    /// The next one is last.
     tokens: Vec<String>,
     names: &'a [char],
 }
@@ -239,7 +238,7 @@ impl Reader<'_> {
             ("O", Some(n)) => L::OnceWithin(n, a),
             ("H", None) => L::Historically(a),
             ("H", Some(n)) => L::HistoricallyWithin(n, a),
-            other => panic!("{other:?} is no operator"),
+            other => panic!("{other:?} is not an operator"),
         }
     }
 }

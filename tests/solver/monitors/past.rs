@@ -7,7 +7,7 @@ use super::words::{Lanes, every_lasso, same};
 use linewright::gr1::monitors::{Kind, Monitors, Obligation, Origin};
 use linewright::gr1::{BinaryOp, Domain, Expr, VarId};
 
-/// A past formula, operator by operator through the interface that importers use.
+/// A past formula, operator by operator through the interface used by importers.
 fn lower(monitors: &mut Monitors, formula: &Logic) -> Expr {
     let origin = Origin::default();
     match formula {
@@ -49,7 +49,7 @@ fn lower(monitors: &mut Monitors, formula: &Logic) -> Expr {
     }
 }
 
-/// Compares values step by step on every lasso, its cycle gone through `rounds` times; then the
+/// Compares values step by step on every lasso, repeating its cycle `rounds` times; then the
 /// formula as an invariant, guaranteed and assumed.
 fn agree(formula: &Logic, rounds: usize) {
     let mut monitors = Monitors::new(VarId(2), []);
@@ -98,13 +98,13 @@ fn past_operators_have_the_value_of_their_definition() {
     }
     for n in 0..=5 {
         for operator in ["O", "H"] {
-            // As many rounds as the counter has values, and two more.
+            // As many rounds as the counter has values, plus two.
             agree(&read(&format!("{operator}<={n} p"), &['p', 'q']), n + 3);
         }
     }
 }
 
-/// Every formula of at most two operators, one within the other included.
+/// Every formula of at most two operators, including nested ones.
 #[test]
 fn past_operators_can_be_nested() {
     let atoms = vec![L::Var(0), L::Var(1)];
@@ -143,7 +143,7 @@ fn past_operators_can_be_nested() {
 /// The truth of p and q in the steps before and in this one.
 type Steps<'a> = &'a [(bool, bool)];
 
-/// Compares an expression's value with what is expected.
+/// Compares an expression's value with the expected one.
 fn agree_with(
     monitors: &Monitors,
     expr: &Expr,

@@ -1,4 +1,4 @@
-//! Every pattern in every scope, with and without a bound, and what it means.
+//! Every pattern in every scope, with and without a bound, and its meaning.
 
 use linewright::gr1::monitors::{Pattern, Scope};
 use linewright::gr1::{Expr, VarId};
@@ -6,7 +6,7 @@ use linewright::gr1::{Expr, VarId};
 /// One pattern in one scope.
 pub struct Case {
     pub name: String,
-    /// The letters of the formula, in order; each is the variable of its place.
+    /// The letters of the formula, in order; each is the variable with its index.
     pub names: Vec<char>,
     pub pattern: Pattern,
     pub scope: Scope,
@@ -14,7 +14,7 @@ pub struct Case {
     pub meaning: String,
 }
 
-/// Pattern, scope, meaning; `n` stands for the bound.
+/// Pattern, scope, meaning; `n` is the bound.
 const TABLE: [(&str, &str, &str); 35] = [
     ("absence", "globally", "G !p"),
     ("absence", "before", "F r -> (!p U r)"),
@@ -33,7 +33,7 @@ const TABLE: [(&str, &str, &str); 35] = [
     ("universality", "until", "G ((q & !r) -> (p W r))"),
     ("precedence", "globally", "!p W s"),
     ("precedence", "before", "F r -> (!p U (s or r))"),
-    // Not Dwyer's formula, which GR(1) cannot say: see `after_q_the_first_q_is_meant`.
+    // Not Dwyer's formula, which GR(1) cannot express: see `after_q_the_first_q_is_meant`.
     ("precedence", "after", "!q W (q & (!p W s))"),
     (
         "precedence",
@@ -82,7 +82,7 @@ const TABLE: [(&str, &str, &str); 35] = [
     ),
 ];
 
-/// Every line of the table, those with a bound once for each of `bounds`.
+/// Every line of the table; those with a bound once for each of `bounds`.
 pub fn cases(bounds: std::ops::RangeInclusive<u32>) -> Vec<Case> {
     let mut found = Vec::new();
     for (pattern, scope, meaning) in TABLE {

@@ -1,4 +1,4 @@
-//! Monitors at work: stepped along lassos, with the obligations looked at in every step.
+//! Monitors in operation: stepped along lassos, with the obligations evaluated in every step.
 
 use super::circuit::{Circuit, Wire};
 use super::words::{Lanes, Lassos, same};
@@ -18,16 +18,16 @@ struct Wires {
 pub struct Player {
     circuit: Circuit,
     variables: usize,
-    /// The first state input of each monitor, and the wires that are its next value.
+    /// The first state input of each monitor, and the wires of its next value.
     states: Vec<(usize, Vec<Wire>)>,
     start: Vec<Lanes>,
     guaranteed: Wires,
     assumed: Wires,
-    /// The values of an expression, if one is followed.
+    /// The values of an expression, if one is tracked.
     followed: Vec<(i64, Wire)>,
 }
 
-/// In which lanes a formula's obligations are kept: as guarantees, and taken apart as assumptions.
+/// Lanes in which a formula's obligations are kept: as guarantees, and split up as assumptions.
 pub struct Kept {
     pub guaranteed: Lanes,
     pub assumed: Lanes,
@@ -136,8 +136,8 @@ impl Player {
         }
     }
 
-    /// The values of the followed expression in every step of the words, as pairs of a value and
-    /// where it is taken.
+    /// The values of the tracked expression in every step of the words, as pairs of a value and the
+    /// lanes that have it.
     pub fn follow(&self, word: &[Vec<Lanes>]) -> Vec<Vec<(i64, Lanes)>> {
         let mut state = self.start.clone();
         let mut wires = Vec::new();
@@ -152,9 +152,9 @@ impl Player {
         found
     }
 
-    /// Whether the obligations are kept on the lassos. The cycle is gone through until the
-    /// monitors' state at its head is one that was there before, in every lane; then again, until
-    /// each lane has come back to that state, and what is just has to have held meanwhile.
+    /// Whether the obligations are kept on the lassos. The cycle is repeated until the monitors'
+    /// state at its head is an earlier one in every lane; then again, until each lane has returned
+    /// to that state, and justice must have held meanwhile.
     pub fn kept(&self, lassos: &Lassos) -> Kept {
         let mut state = self.start.clone();
         let mut wires = Vec::new();

@@ -1,8 +1,8 @@
-//! Patterns and past operators as the language writes them: each comes down to the monitors that
-//! its own lowering gives.
+//! Patterns and past operators in Linewright's language: each is lowered to the same monitors as by
+//! the interface.
 //!
-//! What those monitors mean is tested on every lasso. Here nothing can go wrong but which operand,
-//! scope and bound stands where, so whole lists of formulas are compared.
+//! Other tests check the meaning of those monitors on every lasso. Here only the positions of
+//! operands, scopes and bounds can be wrong, so whole lists of formulas are compared.
 
 use super::monitors_of;
 use super::patterns::{Case, cases};
@@ -23,7 +23,7 @@ fn read(names: &[char], formula: &str) -> Specification {
     (*library.contracts[0].specification).clone()
 }
 
-/// What a side says, names and places aside.
+/// The formulas of a side without names and places.
 fn said(side: &Side) -> [Vec<Expr>; 4] {
     [&side.initial, &side.invariants, &side.safety, &side.justice]
         .map(|list| list.iter().map(|f| f.expr.simplify()).collect())
@@ -36,7 +36,7 @@ fn letter(names: &[char], e: &Expr) -> char {
     }
 }
 
-/// A pattern in a scope, as a person writes it.
+/// A pattern in a scope, as text.
 fn written(case: &Case) -> String {
     let of = |e: &Expr| letter(&case.names, e);
     let steps = |n: &Option<u32>| n.map_or(String::new(), |n| format!(" within {n} steps"));
@@ -68,7 +68,7 @@ fn written(case: &Case) -> String {
 #[test]
 fn patterns_are_read_as_they_are_written() {
     for case in cases(1..=3) {
-        // `always p` is no pattern to the language, but the invariant itself.
+        // `always p` is no pattern in the language, but the invariant itself.
         if (
             &case.scope,
             matches!(case.pattern, Pattern::Universality(_)),
@@ -115,7 +115,7 @@ fn patterns_are_read_as_they_are_written() {
     }
 }
 
-/// A response and a plain `eventually` in the words of temporal logic are the same as the patterns.
+/// A response and a plain `eventually` in temporal logic are the same as the patterns.
 #[test]
 fn formulas_of_temporal_logic_are_patterns() {
     let pairs = [

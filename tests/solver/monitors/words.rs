@@ -1,5 +1,5 @@
-//! Many words at once: 256 of them side by side in the bits of four machine words, so that every
-//! lasso can be tried.
+//! Many words at once: 256 side by side in the bits of four machine words, so that every lasso can
+//! be tried.
 
 use std::ops::{BitAnd, BitOr, Not};
 
@@ -7,7 +7,7 @@ use std::ops::{BitAnd, BitOr, Not};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Lanes(pub [u64; 4]);
 
-/// How many bits of a word's number are its place among the lanes.
+/// Number of bits of a word's number that select its lane.
 const LANE_BITS: usize = 8;
 
 impl Lanes {
@@ -73,8 +73,8 @@ pub fn same(a: Lanes, b: Lanes) -> Lanes {
     (a & b) | (!a & !b)
 }
 
-/// 256 lassos of one shape: `letters[i][v]` is variable `v` in position `i`, and after the last
-/// position comes `back`.
+/// 256 lassos of one shape: `letters[i][v]` is variable `v` at position `i`, and the last position
+/// is followed by `back`.
 pub struct Lassos {
     pub letters: Vec<Vec<Lanes>>,
     pub back: usize,
@@ -101,7 +101,7 @@ impl Lassos {
         word
     }
 
-    /// One of them, to be read: `p, -, pq | (r, -)`.
+    /// One lasso as text: `p, -, pq | (r, -)`.
     pub fn show(&self, lane: usize, names: &[char]) -> String {
         let letter = |l: &Vec<Lanes>| {
             let pairs = names.iter().zip(l).filter(|(_, v)| v.at(lane));
@@ -119,7 +119,7 @@ impl Lassos {
 }
 
 /// Calls `visit` with all lassos over `variables` variables with at most `longest` positions, and
-/// says how many there are.
+/// returns their number.
 pub fn every_lasso(variables: usize, longest: usize, visit: &mut impl FnMut(&Lassos)) -> u64 {
     let mut count = 0;
     for length in 1..=longest {

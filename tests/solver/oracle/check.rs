@@ -19,7 +19,7 @@ fn part(board: &Board<'_>, valuation: usize, owner: Owner) -> Vec<i64> {
         .collect()
 }
 
-/// The next valuations: for every legal input, the one the machine answers with.
+/// The next valuations: for every legal input, the machine's answer.
 fn answers(
     board: &Board<'_>,
     rules: &Rules,
@@ -119,7 +119,7 @@ pub fn accepts(board: &Board<'_>, machine: &Machine) -> Result<(), String> {
     Ok(())
 }
 
-/// Which nodes can be reached from which by at least one arc.
+/// Reachability between nodes by at least one arc.
 fn closure(count: usize, arcs: &[Arc]) -> Vec<Vec<bool>> {
     let mut targets = vec![Vec::new(); count];
     for (from, to, ..) in arcs {
@@ -138,7 +138,7 @@ fn closure(count: usize, arcs: &[Arc]) -> Vec<Vec<bool>> {
     reach
 }
 
-/// The play of a violation is one of this machine, and only its last step may break a rule.
+/// The play of a violation belongs to this machine, and only its last step may violate a rule.
 pub fn replay(board: &Board<'_>, machine: &Machine, violation: &Violation) {
     let rules = board.rules(&Subset::All);
     let number = |v: &Vec<i64>| {
@@ -151,7 +151,7 @@ pub fn replay(board: &Board<'_>, machine: &Machine, violation: &Violation) {
     let trace: Vec<usize> = violation.trace.iter().map(number).collect();
     let mut at: Option<(usize, usize)> = None;
     let steps = trace.len();
-    // A justice violation goes round twice: what repeats must be able to.
+    // A justice violation is repeated once: the cycle must be repeatable.
     let again = violation.repeats_from.map_or(&[][..], |r| &trace[r..]);
     for (i, v) in trace.iter().chain(again).copied().enumerate() {
         let legal = at.map_or(rules.env_start, |(_, now)| rules.env_step[now]);

@@ -1,11 +1,11 @@
 //! Games over two inputs and two outputs with at most one initial, one safety and one justice
-//! formula a side, of up to three operators each.
+//! formula per side, of up to three operators each.
 //!
-//! Their product is more than anyone could play, so it is covered, role by role. A role is the side
-//! and kind of a formula. In a role's pass every formula that may stand there stands there once, up
-//! to renaming inputs and outputs among themselves; meanwhile timing and the other five roles go
-//! through every combination of being absent and of each number of operators, and the formulas of
-//! each number are taken in turn. A pass is never shorter than these combinations.
+//! Their product is too large to enumerate, so it is covered role by role. A role is the side and
+//! kind of a formula. In a role's pass every formula allowed there is used once, up to renaming
+//! inputs and outputs among themselves; meanwhile timing and the other five roles go through every
+//! combination of being absent and of each number of operators, and the formulas of each number are
+//! taken in turn. A pass is never shorter than these combinations.
 
 use super::exhaustive::{listed, variable};
 use super::formulas::{Functions, MOST_OPERATORS, Values, renamings};
@@ -17,9 +17,9 @@ use std::collections::HashSet;
 
 const ROLES: usize = 6;
 
-/// What each role is called, and the atoms that its formulas may mention: 0 and 1 are the inputs, 2
-/// and 3 the outputs, and four more is the next value. The environment chooses without seeing the
-/// outputs of the same step.
+/// Name of each role, and the atoms that its formulas may mention: 0 and 1 are the inputs, 2 and 3
+/// the outputs, and four more is the next value. The environment chooses without seeing the outputs
+/// of the same step.
 const ATOMS: [(&str, &[usize]); ROLES] = [
     ("assumed initial", &[0, 1]),
     ("assumed safety", &[0, 1, 2, 3, 4, 5]),
@@ -29,15 +29,15 @@ const ATOMS: [(&str, &[usize]); ROLES] = [
     ("justice", &[0, 1, 2, 3, 4, 5, 6, 7]),
 ];
 
-/// A game by the numbers of its formulas in the lists of their roles.
+/// A game by the indices of its formulas in the lists of their roles.
 #[derive(Clone, Copy)]
 struct Draft {
     timing: Timing,
     formulas: [Option<usize>; ROLES],
 }
 
-/// Formulas of one number of operators, taken in turn; neighbours in the list resemble each other,
-/// so not one after the other.
+/// Formulas with a number of operators, taken in turn; adjacent ones in the list are similar, so
+/// they are not taken consecutively.
 struct Walk {
     begin: usize,
     count: usize,
@@ -61,8 +61,7 @@ fn coprime(a: usize, b: usize) -> bool {
     a == 1
 }
 
-/// The walks through a role's formulas, one for each number of operators that there are formulas
-/// of.
+/// The walks through a role's formulas, one for each number of operators that occurs.
 fn walks(functions: &Functions) -> Vec<Walk> {
     let lengths = (0..=MOST_OPERATORS).map(|operators| functions.of_length(operators));
     let present = lengths.filter(|range| !range.is_empty());
@@ -88,8 +87,7 @@ fn lists() -> Vec<Functions> {
         .collect()
 }
 
-/// How many combinations there are of the other roles being absent or having some number of
-/// operators.
+/// Number of combinations of the other roles being absent or having some number of operators.
 fn combinations(lists: &[Functions], role: usize) -> usize {
     let others = (0..ROLES).filter(|other| *other != role);
     others.map(|other| walks(&lists[other]).len() + 1).product()
@@ -108,7 +106,7 @@ fn drafts(lists: &[Functions]) -> Vec<Draft> {
             formulas.len()
         );
         for number in 0..games {
-            // Each time round one further, so that a formula does not meet the same combinations
+            // Shifted by one in each round, so that a formula does not meet the same combinations
             // again.
             let turn = number + number / formulas.len();
             let mut rest = number / 2;
@@ -156,7 +154,7 @@ fn game(lists: &[Functions], draft: &Draft) -> Specification {
     }
 }
 
-/// Plays every `stride`-th game; gives how many there were.
+/// Plays every `stride`-th game; returns their number.
 fn play_every(stride: usize) -> usize {
     let lists = lists();
     let drafts = drafts(&lists);
@@ -171,7 +169,7 @@ fn play_every(stride: usize) -> usize {
     games.len()
 }
 
-/// Judged by what the games are, not by how they came about.
+/// Judged by the games themselves, not by their construction.
 #[test]
 fn every_formula_stands_in_every_role() {
     let (lists, renamings) = (lists(), renamings());
@@ -184,7 +182,7 @@ fn every_formula_stands_in_every_role() {
             .collect();
         let (name, list) = (ATOMS[role].0, &lists[role]);
         assert_eq!(sets.len(), list.up_to_renaming().len(), "{name}");
-        // Those of up to two operators in all their names too.
+        // Formulas of up to two operators with all their names, too.
         let short = 0..list.of_length(2).end;
         assert!(
             short.into_iter().all(|index| standing.contains(&index)),
@@ -194,7 +192,7 @@ fn every_formula_stands_in_every_role() {
     }
     let lengths: Vec<[Option<usize>; ROLES]> = drafts.iter().map(|d| lengths(&lists, d)).collect();
     for role in 0..ROLES {
-        // What the others do while this one plays its part.
+        // What the other roles do meanwhile.
         let others: HashSet<_> = drafts
             .iter()
             .zip(&lengths)
@@ -218,8 +216,8 @@ fn lengths(lists: &[Functions], draft: &Draft) -> [Option<usize>; ROLES] {
     })
 }
 
-/// Of how many games the ordinary tests play one: no factor of any number of choices, so that all
-/// choices occur in what is left.
+/// The ordinary tests play one game in this many: coprime to every number of choices, so that all
+/// choices occur.
 const STRIDE: usize = 7;
 
 #[test]

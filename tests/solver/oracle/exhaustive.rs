@@ -1,5 +1,4 @@
-//! Every game over one input and one output whose formulas come from small lists: no choice is left
-//! to chance.
+//! Every game over one input and one output with formulas from small lists: nothing is random.
 
 use super::ways::play;
 use linewright::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable};
@@ -26,8 +25,7 @@ fn next_y() -> Expr {
     Expr::next(OUTPUT)
 }
 
-/// What the environment may have to keep from a step to the next: nothing, a change, a memory, an
-/// answer to the machine.
+/// Possible safety of the environment: nothing, a change, a memory, an answer to the machine.
 fn assumed_safety() -> Vec<Option<Expr>> {
     vec![
         None,
@@ -39,7 +37,7 @@ fn assumed_safety() -> Vec<Option<Expr>> {
     ]
 }
 
-/// What the machine may have to keep.
+/// Possible safety of the machine.
 fn safety() -> Vec<Option<Expr>> {
     vec![
         None,
@@ -90,7 +88,7 @@ pub fn variable(name: &str, owner: Owner) -> Variable {
 }
 
 /// All of them: both timings, every pair of safety formulas, every set of states as an assumption
-/// and as a goal. Each of these has one of three beginnings, in turn.
+/// and as a goal. Each of these has one of three initial conditions, in turn.
 fn games() -> Vec<Specification> {
     let mut games = Vec::new();
     let starts = [

@@ -1,6 +1,6 @@
 //! Every formula of up to three operators over two inputs and two outputs, now and next. A formula
-//! stands for all that mean the same: functions are told apart by their values, and each is written
-//! with as few operators as it can be.
+//! represents all equivalent ones: functions are distinguished by their values, and each is written
+//! with the fewest operators.
 
 use linewright::gr1::{Expr, VarId};
 use std::collections::HashSet;
@@ -13,7 +13,7 @@ pub type Values = [u64; 4];
 /// Two inputs, two outputs, and their next values.
 const ATOMS: usize = 8;
 
-/// An atom is a variable now, or four places further on its next value.
+/// An atom is a variable now, or, four higher, its next value.
 const VARIABLES: usize = 4;
 
 pub const MOST_OPERATORS: usize = 3;
@@ -31,11 +31,11 @@ enum Form {
     Binary(Operator, usize, usize),
 }
 
-/// Every function of some atoms that up to three operators can say; a negated variable counts as
-/// none.
+/// Every function of some atoms that up to three operators can express; a negated variable counts
+/// as none.
 pub struct Functions {
     all: Vec<(Values, Form)>,
-    /// Where those of each number of operators begin, and the end.
+    /// Start of each number of operators, and the end.
     begin: Vec<usize>,
 }
 
@@ -97,17 +97,17 @@ impl Functions {
         }
     }
 
-    /// The functions that take this many operators and no fewer.
+    /// The functions that need exactly this many operators.
     pub fn of_length(&self, operators: usize) -> Range<usize> {
         self.begin[operators]..self.begin[operators + 1]
     }
 
-    /// How many there are.
+    /// Number of functions.
     pub fn count(&self) -> usize {
         self.all.len()
     }
 
-    /// The number of the set that renaming makes of a function: the same for all in it.
+    /// The index of a function's orbit under renaming: the same for all its members.
     pub fn set_of(&self, index: usize, renamings: &[Vec<usize>]) -> Values {
         let renamed = renamings.iter().map(|r| rename(&self.all[index].0, r));
         renamed
@@ -115,7 +115,7 @@ impl Functions {
             .expect("there is the one that changes nothing")
     }
 
-    /// One of each set that renaming makes of a function, the first one.
+    /// The first member of each orbit under renaming.
     pub fn up_to_renaming(&self) -> Vec<usize> {
         let renamings = renamings();
         let mut seen: HashSet<Values> = HashSet::new();
@@ -144,7 +144,7 @@ fn apply(operator: Operator, a: &Values, b: &Values) -> Values {
     })
 }
 
-/// Inputs swapped or not, outputs swapped or not: for every valuation the one it becomes.
+/// Inputs swapped or not, outputs swapped or not: the image of every valuation.
 pub fn renamings() -> Vec<Vec<usize>> {
     let swap = |valuation: usize, a: usize, b: usize| {
         let different = (valuation >> a ^ valuation >> b) & 1;

@@ -1,11 +1,11 @@
-//! What a specification asks for less than it seems to, by enumeration: the definitions of
+//! Where a specification demands less than it seems to, by enumeration: the definitions of
 //! `game::Shape` word for word.
 
 use crate::game::{Board, Relation, Set, Subset, value};
 use linewright::game::{GuaranteeKind as Kind, GuaranteeRef, Shape};
 use linewright::gr1::{BinaryOp, Expr, Formula, Owner, Side, Time, Timing, VarId};
 
-/// What can occur under controllers.
+/// Valuations and steps that can occur under controllers.
 struct Occurring {
     reached: Set,
     moves: Relation,
@@ -52,7 +52,7 @@ impl Board<'_> {
         value(expr, &self.valuations[now], &self.valuations[next]) != 0
     }
 
-    /// Compares; says what differs.
+    /// Compares; returns a description of the difference.
     pub fn agrees(&self, found: &Shape) -> Result<(), String> {
         let spec = self.specification;
         let occurring = self.under_controllers();
@@ -237,7 +237,7 @@ impl Board<'_> {
             let legal = rules.env_step[s];
             let mut answers = rules.sys_step[s];
             if spec.timing == Timing::Moore {
-                // A safety guarantee binds the answer for whatever is given.
+                // A safety guarantee restricts the answer for all given inputs.
                 let safe = safety_only(self, s);
                 let x: Vec<Set> = groups
                     .inputs
@@ -253,7 +253,8 @@ impl Board<'_> {
                 let members =
                     |set: Set| (0..self.valuations.len()).filter(move |t| set >> t & 1 == 1);
                 let values = || domain.low()..=domain.high();
-                // What is said of its next value says nothing here, whatever the others are ...
+                // Formulas about its next value impose nothing here, whatever the other variables
+                // are ...
                 let allowed = |t: usize| setting.iter().all(|f| self.holds(&f.expr, s, t));
                 let silent = members(*x).all(|t| {
                     let kept = values().filter(|to| allowed(changed(t, *to))).count() as u64;
@@ -330,7 +331,7 @@ impl Board<'_> {
     }
 }
 
-/// The next valuations that the safety guarantees by themselves allow.
+/// The next valuations allowed by the safety guarantees alone.
 fn safety_only(board: &Board<'_>, s: usize) -> Set {
     let safety = board.guaranteed.safety.iter();
     safety.fold(board.all(), |set, r| set & r[s])

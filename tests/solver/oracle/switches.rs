@@ -9,16 +9,16 @@ use linewright::gr1::{Domain, Formula, Specification, Timing};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// Games of any kind.
+/// Number of unrestricted games.
 const ANY: u64 = 5_000;
 
-/// Games with integers and at least two justice formulas on either side.
+/// Number of games with integers and at least two justice formulas on either side.
 const WITH_GOALS: u64 = 5_000;
 
-/// What the games were like.
+/// Statistics of the games.
 #[derive(Debug, Default, Clone)]
 struct Counts {
-    /// By timing (Mealy, Moore): how many are unrealizable, how many realizable.
+    /// By timing (Mealy, Moore): numbers of unrealizable and realizable ones.
     verdicts: [[u64; 2]; 2],
     /// Unrealizable ones that would be realizable without the machine's goals.
     goals_decide: u64,
@@ -143,8 +143,7 @@ fn any_games_in_every_way() {
     complete(&counts.tried);
 }
 
-/// The same where it is hardest: all three fixpoints matter, and integers make some values
-/// impossible.
+/// The hardest case: all three fixpoints matter, and integers make some codes invalid.
 #[test]
 fn games_with_integers_and_goals_in_every_way() {
     let counts = play_all(2_000_000..2_000_000 + WITH_GOALS, |r| {

@@ -4,7 +4,7 @@ use super::check::accepts;
 use crate::game::{Board, Subset};
 use crate::random::Random;
 use linewright::game::{
-    GuaranteeRef, Heuristic, Heuristics, KernelChoice, Limits, Options, Order, Outcome, Solved,
+    GuaranteeRef, Heuristic, Heuristics, KernelChoice, Limits, Options, Order, Outcome, Solution,
     order_of_variables, solve_with,
 };
 use linewright::gr1::Specification;
@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::AddAssign;
 
-/// The kernels by the name that the statistics give.
+/// The kernels by their names in the statistics.
 const KERNELS: [(KernelChoice, &str); 2] = [
     (KernelChoice::Biodivine, "biodivine"),
     (KernelChoice::OxiDd, "oxidd"),
@@ -25,22 +25,22 @@ const KERNELS: [(KernelChoice, &str); 2] = [
 struct Way {
     heuristics: Heuristics,
     order: Option<Order>,
-    /// Whether a machine is made of it and checked.
+    /// Whether a machine is made and checked.
     machine: bool,
 }
 
-/// What has been tried.
+/// Statistics of the tests.
 #[derive(Debug, Default, Clone)]
 pub struct Tried {
-    /// Verdicts, on both kernels together.
+    /// Verdicts on both kernels together.
     pub verdicts: u64,
-    /// Machines that the verifier and the oracle's checker have both accepted.
+    /// Machines accepted by both the verifier and the oracle's checker.
     pub machines: u64,
-    /// Sets of heuristics that a game was solved with; the oracle agreed.
+    /// Sets of heuristics with which a game was solved; the oracle agreed.
     pub sets: BTreeSet<String>,
-    /// Games that ended in another order than they began in, because sifting found a better one.
+    /// Games whose order changed because sifting found a better one.
     pub reordered: u64,
-    /// Minimal cores, all those of a game the same.
+    /// Minimal cores; all those of a game are the same.
     pub cores: u64,
 }
 
@@ -71,18 +71,18 @@ impl fmt::Display for Tried {
     }
 }
 
-/// How many ways a game is solved in, on each kernel.
+/// Number of ways in which a game is solved on each kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// With everything; with nothing; with one heuristic alone and without one, each in turn (by
-    /// seed); with any of them from any order.
+    /// With all heuristics; with none; with a single one and without one, in turn (by seed); with a
+    /// random set from a random order.
     Five,
     /// The first two, and one of the others in turn.
     Three,
 }
 
 impl Extent {
-    /// How many verdicts that makes on both kernels.
+    /// Number of verdicts on both kernels.
     pub fn verdicts(self) -> u64 {
         match self {
             Self::Five => 10,
@@ -130,7 +130,8 @@ fn names(heuristics: Heuristics) -> String {
     known.map(|(_, name)| *name).collect::<Vec<_>>().join(",")
 }
 
-/// Solves it in every way on both kernels; each must find `expected`, and machines must be right.
+/// Solves the game in every way on both kernels; each must find `expected`, and machines must be
+/// correct.
 pub fn agree(
     specification: &Specification,
     board: &Board<'_>,
@@ -139,7 +140,7 @@ pub fn agree(
     extent: Extent,
 ) -> Tried {
     let mut tried = Tried::default();
-    // Room enough for such small games; more would have to be set up thousands of times.
+    // Enough memory for such small games; more would have to be set up thousands of times.
     let limits = Limits {
         most_nodes: Some(1 << 16),
         ..Limits::default()
@@ -156,7 +157,7 @@ pub fn agree(
                 ..Options::default()
             };
             let what = || format!("seed {seed}, {name}, with `{}`", names(way.heuristics));
-            let Solved {
+            let Solution {
                 outcome,
                 statistics,
             } = solve_with(specification, &options);
@@ -194,8 +195,8 @@ pub fn agree(
     tried
 }
 
-/// Plays numbered games in three ways on each kernel, all against the oracle; gives how many are
-/// realizable.
+/// Plays numbered games in three ways on each kernel, all compared with the oracle; returns the
+/// number of realizable ones.
 pub fn play<'a>(games: impl ParallelIterator<Item = (usize, Cow<'a, Specification>)>) -> u64 {
     let played = games.map(|(number, specification)| {
         let board = Board::new(&specification);
@@ -217,7 +218,8 @@ pub fn play<'a>(games: impl ParallelIterator<Item = (usize, Cow<'a, Specificatio
     realizable
 }
 
-/// That nothing was left out over many games: every heuristic alone and left out, machines, cores.
+/// Checks that nothing was missed over many games: every heuristic alone and omitted, machines,
+/// cores.
 pub fn complete(tried: &Tried) {
     let enough = |count: u64, percent: u64| count * 100 > tried.verdicts * percent;
     assert!(enough(tried.machines, 10), "{tried}");

@@ -1,5 +1,5 @@
-//! What is in an archive: all that the standard wants, the same bytes every time, and names that
-//! every importer takes.
+//! Content of an archive: everything required by the standard, the same bytes every time, and names
+//! that every importer accepts.
 
 use super::hosts::{binary_name, file_of, laboratory, run};
 use crate::fixtures;
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::process::Command;
 use std::sync::Arc;
 
-/// The names of an archive's files, in their order.
+/// The names of an archive's files, in order.
 fn names(bytes: &[u8]) -> Vec<String> {
     let archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).expect("an archive");
     let names = archive.file_names();
@@ -52,7 +52,7 @@ fn archives_hold_what_the_standard_wants() {
         let description = String::from_utf8(description).unwrap();
         assert!(description.contains(&built.unit.token), "{description}");
         assert!(!description.contains("generationDateAndTime"));
-        // The description and the binary are of one unit.
+        // The description and the binary belong to one unit.
         let source = file_of(&built.archive, &format!("sources/{stem}.c")).unwrap();
         assert!(
             String::from_utf8(source)
@@ -78,7 +78,7 @@ fn two_builds_are_the_same_bytes() {
                 .collect::<Vec<_>>()
         });
         assert!(built[0] == built[1], "{}", machine.name);
-        // Another machine, another token.
+        // Another machine has another token.
         let mut other = (*machine).clone();
         other.base_watts += 0.1;
         for version in Version::ALL {
@@ -115,7 +115,7 @@ fn the_sources_have_no_warnings() {
     }
 }
 
-/// Several units in one program: with a prefix, no two of them have a symbol in common.
+/// Several units in one program: with a prefix, no two of them share a symbol.
 #[test]
 fn units_can_be_linked_together() {
     let folder = tempfile::tempdir().unwrap();
@@ -200,7 +200,7 @@ fn variables_are_those_of_the_machine() {
     assert_eq!(heights.limits, Some((0, 2)));
 }
 
-/// Names that would break XML, C or a file's path, and names that are taken.
+/// Names that would break XML, C or a file's path, and duplicate names.
 #[test]
 fn hostile_names() {
     let (machine, controllers) = fixtures::manipulator();
@@ -283,7 +283,7 @@ fn hostile_names() {
     }
 }
 
-/// Without a compiler the units are still written, and one finding says what is missing in all of
+/// Without a compiler the units are still written, and one finding lists what is missing in all of
 /// them.
 #[test]
 fn a_missing_compiler_is_a_warning() {
@@ -322,7 +322,7 @@ fn a_missing_compiler_is_a_warning() {
         );
         assert!(names.contains(&"sources/belt.c".to_owned()), "{names:?}");
     }
-    // A compiler that fails is another matter.
+    // A failing compiler is an error.
     let output = build(&[("CC", "false")]);
     assert_eq!(output.status.code(), Some(2));
     let json = linewright(

@@ -35,7 +35,7 @@ fn trajectories_are_the_machines() {
         assert!(tape.refused < tape.expected.len() / 2, "{name}");
         refused += tape.refused;
     }
-    // Some machines' assumptions cannot be broken by their inputs; others' can.
+    // The assumptions of some machines cannot be violated by their inputs; those of others can.
     assert!(refused > 100, "{refused}");
 }
 
@@ -67,7 +67,7 @@ fn a_damaged_table_is_seen() {
         };
         let mut package = built.unit.package.clone();
         assert_eq!(played(&package), Ok(()), "the unit as it is");
-        // The second leaf of the last table of leaves: another answer.
+        // The second leaf of the last table of leaves gets another answer.
         let at = package
             .c_source
             .rfind("_leaves[] = {")
@@ -86,8 +86,8 @@ fn a_damaged_table_is_seen() {
     }
 }
 
-/// The same wrong calls with the sanitizers for addresses and undefined behaviour in the unit and
-/// in the host.
+/// The same wrong calls with the address and undefined behavior sanitizers in the unit and in the
+/// host.
 #[test]
 fn wrong_calls_under_sanitizers() {
     const SANITIZERS: &str = "-fsanitize=address,undefined";
@@ -111,7 +111,7 @@ fn wrong_calls_under_sanitizers() {
         let mut compiler = Command::new("cc");
         compiler.arg(SANITIZERS);
         let host = host(compiler, built.unit.version, folder.path());
-        // Where addresses are laid out at random, some sanitizers do not start.
+        // With address space randomization, some sanitizers do not start.
         let mut command = Command::new("setarch");
         command.arg("-R").arg(&host);
         command.args(arguments(built, library.display().to_string(), None));

@@ -70,7 +70,7 @@ pub fn file_of(archive: &Path, name: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Where the binary for a system is in an archive.
+/// Path of the binary for a system in an archive.
 pub fn binary_name(unit: &Unit, windows: bool) -> String {
     let folder = match (unit.version, windows) {
         (Version::Two, false) => "linux64",
@@ -128,10 +128,10 @@ pub fn host(mut compiler: Command, version: Version, folder: &Path) -> PathBuf {
     path
 }
 
-/// As long as a host may take on a busy computer.
+/// Maximum time of a host on a busy computer.
 pub const PATIENCE: Duration = Duration::from_mins(5);
 
-/// What a program prints.
+/// Output of a program.
 pub fn run(command: &mut Command) -> String {
     let finished = programs::run(command, PATIENCE);
     print!("{}", finished.errors);
@@ -154,14 +154,14 @@ pub fn arguments(built: &Built, library: String, tape: Option<String>) -> Vec<St
     arguments
 }
 
-/// What the C host prints on this computer.
+/// Output of the C host on this computer.
 pub fn run_here(host: &Path, built: &Built, library: &Path, tape: Option<&Path>) -> String {
     let tape = tape.map(|t| t.display().to_string());
     let arguments = arguments(built, library.display().to_string(), tape);
     run(Command::new(host).args(arguments))
 }
 
-/// A tape of a unit, with the chances for all that may happen.
+/// A tape of a unit, with probabilities for all possible events.
 pub fn record(built: &Built, sequences: usize, steps: usize, seed: u64) -> Tape {
     tape::record(
         &built.machine,

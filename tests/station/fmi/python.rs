@@ -1,4 +1,4 @@
-//! `FMPy` validates the units, simulates them as they are, and plays a thousand sequences on them.
+//! `FMPy` validates the units, simulates them as imported, and plays a thousand sequences on them.
 
 use super::hosts::{Built, laboratory, record, run};
 use super::tape::{Tape, compare};

@@ -1,8 +1,8 @@
-//! A unit as it should be: the interpreter, stepped as `ffi/fmi.c` says a unit steps.
+//! A reference unit: the interpreter, stepped as `ffi/fmi.c` defines.
 //!
-//! What an operation takes is summed up here once more; where the signals were those of the
-//! machine's own script all through an operation, the sums, the properties and the machine's state
-//! afterwards are compared with those of `simulate`.
+//! Costs of an operation are summed up here independently. If the signals were those of the
+//! machine's own script throughout an operation, the sums, the properties and the machine's final
+//! state are compared with those of `simulate`.
 
 use linewright::contract::machine::{ActionTime, Machine, PlantSource};
 use linewright::gr1::eval;
@@ -12,24 +12,24 @@ use linewright::station::interpret::Interpreter;
 use linewright::station::{CallError, Controller, ErrorCode, Service};
 use std::sync::Arc;
 
-/// How a step was answered.
+/// Result of a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Answer {
     /// 0 OK, 3 Error.
     pub status: i32,
-    /// What the host is told; `None` where it is not known here (the step limit names what was
-    /// waited for).
+    /// Message for the host; `None` if it is not known here (the step limit names what was waited
+    /// for).
     pub message: Option<String>,
 }
 
-/// A value that a host reads, in the host's own numbers.
+/// A value read by a host, in the host's own numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Read {
     Real(f64),
     Whole(i64),
 }
 
-/// An operation that is under way.
+/// An operation in progress.
 #[derive(Clone)]
 struct Job {
     operation: usize,
@@ -38,7 +38,7 @@ struct Job {
     wires_at_start: Vec<i64>,
     running: Vec<bool>,
     service: Service,
-    /// The machine as the operation began, as long as the signals follow the script.
+    /// The machine at the start of the operation, as long as the signals follow the script.
     shadow: Option<Interpreter>,
 }
 
@@ -59,12 +59,12 @@ pub struct Reference {
     completed: i64,
     verdict: i32,
     results: Vec<f64>,
-    /// How many operations were compared with `simulate`.
+    /// Number of operations compared with `simulate`.
     pub compared: usize,
 }
 
 impl Reference {
-    /// A unit after its initialization, with the operation that its description says.
+    /// A unit after its initialization, with the operation in its description.
     pub fn new(
         machine: &Arc<Machine>,
         controllers: &Arc<Vec<mealy::Controller>>,
@@ -94,12 +94,12 @@ impl Reference {
         }
     }
 
-    /// Whether an operation is under way.
+    /// Whether an operation is in progress.
     pub fn is_busy(&self) -> bool {
         self.job.is_some()
     }
 
-    /// A communication step of so many of the machine's steps: all or none.
+    /// A communication step of `ticks` machine steps: all or none.
     pub fn step(&mut self, ticks: u64) -> Answer {
         let mut after = self.clone();
         for _ in 0..ticks {
@@ -172,8 +172,8 @@ impl Reference {
         Ok(())
     }
 
-    /// The property abstraction, and what an operation begins with. A machine without operations
-    /// keeps its sums.
+    /// The property abstraction, and the start of an operation. A machine without operations keeps
+    /// its sums.
     fn begin(&self, before: Option<Job>) -> Result<Job, CallError> {
         let machine = &*self.machine;
         let mut plant = vec![0; machine.plant.len()];
@@ -188,7 +188,8 @@ impl Reference {
                         && near >= input.domain.low() as f64
                         && near <= input.domain.high() as f64;
                     if !fits {
-                        // The words are those of `simulate`, which fails alike and changes nothing.
+                        // The message is that of `simulate`, which fails in the same way and
+                        // changes nothing.
                         let mut shadow = self.interpreter.clone();
                         let answer = shadow.simulate(self.operation, &mut self.given.clone());
                         return Err(
@@ -275,7 +276,7 @@ impl Reference {
         self.started && done.is_some_and(|d| eval::eval(d, &self.wires, &[]) != 0)
     }
 
-    /// What a host reads from a variable.
+    /// The value that a host reads from a variable.
     pub fn read(&self, variable: &Variable) -> Read {
         let index = (variable.reference % 0x10_0000) as usize;
         let nothing = Service::default();

@@ -1,13 +1,14 @@
-//! Tapes: random calls on several instances of a unit, and what a host must read after each step.
+//! Tapes: random calls on several instances of a unit, and the values that a host must read after
+//! each step.
 //!
-//! A tape is text, one call a line, that every host can read:
+//! A tape is text, one call per line, that every host can read:
 //!
 //! ```text
 //! watch REFERENCE TYPE     print this variable after each step; the types are r, i, l, b and e
-//! new N                    make instance N and initialize it; it is the one that further calls are on
+//! new N                    make instance N and initialize it; further calls apply to it
 //! use N
 //! set REFERENCE TYPE VALUE a real number as its 64 bits in hexadecimal
-//! step TICKS               a communication step of so many steps of the machine
+//! step TICKS               a communication step of TICKS steps of the machine
 //! reset                    reset and initialize again
 //! save S, load S           the state into place S, and back; `load` may be on another instance
 //! bytes S                  the state in place S becomes bytes, and a new state made of them takes its place
@@ -22,22 +23,22 @@ use linewright::station::fmi::variables::{Causality, Kind, Start, Variable, grou
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// How many instances live at once.
+/// Number of instances at the same time.
 pub const INSTANCES: usize = 4;
 const PLACES: usize = 3;
 
-/// A tape with what every step must print.
+/// A tape with the expected output of every step.
 pub struct Tape {
     pub text: String,
     pub expected: Vec<(Answer, Vec<Read>)>,
     pub watched: Vec<Variable>,
-    /// Operations that were compared with `simulate` on the way.
+    /// Number of operations compared with `simulate`.
     pub compared: usize,
     pub completed: usize,
     pub refused: usize,
 }
 
-/// A variable's type, as tapes name it.
+/// A variable's type, as written on tapes.
 pub fn letter(kind: Kind) -> char {
     match kind {
         Kind::Real => 'r',
@@ -57,7 +58,7 @@ struct Recorder<'a> {
     saved: Vec<Option<Reference>>,
 }
 
-/// A tape of so many sequences, each of so many steps, for a machine's unit.
+/// A tape of `sequences` sequences for a machine's unit, each with the given number of steps.
 pub fn record(
     machine: &Arc<Machine>,
     controllers: &Arc<Vec<mealy::Controller>>,
@@ -120,7 +121,7 @@ impl Recorder<'_> {
         self.tape.text.push('\n');
     }
 
-    /// A random walk on one instance; now and then the others are stepped in between.
+    /// A random walk on one instance; occasionally the others are stepped in between.
     fn sequence(&mut self, instance: usize, steps: usize) {
         for _ in 0..steps {
             let (busy, refused) = (
@@ -162,7 +163,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// One communication step, and what it prints. One of no ticks is refused.
+    /// One communication step and its output. A step without ticks is refused.
     fn step(&mut self, instance: usize, ticks: u64) {
         self.say(&format!("step {ticks}"));
         let unit = &mut self.units[instance];
@@ -184,8 +185,8 @@ impl Recorder<'_> {
         self.tape.expected.push((answer, values));
     }
 
-    /// Sets some inputs and parameters. After a refusal the signals go back to what they were at
-    /// first, most of the time.
+    /// Sets some inputs and parameters. After a refusal the signals are usually reset to their
+    /// initial values.
     fn choose(&mut self, instance: usize, refused: bool) {
         let unit = self.unit;
         let calm = refused && self.random.below(4) != 0;
@@ -238,8 +239,8 @@ impl Recorder<'_> {
         }
     }
 
-    /// A value of a property: of its domain; else something round near its default, and now and
-    /// then a fraction.
+    /// A value of a property: from its domain, or else a round number near its default, and
+    /// occasionally a fraction.
     fn property(&mut self, index: usize, calm: bool) -> f64 {
         let property = &self.machine.properties[index];
         let calm = calm || property.kind == PropertyKind::Part && self.random.below(2) == 0;
@@ -255,7 +256,7 @@ impl Recorder<'_> {
     }
 }
 
-/// Compares what a host printed with what the tape wants; a text says where they differ.
+/// Compares a host's output with the tape; returns a description of the difference.
 pub fn compare(tape: &Tape, printed: &str, with_texts: bool) -> Result<(), String> {
     let mut lines = printed.lines().filter(|l| !l.trim().is_empty()).peekable();
     for (number, (answer, values)) in tape.expected.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Libraries that are not what they should be: the host does not pass on them. Without these, a
-//! host that passes would say little.
+//! Faulty libraries: the host does not pass on them. Without these, a passing host would prove
+//! little.
 
 use super::images::{as_32_bit, real_32_bit};
 use super::machines::{named, shipped};
@@ -8,13 +8,13 @@ use super::programs::{Host, Prepared};
 use crate::differential::Random;
 use linewright::station::Toolchain;
 
-/// Changed entries of each kind that the host is run on, for each machine.
+/// Changed entries of each kind on which the host is run, for each machine.
 const EACH: usize = 2;
 
-/// Tries with which as many are found.
+/// Maximum number of attempts to find as many.
 const TRIES: usize = 60;
 
-/// The exports of which one is left out at a time.
+/// Exports, of which one is omitted at a time.
 const EXPORTS: [&str; 3] = ["lw_last_rule", "get_real", "lw_step"];
 
 #[test]
@@ -56,7 +56,7 @@ fn one_entry_of_a_table_changed() {
         }
     }
     println!("{refused} refused of {tried}; not to be seen: {unseen:#?}");
-    // What a row answers is always seen.
+    // The answer of a row is always detected.
     let answers = unseen.iter().filter(|(kind, _)| *kind == Kind::Answer);
     assert_eq!(answers.count(), 0);
 }
@@ -79,7 +79,7 @@ fn without_an_export(host: &Host) {
     let prepared = Prepared::new(&named("Printer"));
     host.passes(&prepared, 0);
     for name in EXPORTS {
-        // As if it had another name; what calls it inside the library does not notice.
+        // As if it had another name; calls inside the library are not affected.
         let source = format!(
             "#define {name} {name}_of_another_name\n{}",
             prepared.package.c_source

@@ -1,5 +1,5 @@
-//! Machines for what the others never do in their plans: limits of ranges, times of 0, texts that
-//! are cut at every offset, scripts of two values, controllers with holes, functions with several
+//! Machines for cases that the others never reach in their plans: limits of ranges, times of 0,
+//! texts cut at every offset, scripts of two values, controllers with holes, functions with several
 //! goals. The mutants of the runtime are judged by them ([`super::runtime`]).
 
 use super::machines::{Subject, as_functions};
@@ -14,7 +14,7 @@ use linewright::gr1::{BinaryOp, Domain};
 use linewright::mealy;
 use std::sync::Arc;
 
-/// Of the manipulator: its components, plant inputs and properties.
+/// Indices of the manipulator's components, plant inputs and properties.
 const TURN: usize = 1;
 const PICK: usize = 2;
 const IDLE: usize = 4;
@@ -46,15 +46,15 @@ pub fn edges() -> Subject {
     machine.writes.retain(|(property, _)| *property != 0);
     // A binding that can leave its input's domain on both sides.
     machine.components[IDLE].bindings[1] = op(BinaryOp::Add, v(HEIGHT), v(HEIGHT));
-    // A time of 0, below 0 and beyond all numbers; power beyond all numbers.
+    // A time of 0, negative and infinite; infinite power.
     let steps = || RealExpr::Property(STEPS);
     let size = RealExpr::Unary(RealUnary::Abs, Box::new(steps()));
     machine.components[TURN].time = Some(ActionTime::PerStep(product(steps(), size)));
     machine.components[PICK].watts = product(steps(), steps());
-    // A time that tells the first wire before the operation.
+    // A time that depends on the first wire before the operation.
     machine.components[PICK].time = Some(ActionTime::PerExecution(RealExpr::Wire(0)));
     machine.plant[FREE].source = PlantSource::Signal { script: vec![1, 0] };
-    // Characters of three bytes, from each place on that one can be cut at.
+    // Characters of three bytes, starting at each position where one can be cut.
     for (i, component) in machine.components.iter_mut().enumerate() {
         let specification = Arc::make_mut(&mut component.specification);
         for (k, formula) in specification.assumptions.safety.iter_mut().enumerate() {
@@ -65,7 +65,7 @@ pub fn edges() -> Subject {
     subject("Edges", machine, controllers)
 }
 
-/// An axis that is never free, so that two assumptions are kept never; and a request that comes in
+/// An axis that is never free, so that two assumptions are never kept; and a request that comes in
 /// the second step.
 pub fn blocked() -> Subject {
     let (machine, controllers) = manipulator();
@@ -74,7 +74,7 @@ pub fn blocked() -> Subject {
     let mut script = vec![1; 80];
     script[0] = 0;
     machine.plant[REQUEST].source = PlantSource::Signal { script };
-    // The first property becomes larger than all numbers.
+    // The first property becomes infinite.
     let steps = || RealExpr::Property(STEPS);
     machine.writes[0].1 = product(steps(), steps());
     subject("Blocked", machine, controllers)
@@ -92,7 +92,7 @@ pub fn faulty() -> Subject {
     let tables = controllers.iter().map(|c| c.machine().expect("a table"));
     let mut tables: Vec<mealy::Machine> = tables.cloned().collect();
     // The coordinator has no answer once it is done, the picker has states without a transition,
-    // the turner turns wrongly.
+    // the turner turns incorrectly.
     for transitions in &mut tables[0].states {
         if transitions.first().is_some_and(|t| t.output[1] == 1) {
             transitions.clear();
@@ -101,7 +101,7 @@ pub fn faulty() -> Subject {
     for transitions in tables[PICK].states.iter_mut().skip(2).step_by(3) {
         transitions.clear();
     }
-    // The axis gets so far only in single steps.
+    // The axis gets this far only in single steps.
     for transition in tables[TURN].states.iter_mut().flatten() {
         if transition.output[0] == 3 {
             transition.output[0] = 0;

@@ -1,4 +1,4 @@
-//! `ffi/host.c`, the small host that users begin from, on this computer and on Windows.
+//! `ffi/host.c`, the small host that users start from, on this computer and on Windows.
 
 use super::machines::named;
 use super::programs::{PASSED, PATIENCE, Prepared, cc, compile};
@@ -34,7 +34,7 @@ fn the_example_host_runs() {
     compile(&mut cc(), &["-O2"], &sources, &program);
     let mut command = Command::new(&program);
     check(&run(command.arg(&library).args(ARGUMENTS), PATIENCE));
-    // What is refused is said, with its code.
+    // A refusal is printed with its code.
     let mut command = Command::new(&program);
     let refused = run(
         command.arg(&library).args(["1", "0", "0", "2", "1"]),

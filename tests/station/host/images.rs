@@ -1,4 +1,4 @@
-//! Libraries as files: what a PE image exports and an ELF image needs, and images of 32 bits.
+//! Library files: what a PE image exports and an ELF image needs, and 32-bit images.
 
 use super::programs::Prepared;
 use linewright::station::toolchain::{CrossCompiler, Platform};
@@ -15,7 +15,7 @@ fn u32_at(image: &[u8], at: usize) -> usize {
     u32::from_le_bytes(bytes) as usize
 }
 
-/// Where the COFF header of a PE image begins.
+/// Offset of the COFF header in a PE image.
 fn coff(image: &[u8]) -> usize {
     let at = u32_at(image, 0x3c);
     assert_eq!(&image[at..at + 4], b"PE\0\0", "a PE image");
@@ -26,12 +26,11 @@ fn is_elf(image: &[u8]) -> bool {
     image.starts_with(b"\x7fELF")
 }
 
-/// The image with the marks of one for 32-bit processors. What a loader sees first is wrong,
-/// everything else is as it was.
+/// The image marked as one for 32-bit processors. Only what a loader reads first is changed.
 pub fn as_32_bit(image: &[u8]) -> Vec<u8> {
     let mut image = image.to_vec();
     if is_elf(&image) {
-        // The class, and the processor.
+        // The class and the processor.
         assert_eq!(
             (image[4], u16_at(&image, 18)),
             (2, 62),
@@ -52,7 +51,7 @@ pub fn as_32_bit(image: &[u8]) -> Vec<u8> {
     image
 }
 
-/// A library that was made for 32 bits, where a compiler does that without the system's headers.
+/// A library made for 32 bits, if a compiler supports that without the system's headers.
 pub fn real_32_bit(prepared: &Prepared, platform: Platform) -> Option<PathBuf> {
     let folder = prepared.folder();
     let source = folder.join("small.c");
@@ -73,7 +72,7 @@ pub fn real_32_bit(prepared: &Prepared, platform: Platform) -> Option<PathBuf> {
         let zigs = [CrossCompiler::Zig, CrossCompiler::PythonZig];
         for zig in zigs.into_iter().filter_map(CrossCompiler::find) {
             let mut zig = zig.command();
-            // The last target is the one that counts.
+            // The last target applies.
             zig.args(["-target", "x86-windows-gnu"]);
             compilers.push(zig);
         }
@@ -100,7 +99,7 @@ pub fn exports(image: &[u8]) -> BTreeSet<String> {
     let sections = u16_at(image, coff + 2);
     let optional = coff + 20;
     let first_section = optional + u16_at(image, coff + 16);
-    // An address of the loaded image as a place in the file.
+    // Converts an address in the loaded image to an offset in the file.
     let place = |address: usize| {
         (0..sections)
             .map(|s| first_section + 40 * s)
@@ -123,8 +122,7 @@ pub fn exports(image: &[u8]) -> BTreeSet<String> {
         .collect()
 }
 
-/// The symbols that `nm` lists for a library, those that it has or those that it needs; without
-/// their versions.
+/// The symbols that `nm` lists for a library, defined or undefined, without their versions.
 pub fn symbols(library: &Path, which: &str) -> BTreeSet<String> {
     let output = Command::new("nm")
         .args(["-D", which, "--format=posix"])

@@ -1,11 +1,11 @@
-//! The machines that are tested: all that are shipped, and fixtures for what those never do.
+//! The tested machines: all shipped ones, and fixtures for what those never do.
 
 use crate::{counting, fixtures, laboratory};
 use linewright::contract::machine::Machine;
 use linewright::mealy;
 use std::sync::{Arc, OnceLock};
 
-/// The lines of which every machine is tested.
+/// The lines whose machines are all tested.
 const LINES: [&str; 3] = [
     "examples/ice-lab/line.lw",
     "examples/ice-lab/milled.lw",
@@ -61,7 +61,7 @@ pub fn named(name: &str) -> Subject {
     found.expect("a machine of that name").clone()
 }
 
-/// The same machine with functions for controllers.
+/// The same machine with functions as controllers.
 pub fn as_functions(subject: &Subject) -> Subject {
     let controlled = laboratory::as_functions(&laboratory::Controlled {
         machine: Arc::clone(&subject.machine),

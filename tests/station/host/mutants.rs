@@ -1,9 +1,9 @@
 //! Libraries with one entry of a controller's tables changed.
 //!
-//! The tables are read back from the C text, and become a controller again for the machine in this
-//! process. So it is known beforehand which changes the plan shows: a bound that moves where the
-//! assumptions allow nothing, or a place that cannot be told apart from another in this machine, is
-//! no fault. Only the others are given to the host.
+//! The tables are read back from the C text and become a controller for the machine in this
+//! process. So it is known in advance which changes the plan shows: a bound that moves where the
+//! assumptions allow nothing, or a place that cannot be distinguished from another in this machine,
+//! is no fault. Only the others are given to the host.
 
 use super::machines::Subject;
 use super::programs::Prepared;
@@ -13,12 +13,12 @@ use linewright::mealy::{self, Cube, Guard, Test, Transition};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// What is changed.
+/// Kind of change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A value of an answer.
     Answer,
-    /// The place that a leaf leads to.
+    /// The target of a leaf.
     Target,
     /// The bound of a split.
     Bound,
@@ -28,18 +28,18 @@ pub const KINDS: [Kind; 3] = [Kind::Answer, Kind::Target, Kind::Bound];
 
 /// A changed library.
 pub struct Mutant {
-    /// What was changed.
+    /// Description of the change.
     pub what: String,
-    /// The C with the change.
+    /// The changed C.
     pub c_source: String,
 }
 
 /// A table in the C text: its rows, each with its line and its fields.
 type Table = Vec<(usize, Vec<String>)>;
 
-/// The tables of one component, as `ffi/machine.h` describes them.
+/// The tables of one component, as defined in `ffi/machine.h`.
 struct Tables {
-    /// For every variable of the component by its name in C, the input that it is.
+    /// For every variable of the component, its name in C and the index of its input.
     inputs: Vec<(String, Option<usize>)>,
     splits: Table,
     leaves: Table,
@@ -110,7 +110,7 @@ impl Tables {
             })
             .collect();
         let mut splits = table(lines, &format!("{prefix}_splits"));
-        // What stands there when there is none.
+        // An empty table has a placeholder.
         splits.retain(|(_, fields)| fields.len() == 4);
         Self {
             inputs,
@@ -121,14 +121,14 @@ impl Tables {
         }
     }
 
-    /// The input that a split asks for.
+    /// The input that a split tests.
     fn input(&self, split: usize) -> usize {
         let name = &self.splits[split].1[0];
         let found = self.inputs.iter().find(|(n, _)| n == name);
         found.and_then(|(_, input)| *input).expect("an input")
     }
 
-    /// The splits on the way of some inputs in a place, and the leaf at its end.
+    /// The splits passed by some inputs at a place, and the leaf at the end.
     fn way(&self, place: usize, inputs: &[i64]) -> (Vec<usize>, usize) {
         let mut way = field(&self.ways[place], 0);
         let mut splits = Vec::new();
@@ -142,7 +142,7 @@ impl Tables {
         (splits, (-1 - way) as usize)
     }
 
-    /// The controller that the tables are.
+    /// The controller described by the tables.
     fn controller(&self, original: &mealy::Machine) -> mealy::Machine {
         let mut places = self.ways.iter().map(|row| {
             let mut transitions = Vec::new();
@@ -203,7 +203,7 @@ fn lines(text: &str) -> Vec<String> {
     text.lines().map(str::to_owned).collect()
 }
 
-/// The machine whose component has the controller of its tables in this C text.
+/// The machine with the controller from a component's tables in this C text.
 fn with_tables(subject: &Subject, c: usize, lines: &[String]) -> Subject {
     let original = subject.controllers[c].machine().expect("a table");
     let mut controllers = (*subject.controllers).clone();
@@ -215,15 +215,15 @@ fn with_tables(subject: &Subject, c: usize, lines: &[String]) -> Subject {
     }
 }
 
-/// Whether the tables in the C text, read back, are the machine: nothing in the script tells them
-/// apart.
+/// Whether the tables in the C text, read back, are the machine: the script does not distinguish
+/// them.
 pub fn are_read_back(prepared: &Prepared) -> bool {
     let lines = lines(&prepared.package.c_source);
     let subject = &prepared.subject;
     (0..subject.controllers.len()).all(|c| !is_shown(prepared, &with_tables(subject, c, &lines)))
 }
 
-/// How many splits and leaves the script comes by, and how many there are.
+/// Number of splits and leaves that the script passes, and their total.
 pub fn coverage(prepared: &Prepared) -> (usize, usize) {
     let lines = lines(&prepared.package.c_source);
     let subject = &prepared.subject;
@@ -237,7 +237,7 @@ pub fn coverage(prepared: &Prepared) -> (usize, usize) {
     (met, all)
 }
 
-/// The splits and leaves of a component that the script comes by.
+/// The splits and leaves of a component that the script passes.
 fn came_by(prepared: &Prepared, c: usize, tables: &Tables) -> (Vec<usize>, Vec<usize>) {
     let (mut splits, mut leaves) = (BTreeSet::new(), BTreeSet::new());
     for (component, place, inputs) in &prepared.script.questions {
@@ -255,8 +255,8 @@ fn one_of(list: &[usize], random: &mut Random) -> Option<usize> {
     list.get(index).copied()
 }
 
-/// Changes an entry that the script comes by; an error, which says what it was, where the script
-/// does not show the change.
+/// Changes an entry that the script passes; returns a description as an error if the script does
+/// not show the change.
 pub fn mutate(prepared: &Prepared, kind: Kind, random: &mut Random) -> Result<Mutant, String> {
     let subject = &prepared.subject;
     let c = random.below(subject.controllers.len() as u64) as usize;
@@ -312,13 +312,13 @@ pub fn mutate(prepared: &Prepared, kind: Kind, random: &mut Random) -> Result<Mu
     }
 }
 
-/// Whether the script shows that a machine is another one.
+/// Whether the script shows that a machine differs.
 fn is_shown(prepared: &Prepared, changed: &Subject) -> bool {
     let mut interpreter = interpreter(changed);
     let mut script = prepared.script.calls.iter().zip(&prepared.script.answers);
     script.any(|(call, expected)| {
         let seen = answer(&changed.machine, &mut interpreter, call);
-        // By their words: a property that is no number is not the same as itself.
+        // Compared as text: a NaN does not equal itself.
         format!("{seen:?}") != format!("{expected:?}")
     })
 }

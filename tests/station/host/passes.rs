@@ -1,16 +1,17 @@
 //! The host passes on the library of every machine, on this computer and under Wine.
 //!
-//! Ten million calls are made once on each, on the machine with the most components; on the others
-//! so many that each kind of call comes often, and all together stay within a minute and a half.
+//! Ten million calls are made once natively and once under Wine, on the machine with the most
+//! components; on the others enough that each kind of call is frequent, and all together stay
+//! within a minute and a half.
 
 use super::machines::{Subject, as_functions, fixtures, named, shipped};
 use super::programs::{Host, Prepared};
 
-/// Calls of the long run, and of the others.
+/// Number of calls of the long run, and of the others.
 const MANY: u64 = 10_000_000;
 const SOME: u64 = 200_000;
 
-/// The machine that makes them.
+/// The machine of the long run.
 const LONG: &str = "AssemblyCell";
 
 fn calls(subject: &Subject) -> u64 {
@@ -25,7 +26,7 @@ fn on_this_computer() {
     for subject in &subjects {
         host.passes(&Prepared::new(subject), calls(subject));
     }
-    // The same machines, with functions in the place of tables.
+    // The same machines with functions in place of tables.
     for name in ["QualityCheck", "AssemblyCell"] {
         host.passes(&Prepared::new(&as_functions(&named(name))), SOME);
     }
@@ -39,7 +40,7 @@ fn on_windows() {
     }
 }
 
-/// A plan that comes by little would find little.
+/// A plan that passes few rows would find little.
 #[test]
 fn plans_come_by_every_row_that_is_met() {
     for subject in shipped() {

@@ -1,5 +1,5 @@
-//! A script with its answers as the file that the host reads; `tests/station/libraries/host/plan.c`
-//! says what is in it.
+//! A script with its answers, as a file for the host; `tests/station/libraries/host/plan.c` defines
+//! its format.
 
 use super::machines::Subject;
 use super::walk::{Answer, Call, Script};

@@ -1,4 +1,4 @@
-//! The host program, built for this computer and for Windows, and how it is run.
+//! The host program, built for this computer and for Windows, and its runs.
 
 use super::machines::{self, Subject};
 use super::plan::plan;
@@ -14,13 +14,13 @@ use std::process::Command;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
-/// Longer than any run of the host, so that one that hangs ends.
+/// Longer than any run of the host; ends a hung one.
 pub const PATIENCE: Duration = Duration::from_secs(400);
 
-/// What ends a run in which nothing was wrong.
+/// Last line of a run without faults.
 pub const PASSED: &str = "HOST PASSED";
 
-/// Warnings of a careful project; all of them are errors.
+/// Strict compiler warnings; all of them are errors.
 const WARNINGS: [&str; 6] = [
     "-std=c99",
     "-Wall",
@@ -33,7 +33,7 @@ const WARNINGS: [&str; 6] = [
 /// Libraries that the host is linked with.
 const POSIX_LIBRARIES: [&str; 2] = ["-pthread", "-ldl"];
 
-/// What a run of the host needs beside the library.
+/// Inputs for a run of the host beside the library.
 pub struct Prepared {
     pub subject: Subject,
     pub package: Package,
@@ -42,7 +42,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Writes a machine's plan into a folder of its own. The way through the machine is looked for
+    /// Writes a machine's plan into a separate folder. The walk through the machine is computed
     /// once.
     pub fn new(subject: &Subject) -> Self {
         static SCRIPTS: Mutex<BTreeMap<String, Arc<Script>>> = Mutex::new(BTreeMap::new());
@@ -86,7 +86,7 @@ impl Prepared {
     }
 }
 
-/// The machine whose handles are foreign to all others. Its own are foreign to the belt's.
+/// A machine whose handles are foreign: the belt for all others, the printer for the belt.
 fn other(name: &str) -> &'static Package {
     static OTHERS: OnceLock<[Package; 2]> = OnceLock::new();
     let others = OTHERS.get_or_init(|| {
@@ -129,7 +129,7 @@ pub fn sources() -> Vec<PathBuf> {
     files
 }
 
-/// The C compiler for this computer, as most know it.
+/// The usual C compiler of this computer.
 pub fn cc() -> Command {
     Command::new("cc")
 }
@@ -139,11 +139,11 @@ pub struct Host {
     pub toolchain: Toolchain,
     program: PathBuf,
     wine: Option<&'static Wine>,
-    /// Of the program and of other machines' libraries.
+    /// Folder of the program and of other machines' libraries.
     folder: PathBuf,
 }
 
-/// An empty folder of a name, which stays until the tests run again: what is static is never
+/// An empty folder with a name, which stays until the tests run again: static values are never
 /// dropped.
 fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -153,14 +153,14 @@ fn folder(name: &str) -> PathBuf {
 }
 
 impl Host {
-    /// The host for this computer; the libraries are what ships.
+    /// The host for this computer; its libraries are the shipped ones.
     pub fn native() -> &'static Self {
         static HOST: OnceLock<Host> = OnceLock::new();
         HOST.get_or_init(|| Self::with_flags("host", Toolchain::shipping(), &["-O2"]))
     }
 
-    /// The host for this computer, compiled with flags, and a toolchain that goes with them. Each
-    /// has a name of its own.
+    /// The host for this computer, compiled with flags, and a matching toolchain. Each has its own
+    /// name.
     pub fn with_flags(name: &str, toolchain: Toolchain, flags: &[&str]) -> Self {
         let folder = folder(name);
         let program = folder.join("host");
@@ -173,7 +173,7 @@ impl Host {
         }
     }
 
-    /// The host for Windows, under Wine; `None`, and said, where one of the two is missing.
+    /// The host for Windows, under Wine; `None`, with a message, if one of the two is missing.
     pub fn windows() -> Option<&'static Self> {
         static HOST: OnceLock<Result<Host, (&str, String)>> = OnceLock::new();
         let host = HOST.get_or_init(|| {
@@ -212,7 +212,7 @@ impl Host {
         self.run_within(prepared, library, calls, PATIENCE)
     }
 
-    /// The same, with patience of one's own.
+    /// Like `run`, with another time limit.
     pub fn run_within(
         &self,
         prepared: &Prepared,
@@ -225,7 +225,7 @@ impl Host {
         })
     }
 
-    /// The same, started by another program or with other settings.
+    /// Like `run`, started by another program or with other settings.
     pub fn run_through(
         &self,
         prepared: &Prepared,
@@ -259,7 +259,7 @@ impl Host {
         }
     }
 
-    /// Builds the machine's library and runs the host on it; it has to pass.
+    /// Builds the machine's library and runs the host on it; it must pass.
     pub fn passes(&self, prepared: &Prepared, calls: u64) {
         let library = prepared.library(&self.toolchain);
         let finished = self.run(prepared, &library, calls);
@@ -271,12 +271,11 @@ impl Host {
             prepared.subject.name(),
             finished.all()
         );
-        // An exit code means nothing under Wine.
+        // An exit code is meaningless under Wine.
         assert!(finished.success || self.wine.is_some(), "{finished:?}");
     }
 
-    /// Runs the host on a library that is not what it should be; it must not pass. Gives what it
-    /// said.
+    /// Runs the host on a faulty library; it must not pass. Returns its output.
     pub fn refuses(&self, prepared: &Prepared, library: &Path, what: &str) -> Finished {
         let finished = self.run(prepared, library, 0);
         assert_eq!(

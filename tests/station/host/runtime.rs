@@ -1,19 +1,19 @@
-//! Mutants of the C that every library shares, `ffi/step.c` and `ffi/runtime.c`: the host notices
+//! Mutants of the C shared by all libraries, `ffi/step.c` and `ffi/runtime.c`: the host detects
 //! them.
 //!
-//! The text is changed in one place at a time by rules that know nothing of what it does: an
-//! operator, a constant, a condition, a statement. Each mutant becomes a library by `cc -O0`, and
-//! the host goes through the plans of a few machines until one of them fails. A host that hangs or
-//! crashes has noticed as well. A mutant that lives is judged once more, by what the other tests of
-//! the host do: with all generations used up, under the address and undefined behaviour sanitizers,
-//! and `runtime.c` under the thread sanitizer. A sample runs with the other tests; all of them with
+//! The text is changed in one place at a time by purely syntactic rules: an operator, a constant, a
+//! condition, a statement. Each mutant becomes a library by `cc -O0`, and the host goes through the
+//! plans of a few machines until one of them fails. A host that hangs or crashes has also detected
+//! it. A surviving mutant is judged once more by the other tests of the host: with all generations
+//! used up, under the address and undefined behavior sanitizers, and `runtime.c` under the thread
+//! sanitizer. A sample runs with the other tests; all of them with
 //!
 //!     LINEWRIGHT_MUTANTS=all cargo test --test station every_mutant_of_the_runtime -- --nocapture
 //!
-//! With `step.c` or `runtime.c, lw_create` for `all`, those of this file or function run; with
-//! `known`, those that are known to live. These stand in `runtime_known.txt` with the reason: a
-//! mutant that lives and is not there fails the test, and so does a row whose mutant is noticed or
-//! is no mutant any more.
+//! With `step.c` or `runtime.c, lw_create` for `all`, only those of this file or function run; with
+//! `known`, those that are known to survive. These are in `runtime_known.txt` with the reason: a
+//! surviving mutant that is missing there fails the test, and so does a row whose mutant is
+//! detected or no longer exists.
 
 use super::corners;
 use super::machines::{Subject, as_functions, fixtures, named};
@@ -28,24 +28,24 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What a mutant may take, beside twenty times what the host takes on the library as it is.
+/// Additional time for a mutant, beside twenty times that of the host on the unchanged library.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// The same with all generations used up.
 const LONG_PATIENCE: Duration = Duration::from_mins(4);
 
-/// Mutants in the sample of the gate. `LINEWRIGHT_MUTANTS` may name another number.
+/// Number of mutants in the sample of the gate. `LINEWRIGHT_MUTANTS` overrides it.
 const SAMPLE: usize = 6;
 
-/// Calls with which the host uses up all generations, and so many that its threads meet under a
-/// sanitizer, where every call takes long.
+/// Number of calls with which the host uses up all generations, and one with which its threads meet
+/// under a sanitizer, where every call takes long.
 const MANY_CALLS: u64 = 300_000;
 const THREADED_CALLS: u64 = 8_000;
 
-/// The machine for what takes long.
+/// The machine for slow tests.
 const SMALL: &str = "Belt3";
 
-/// Which generation is the first one: one by chance, the two lowest, the highest.
+/// The first generation: a random one, the two lowest, the highest.
 const FIRST_GENERATIONS: [&str; 4] = [
     "chosen / LW_SLOTS % LW_GENERATIONS",
     "0",
@@ -53,14 +53,14 @@ const FIRST_GENERATIONS: [&str; 4] = [
     "LW_GENERATIONS - 1",
 ];
 
-/// Mutants that are known to live, one a row.
+/// Mutants that are known to survive, one per row.
 const KNOWN: &str = include_str!("runtime_known.txt");
 
 /// One change.
 #[derive(Debug, Clone)]
 struct Mutant {
     file: &'static str,
-    /// Bytes that are replaced.
+    /// Range of replaced bytes.
     at: Range<usize>,
     by: String,
 }
@@ -73,7 +73,7 @@ fn files() -> [(&'static str, &'static str); 2] {
     ]
 }
 
-/// The text with everything that is no code as blanks: comments, texts, characters, directives.
+/// The text with everything but code blanked: comments, strings, characters, directives.
 fn code_of(text: &str) -> Vec<u8> {
     let bytes = text.as_bytes();
     let mut code = bytes.to_vec();
@@ -86,7 +86,7 @@ fn code_of(text: &str) -> Vec<u8> {
                 i = text[i..].find("*/").map_or(bytes.len(), |n| i + n + 2);
             }
             b'#' if line_begins => {
-                // With the lines that a backslash joins to it.
+                // Including the lines joined to it by a backslash.
                 while i < bytes.len() && (bytes[i] != b'\n' || bytes[i - 1] == b'\\') {
                     i += 1;
                 }
@@ -170,7 +170,7 @@ fn mutants(file: &'static str, text: &str) -> Vec<Mutant> {
         if rest.as_bytes()[0].is_ascii_digit() && !word_goes_on {
             let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
             let next = rest.as_bytes().get(digits);
-            // Hexadecimal and real numbers, and the sizes of arrays, stay as they are.
+            // Hexadecimal and real numbers, and the sizes of arrays, are not changed.
             let plain = next.is_none_or(|b| !b.is_ascii_alphanumeric() && *b != b'.');
             if let (true, Ok(value)) = (plain, rest[..digits].parse::<u32>())
                 && !code[i + digits..].starts_with("];")
@@ -196,20 +196,20 @@ fn mutants(file: &'static str, text: &str) -> Vec<Mutant> {
             i += 1;
         }
     }
-    // A statement on a line of its own.
+    // A statement on its own line.
     let mut begin = 0;
     for line in code.split_inclusive('\n') {
         let statement = line.trim();
         let at = begin + line.len() - line.trim_start().len();
         begin += line.len();
-        // `(void)x;` says that something is not used.
+        // `(void)x;` marks something as unused.
         let declares =
             statement.starts_with("(void)") || TYPES.iter().any(|ty| statement.starts_with(ty));
         let whole = statement.ends_with(';') && line.starts_with("    ") && !declares;
         let balanced = statement.matches('(').count() == statement.matches(')').count();
         let begun =
             statement.starts_with(|c: char| c.is_ascii_alphabetic() || c == '*' || c == '(');
-        // What goes on from the line before is no statement of its own.
+        // A continuation of the previous line is not a separate statement.
         let goes_on = code[..at].trim_end().ends_with([';', '{', '}', ')', ':']);
         if whole && balanced && begun && goes_on {
             add(at..at + statement.len(), ";".to_owned());
@@ -218,7 +218,7 @@ fn mutants(file: &'static str, text: &str) -> Vec<Mutant> {
     found
 }
 
-/// Where the bracket that was opened before `open` is closed.
+/// Position of the bracket that closes the one before `open`.
 fn closing(code: &str, open: usize) -> Option<usize> {
     let mut depth = 1;
     for (i, c) in code[open..].char_indices() {
@@ -244,13 +244,13 @@ impl Mutant {
         )
     }
 
-    /// Its line's number.
+    /// Number of its line.
     fn line(&self, text: &str) -> usize {
         text[..self.at.start].matches('\n').count() + 1
     }
 
-    /// The function, the line in it, and the change, as the rows of known mutants begin. The same
-    /// may come more than once.
+    /// The function, the line in it, and the change, as at the beginning of the rows of known
+    /// mutants. Not necessarily unique.
     fn describe(&self, text: &str) -> String {
         let number = self.line(text);
         let line = text.lines().nth(number - 1).unwrap_or_default().trim();
@@ -264,7 +264,7 @@ impl Mutant {
     }
 }
 
-/// The function or declaration that a line is in: the name in the last line that is not indented.
+/// The function or declaration that contains a line: the name in the last unindented line.
 fn function_at(text: &str, number: usize) -> &str {
     let lines: Vec<&str> = text.lines().take(number).collect();
     let heads = |line: &&&str| line.starts_with(|c: char| c.is_ascii_alphabetic());
@@ -274,7 +274,7 @@ fn function_at(text: &str, number: usize) -> &str {
     name.unwrap_or_default().trim_start_matches('*')
 }
 
-/// A machine's C with the shared files in it, of which one may be changed.
+/// A machine's C with the shared files inlined, one of which may be changed.
 fn inlined(package: &Package, c_source: &str, mutant: Option<&Mutant>) -> String {
     let mut out = String::new();
     for line in c_source.lines() {
@@ -301,14 +301,14 @@ fn inlined(package: &Package, c_source: &str, mutant: Option<&Mutant>) -> String
     out
 }
 
-/// What a mutant came to.
+/// Outcome of a mutant.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fate {
-    /// It is no C.
+    /// It is not valid C.
     Refused,
-    /// The host noticed, on one of the machines.
+    /// The host detected it, on one of the machines.
     Killed,
-    /// The host noticed with more calls or a sanitizer.
+    /// The host detected it with more calls or a sanitizer.
     KilledLater,
     Lives,
 }
@@ -332,7 +332,7 @@ impl Sanitized {
     }
 
     fn notices(&self, mutant: Option<&Mutant>) -> bool {
-        // Of the functions, `runtime.c` knows nothing.
+        // `runtime.c` does not use the functions.
         let one = mutant.is_some_and(|m| m.file == "runtime.c");
         let mut prepared = self.prepared.iter().take(if one { 1 } else { usize::MAX });
         prepared.any(|prepared| {
@@ -347,11 +347,11 @@ impl Sanitized {
     }
 }
 
-/// A machine that mutants are judged by.
+/// A machine by which mutants are judged.
 struct Judge {
     prepared: Prepared,
     patience: Duration,
-    /// The library of the text as it is.
+    /// The library of the unchanged text.
     original: Vec<u8>,
 }
 
@@ -372,7 +372,7 @@ fn library(toolchain: &Toolchain, prepared: &Prepared, mutant: Option<&Mutant>) 
     built.ok().map(|b| b.path)
 }
 
-/// Whether the host has nothing to say against a library.
+/// Whether the host passes on a library.
 fn passes(prepared: &Prepared, library: &Path, calls: u64, patience: Duration) -> bool {
     let finished = Host::native().run_within(prepared, library, calls, patience);
     finished.success && finished.last_line() == PASSED
@@ -402,7 +402,7 @@ impl Court {
         subjects.push(as_functions(&named("QualityCheck")));
         // Actions that run more than once in an operation.
         subjects.push(named("AssemblyCell"));
-        // It is built before its time is taken.
+        // It is built before the time is measured.
         let _ = Host::native();
         let measured = |subject: &Subject| {
             let begin = Instant::now();
@@ -441,7 +441,7 @@ impl Court {
             let Some(library) = library(&self.toolchain, &judge.prepared, Some(mutant)) else {
                 return Fate::Refused;
             };
-            // What is not compiled here, or to the same, need not be run.
+            // What does not compile here, or compiles to the same, need not be run.
             let same = std::fs::read(&library).is_ok_and(|bytes| bytes == judge.original);
             differs |= !same;
             let passed = same || passes(&judge.prepared, &library, 0, judge.patience);
@@ -457,7 +457,7 @@ impl Court {
         }
     }
 
-    /// What takes longer.
+    /// The slow tests.
     fn notices_later(&self, mutant: &Mutant) -> bool {
         if mutant.file == "runtime.c" {
             let threads = self.thread.get_or_init(|| {
@@ -472,7 +472,7 @@ impl Court {
             if threads.as_ref().is_some_and(|t| t.notices(Some(mutant))) {
                 return true;
             }
-            // Twice: where all libraries begin at one generation, some get equal handles by chance.
+            // Twice: if all libraries begin at one generation, some get equal handles by chance.
             let lasts = |first| (0..2).any(|_| self.lasts(mutant, first));
             if !FIRST_GENERATIONS.into_iter().all(lasts) {
                 return true;
@@ -496,7 +496,7 @@ impl Court {
         let source = inlined(&package, &package.c_source, Some(mutant));
         package.c_source = source.replace(FIRST_GENERATIONS[0], first);
         package.hash = format!("{}{first}{mutant:?}", package.hash);
-        // As it ships: that is many times as fast.
+        // As shipped, which is many times as fast.
         let toolchain = &Host::native().toolchain;
         let built = toolchain.build(&package, prepared.folder(), false);
         let library = built.expect("it was C").path;
@@ -506,7 +506,7 @@ impl Court {
     }
 }
 
-/// The rows of known mutants: where and what, and the reason.
+/// The rows of known mutants: place and change, and the reason.
 fn known() -> BTreeMap<&'static str, &'static str> {
     let mut known = BTreeMap::new();
     let rows = KNOWN
@@ -521,8 +521,7 @@ fn known() -> BTreeMap<&'static str, &'static str> {
     known
 }
 
-/// Every mutant of the files with the text of its file and its description, which tells it from all
-/// others.
+/// Every mutant of the files with the text of its file and its unique description.
 fn all_mutants() -> Vec<(Mutant, &'static str, String)> {
     let mut described: Vec<(Mutant, &str, String)> = Vec::new();
     let mut times: BTreeMap<String, usize> = BTreeMap::new();
@@ -560,7 +559,7 @@ fn every_mutant_of_the_runtime_is_noticed() {
         .collect();
     assert!(gone.is_empty(), "no such mutants any more: {gone:#?}");
     if let Some(sample) = sample {
-        // `runtime.c` is for the long form alone.
+        // `runtime.c` is only for the long form.
         chosen.retain(|(m, _, what)| m.file == "step.c" && !known.contains_key(what.as_str()));
         let mut random = Random(24);
         while chosen.len() > sample {
@@ -602,7 +601,7 @@ fn every_mutant_of_the_runtime_is_noticed() {
     assert!(sample.is_none() || count(Fate::Killed) > 0);
 }
 
-/// What each of the mutants came to.
+/// The outcome of each mutant.
 fn judged(court: &Court, chosen: &[(Mutant, &str, String)], workers: usize) -> Vec<Fate> {
     let next = AtomicUsize::new(0);
     let fates = Mutex::new(vec![Fate::Refused; chosen.len()]);

@@ -1,6 +1,6 @@
-//! The host and the libraries that it loads, both compiled with a sanitizer: no access outside of
-//! what there is, nothing undefined, no race. A library without locks shows that races would be
-//! seen.
+//! The host and the libraries that it loads, both compiled with a sanitizer: no access out of
+//! bounds, no undefined behavior, no race. A library without locks shows that races would be
+//! detected.
 
 use super::machines::{Subject, as_functions, fixtures, named};
 use super::programs::{Host, PASSED, Prepared, cc};
@@ -10,17 +10,17 @@ use linewright::station::Toolchain;
 use std::path::Path;
 use std::process::Command;
 
-/// So many calls, each of which takes up to twenty times as long as usual.
+/// Number of calls, each of which takes up to twenty times as long as usual.
 const CALLS: u64 = 40_000;
 
-/// The compiler's option, which the skip word of each is part of.
+/// The compiler's option, which contains the word used to skip each.
 const SANITIZERS: [(&str, &str); 3] = [
     ("asan", "-fsanitize=address"),
     ("ubsan", "-fsanitize=undefined"),
     ("tsan", "-fsanitize=thread"),
 ];
 
-/// How the library is compiled, beside the sanitizer.
+/// Flags for compiling the library, beside the sanitizer.
 const LIBRARY: [&str; 7] = [
     "-std=c99",
     "-shared",
@@ -31,11 +31,11 @@ const LIBRARY: [&str; 7] = [
     "-ffp-contract=off",
 ];
 
-/// Everything that is undefined ends the program, in the library and in the host.
+/// Any undefined behavior ends the program, in the library and in the host.
 const STRICT: &str = "-fno-sanitize-recover=all";
 
-/// A host with a sanitizer, whose libraries have it too; `None`, and said, where a program with it
-/// does not run.
+/// A host with a sanitizer, whose libraries have it too; `None`, with a message, if a program with
+/// it does not run.
 pub fn host(name: &str, word: &str, further: &[&str]) -> Option<Host> {
     let found = SANITIZERS.into_iter().find(|(w, _)| *w == word);
     let (_, option) = found.expect("a sanitizer");
@@ -83,8 +83,8 @@ fn works(option: &str) -> Result<(), String> {
     }
 }
 
-/// `ThreadSanitizer` wants its memory where a system that lays it out at random may have put
-/// something else, so that is switched off where it can be.
+/// `ThreadSanitizer` needs its memory at addresses that randomization may occupy, so that is
+/// disabled where possible.
 pub fn start(program: &Path) -> Command {
     let plain = |command: &mut Command| {
         command.env("TSAN_OPTIONS", "halt_on_error=1");
@@ -109,7 +109,7 @@ fn run(host: &Host, subject: &Subject) -> Finished {
     host.run_through(&prepared, &library, CALLS, start)
 }
 
-/// Machines of all kinds: tables, functions, operations that do not end, a Moore machine alone.
+/// Machines of all kinds: tables, functions, operations that do not end, a single Moore machine.
 fn passes(name: &str, word: &str) {
     let Some(host) = host(name, word, &[]) else {
         return;
@@ -157,8 +157,7 @@ fn thread_sanitizer_finds_that_there_are_no_locks() {
     assert!(!finished.success && finished.last_line() != PASSED);
 }
 
-/// The other two find what they are there for: an element beyond an array, and a sum that is too
-/// large.
+/// The other two detect their faults: an element beyond an array, and a sum that is too large.
 #[test]
 fn the_other_sanitizers_find_what_is_wrong() {
     let wrong = [
@@ -178,7 +177,7 @@ fn the_other_sanitizers_find_what_is_wrong() {
             continue;
         };
         let prepared = Prepared::new(&named("Belt"));
-        // Another function has the name of one that the host calls.
+        // Another function gets the name of one that the host calls.
         let source = format!(
             "#define lw_reset lw_reset_of_another_name\n{}#undef lw_reset\n\
              LW_EXPORT int32_t lw_reset(lw_handle handle);\n\

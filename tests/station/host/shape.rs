@@ -1,4 +1,4 @@
-//! What a library is as a file and in memory: its exports, its size, and that it allocates nothing.
+//! A library as a file and in memory: its exports, its size, and that it allocates nothing.
 
 use super::images::{exports, symbols};
 use super::machines::{named, shipped};
@@ -11,10 +11,10 @@ use std::collections::BTreeSet;
 use std::process::Command;
 use std::time::Duration;
 
-/// Bytes that an instance may take.
+/// Maximum number of bytes of an instance.
 const INSTANCE: usize = 1024;
 
-/// What allocates, on any system.
+/// Allocation functions on any system.
 const ALLOCATORS: [&str; 10] = [
     "malloc",
     "calloc",
@@ -28,7 +28,7 @@ const ALLOCATORS: [&str; 10] = [
     "alloca",
 ];
 
-/// The functions that the headers of `ffi/` and the adapter's file document.
+/// The functions documented in the headers of `ffi/` and the adapter's file.
 fn documented() -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for file in ["station.h", "plant_simulation.c"] {
@@ -68,7 +68,7 @@ fn a_library_exports_what_is_documented_and_needs_no_memory() {
     }
 }
 
-/// Zig makes the same library as MinGW does, twice the same.
+/// Zig makes a library equivalent to MinGW's, with the same bytes each time.
 #[test]
 fn zig_makes_libraries_for_windows() {
     let kinds = [CrossCompiler::Zig, CrossCompiler::PythonZig];
@@ -90,7 +90,7 @@ fn zig_makes_libraries_for_windows() {
     assert!(first == image(), "the same bytes twice");
 }
 
-/// What a thousand instances take beyond the tables that they share.
+/// The memory of a thousand instances beyond the tables that they share.
 #[test]
 fn an_instance_takes_less_than_a_kibibyte() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -128,7 +128,7 @@ fn an_instance_takes_less_than_a_kibibyte() {
     }
 }
 
-/// The same package and the same compiler give the same bytes, wherever that is.
+/// The same package and the same compiler give the same bytes, in any folder.
 #[test]
 fn builds_are_reproducible() {
     let subject = named("AssemblyCell");
@@ -150,7 +150,7 @@ fn builds_are_reproducible() {
             (name, std::fs::read(built.path).expect("the library"))
         };
         let first = build(folders[0].path());
-        // The second one a second later, should a time be noted.
+        // The second one is built a second later, in case a time is recorded.
         std::thread::sleep(Duration::from_millis(1100));
         assert!(first == build(&deeper), "{platform:?}");
     }

@@ -1,11 +1,10 @@
-//! A way through a machine that comes by everything it can do.
+//! A walk through a machine that covers everything it can do.
 //!
-//! Places of all components together are explored from step 0 on, breadth first, with every letter
-//! of the plant where there are few and with some of them where there are many. For every row of a
-//! controller (a cube of a transition) that was met, the shortest way to it goes into the script,
-//! and some steps beyond, so that a row that leads elsewhere is seen. Random ways are gone after
-//! that, and those that meet another row are kept. Operations and random steps follow, refused ones
-//! among them.
+//! Places of all components together are explored breadth-first from step 0, with every letter of
+//! the plant if there are few, and with some of them otherwise. For every row of a controller (a
+//! cube of a transition) that was met, the shortest way to it goes into the script, followed by
+//! some steps, so that a row with a wrong target is detected. Then random ways are tried, and those
+//! that meet another row are kept. Operations and random steps follow, including refused ones.
 
 use super::machines::Subject;
 use linewright::contract::machine::{ActionTime, Machine, PlantSource, RealExpr};
@@ -26,7 +25,7 @@ pub enum Call {
     Operation(usize, Vec<f64>),
 }
 
-/// What is answered to it.
+/// The answer to it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
     Reset,
@@ -35,22 +34,22 @@ pub enum Answer {
     Error(CallError),
 }
 
-/// A row of a controller, one cube of one transition: the component, and the row in the order of
-/// its places.
+/// A row of a controller, one cube of one transition: the component, and the index of the row in
+/// the order of its places.
 pub type Row = (usize, usize);
 
-/// What a component was asked: which one, in which place (`None` before step 0), with which inputs.
+/// A query of a component: which one, at which place (`None` before step 0), with which inputs.
 pub type Question = (usize, Option<usize>, Vec<i64>);
 
-/// Letters that are tried in one place, and steps that are tried in all.
+/// Number of letters tried at one place, and of steps tried in total.
 const LETTERS: u64 = 512;
 const TRIES: usize = 120_000;
 
-/// How many ways are gone at random, to find what an exploration that stops early does not.
+/// Number of random ways, to find what a bounded exploration does not.
 const WAYS: usize = 500;
 
-/// Values about as far from an integer as is allowed (1e-9), in cells of 90 degrees too; the least
-/// that are too small or too large.
+/// Values at about the maximum distance from an integer (1e-9), also in cells of 90 degrees; the
+/// least that are too small or too large.
 const UNUSUAL: [f64; 9] = [
     1e-9,
     1.0 + 5e-10,
@@ -63,7 +62,7 @@ const UNUSUAL: [f64; 9] = [
     1e300,
 ];
 
-/// Steps beyond each row.
+/// Number of steps after each row.
 const BEYOND: usize = 5;
 
 pub fn interpreter(subject: &Subject) -> Interpreter {
@@ -97,7 +96,7 @@ pub fn answer(machine: &Machine, interpreter: &mut Interpreter, call: &Call) -> 
     }
 }
 
-/// Where each component is, and which rows lead on from there.
+/// The place of each component, and its outgoing rows.
 pub struct Tables<'a> {
     subject: &'a Subject,
     /// For every component that is a table, the first row of every place (before step 0 first), and
@@ -125,7 +124,7 @@ impl<'a> Tables<'a> {
         }
     }
 
-    /// How many rows all tables have.
+    /// Number of rows of all tables.
     pub fn rows(&self) -> usize {
         self.first.iter().flatten().filter_map(|f| f.last()).sum()
     }
@@ -134,8 +133,7 @@ impl<'a> Tables<'a> {
         vec![None; self.first.len()]
     }
 
-    /// Advances the places by a step that put these values on the wires, and gives the rows that
-    /// did so.
+    /// Advances the places by a step that set these wires, and returns the rows that did so.
     fn follow(&self, places: &mut Places, wires: &[i64]) -> Vec<(Row, Question)> {
         let mut rows = Vec::new();
         for (c, component) in self.subject.machine.components.iter().enumerate() {
@@ -166,21 +164,21 @@ impl<'a> Tables<'a> {
 struct Node {
     interpreter: Interpreter,
     places: Places,
-    /// The node before it, and the letter that led here.
+    /// The previous node, and the letter that led here.
     from: Option<(usize, Vec<i64>)>,
 }
 
-/// What was met on an exploration.
+/// Results of an exploration.
 struct Explored {
     nodes: Vec<Node>,
-    /// Where each row was met first.
+    /// Where each row was first met.
     rows: BTreeMap<Row, (usize, Vec<i64>)>,
     /// Whether nothing was left out.
     whole: bool,
 }
 
-/// Every letter where there are few, and whether these are all; else those near the letter before,
-/// and some others.
+/// Every letter if there are few, and whether these are all; otherwise those near the previous
+/// letter, and some others.
 fn letters(machine: &Machine, before: &[i64], random: &mut Random) -> (Vec<Vec<i64>>, bool) {
     let mut sizes = machine.plant.iter().map(|p| p.domain.size());
     if sizes
@@ -226,8 +224,7 @@ fn explore(subject: &Subject, tables: &Tables<'_>, random: &mut Random) -> Explo
         rows: BTreeMap::new(),
         whole: true,
     };
-    // New places first; the same places with other values on the wires may still allow other
-    // letters.
+    // New places first; the same places with other wires may still allow other letters.
     let (mut queue, mut later) = (VecDeque::from([0]), VecDeque::new());
     let mut places_met = BTreeSet::from([tables.start()]);
     let mut met: BTreeSet<(Places, Vec<i64>)> = BTreeSet::new();
@@ -291,18 +288,18 @@ impl Explored {
 pub struct Script {
     pub calls: Vec<Call>,
     pub answers: Vec<Answer>,
-    /// The rows that it comes by.
+    /// The rows that it covers.
     pub covered: BTreeSet<Row>,
-    /// What the components were asked.
+    /// The queries of the components.
     pub questions: BTreeSet<Question>,
-    /// How many rows all tables have. Not all can be met in a machine: its coordinator does not ask
-    /// for everything.
+    /// Number of rows of all tables. Not all can be met in a machine: its coordinator does not use
+    /// everything.
     pub rows: usize,
-    /// Whether the exploration left nothing out, so that no other row can be met.
+    /// Whether the exploration was complete, so that no other row can be met.
     pub whole: bool,
 }
 
-/// Writes a script while it is being made.
+/// A script under construction.
 struct Writer<'a> {
     subject: &'a Subject,
     tables: &'a Tables<'a>,
@@ -327,8 +324,7 @@ impl Writer<'_> {
         self.wires = wires;
     }
 
-    /// Makes a call, and writes down what was answered and which rows it came by. Whether it
-    /// succeeded.
+    /// Makes a call, and records its answer and the rows covered. Returns whether it succeeded.
     fn call(&mut self, call: Call) -> bool {
         let machine = &*self.subject.machine;
         let before = self.interpreter.clone();
@@ -390,7 +386,7 @@ impl Writer<'_> {
         false
     }
 
-    /// Operations with values of all kinds, each followed by a step now and then.
+    /// Operations with values of all kinds, each occasionally followed by a step.
     fn operations(&mut self, calls: usize, random: &mut Random) {
         let machine = &*self.subject.machine;
         let count = machine.operations.len();
@@ -431,7 +427,7 @@ impl Writer<'_> {
                 ];
                 *value = odd[random.below(12) as usize];
             }
-            // One that is not there, now and then.
+            // Occasionally one that does not exist.
             let operation = random.below(count as u64 + 1) as usize;
             let operation = if operation == count && random.below(4) != 0 {
                 0
@@ -452,8 +448,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Operations with values that are almost integers, below 0, or large, for everything that
-    /// inputs, times and powers are computed from.
+    /// Operations with values that are almost integers, negative, or large, for everything from
+    /// which inputs, times and powers are computed.
     fn unusual_values(&mut self) {
         let machine = &*self.subject.machine;
         let values: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
@@ -490,7 +486,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Steps that are refused before step 0: what holds initially only is broken there.
+    /// Steps that are refused before step 0: initial conditions are violated there.
     fn refused_at_first(&mut self, random: &mut Random) {
         let machine = &*self.subject.machine;
         let low: Vec<i64> = machine.plant.iter().map(|p| p.domain.low()).collect();
@@ -504,8 +500,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Steps of all kinds: those that succeed, those that break an assumption, those with a value
-    /// out of its domain.
+    /// Steps of all kinds: successful ones, violations of an assumption, and values out of their
+    /// domain.
     fn steps(&mut self, calls: usize, random: &mut Random) {
         let machine = &*self.subject.machine;
         for _ in 0..calls {
@@ -532,7 +528,7 @@ impl Writer<'_> {
     }
 }
 
-/// Changes one letter or two of the plant's, or all.
+/// Changes one or two of the plant's letters, or all.
 fn vary(machine: &Machine, letter: &mut [i64], random: &mut Random) {
     if letter.is_empty() {
         return;
@@ -567,7 +563,7 @@ impl<'a> Writer<'a> {
 
     /// The shortest way to each row that was met.
     fn ways(&mut self, explored: &Explored, random: &mut Random) {
-        // The farthest first: their ways come by many others.
+        // The farthest first: their ways cover many others.
         let rows = explored.rows.iter();
         let mut aims: Vec<(usize, Row)> = rows
             .map(|(row, (node, _))| (explored.way(*node).len(), *row))
@@ -588,7 +584,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Random ways, of which those are kept that come by a row for the first time.
+    /// Random ways, of which those are kept that cover a row for the first time.
     fn more_ways(&mut self, random: &mut Random) {
         let mut scout = Writer::new(self.subject, self.tables);
         for _ in 0..WAYS {
@@ -617,7 +613,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// The script of a machine; the same for the same machine.
+/// The script of a machine; always the same for the same machine.
 pub fn script(subject: &Subject) -> Script {
     let tables = Tables::new(subject);
     let mut random = Random(41);

@@ -1,5 +1,4 @@
-//! The generated C of every machine of the line, under the warnings that a careful project compiles
-//! with.
+//! The generated C of every machine of the line, under strict compiler warnings.
 
 use crate::laboratory::machines;
 use linewright::station::Package;
@@ -7,7 +6,7 @@ use std::process::Command;
 
 #[test]
 fn no_machine_of_the_line_has_a_warning() {
-    // What is wrong with the warnings would not be seen where `cc` ignored them.
+    // If `cc` ignored the warnings, faults would not be detected.
     let folder = tempfile::tempdir().unwrap();
     let narrowing = folder.path().join("narrowing.c");
     std::fs::write(&narrowing, "int f(long a);\nint f(long a) { return a; }\n").unwrap();
@@ -23,7 +22,7 @@ fn no_machine_of_the_line_has_a_warning() {
         for controlled in machines() {
             let package = Package::emit(&controlled.machine, &controlled.controllers);
             let file = package.write_source(folder.path()).unwrap();
-            // The optimiser sees more: what is used before it is set, and what never ends.
+            // The optimizer detects more: use of uninitialized values, and endless loops.
             for level in ["-O0", "-O2"] {
                 if let Err(errors) = compile(compiler, &file, level) {
                     panic!("{} with {compiler} {level}:\n{errors}", package.name);
@@ -33,8 +32,8 @@ fn no_machine_of_the_line_has_a_warning() {
     }
 }
 
-/// The tables of what ships are small: a whole machine's object code stays under a mebibyte, places
-/// for instances aside.
+/// The tables of shipped machines are small: a whole machine's object code stays below a mebibyte,
+/// without the space for instances.
 #[test]
 fn explicit_machines_are_small() {
     let folder = tempfile::tempdir().unwrap();
@@ -60,7 +59,7 @@ fn compile(compiler: &str, file: &std::path::Path, level: &str) -> Result<(), St
         .output()
         .expect("the compiler starts");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    // `-Werror` makes each warning an error; none may be left that is not.
+    // `-Werror` makes each warning an error; no warning may remain that is not.
     if output.status.success() && text.is_empty() {
         Ok(())
     } else {

@@ -1,6 +1,6 @@
-//! The machines of the line with all their controllers as functions, although tables would do:
-//! library and interpreter agree, the contracts are kept, and operations come to the same as with
-//! tables.
+//! The machines of the line with all their controllers as functions, although tables would be
+//! possible: library and interpreter agree, the contracts are kept, and operations have the same
+//! results as with tables.
 
 use crate::differential::{Random, differential};
 use crate::laboratory::{Controlled, as_functions, machines};

@@ -1,11 +1,11 @@
-//! The assembly cell in one contract (`holistic.lw`) against the cell in parts (`cell.lw`).
+//! The assembly cell in one contract (`holistic.lw`) compared with the cell in parts (`cell.lw`).
 //!
-//! Three questions: whether every rule of every part is in the one contract, under its name, on the
-//! right side and with the same meaning; whether the one contract is realizable, and not for want
-//! of a plant; and whether the cell in parts, walked at random, is an implementation of it that
+//! Three questions: whether every rule of every part is in the single contract, under its name, on
+//! the correct side and with the same meaning; whether the single contract is realizable, and not
+//! vacuously; and whether the cell in parts, on random walks, is an implementation of it that
 //! reaches every job and every action.
 //!
-//! The rules are compared through the parts as the cell puts them together: a part's variables are
+//! The rules are compared through the parts as combined in the cell: a part's variables are
 //! replaced by the wires they are bound to, and both formulas are evaluated on random pairs of
 //! steps.
 
@@ -21,14 +21,14 @@ use linewright::station::interpret::Interpreter;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Pairs of steps on which two formulas are compared.
+/// Number of pairs of steps on which two formulas are compared.
 const SAMPLES: usize = 30_000;
 
-/// Steps of the walk.
+/// Number of steps of the walk.
 const STEPS: usize = 20_000;
 
-/// The holistic contract with the arguments that `machine` in `holistic.lw` beside this file gives
-/// it.
+/// The holistic contract with the arguments that `machine` in the `holistic.lw` beside this file
+/// gives it.
 fn holistic(machine: &str) -> Arc<Specification> {
     let file = crate::support::root().join("tests/station/ice_lab/holistic.lw");
     let loaded = files::load(&[file.display().to_string()], &StandardLibrary::default());
@@ -125,7 +125,7 @@ fn in_place(machine: &Machine, component: usize, wires: &[VarId], expr: &Expr) -
     })
 }
 
-/// What a formula is, and on whose side.
+/// Kind of a formula, on one side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Initial,
@@ -152,8 +152,8 @@ fn rules(side: &Side) -> BTreeMap<(String, Kind), Expr> {
     rules
 }
 
-/// Values of all variables in two steps. Smallest values (none, false, 0) and outputs that stay are
-/// drawn more often than others: they are what rules ask about.
+/// Values of all variables in two steps. Smallest values (none, false, 0) and unchanged outputs are
+/// drawn more often than others, since rules mention them.
 fn sample(whole: &Specification, random: &mut Random) -> (Vec<i64>, Vec<i64>) {
     let (mut now, mut next) = (Vec::new(), Vec::new());
     for variable in &whole.variables {
@@ -171,17 +171,17 @@ fn sample(whole: &Specification, random: &mut Random) -> (Vec<i64>, Vec<i64>) {
     (now, next)
 }
 
-/// The rules that the plant's side of the holistic contract has to say differently: a part's
-/// assumption about the plant's next value may ask for a request in the next step, which the plant
+/// Rules that the plant's side of the holistic contract must express differently: a part's
+/// assumption about the plant's next value may require a request in the next step, which the plant
 /// of the whole cell does not see yet. They are compared on steps that keep the coordinator's
-/// rules, since by these a request goes on exactly while it is not executed.
+/// rules, by which a request continues exactly while it is not executed.
 const SAID_DIFFERENTLY: [&str; 2] = ["move_a_target_held", "turn_a_target_held"];
 
-/// The one rule that speaks of constants only: arm b moves to where the arms meet and nowhere else.
+/// The one rule that mentions only constants: arm b moves to where the arms meet and nowhere else.
 const SAYS_NOTHING: [&str; 1] = ["move_b_target_held"];
 
-/// Whether a pair of steps keeps the coordinator's own rules, and is one of those that occur:
-/// without a job, no command.
+/// Whether a pair of steps keeps the coordinator's own rules, and can occur: without a job, no
+/// command.
 fn coordinated(whole: &Specification, now: &[i64], next: &[i64]) -> bool {
     let value = |name: &str| {
         let place = whole.variables.iter().position(|v| v.name == name);
@@ -223,7 +223,7 @@ fn every_rule_of_the_seven_contracts_is_in_the_holistic_one() {
                     silent.push(name);
                     continue;
                 }
-                // What nobody but the cell decides cannot be assumed of the plant.
+                // What only the cell decides cannot be assumed of the plant.
                 let mut of_plant = false;
                 expr.for_each_var(&mut |v, _| {
                     of_plant |= whole.variable(v).owner == Owner::Environment;
@@ -276,7 +276,7 @@ fn the_holistic_contract_is_realizable_over_small_domains_and_not_for_want_of_a_
     );
 }
 
-/// The steps of an implementation keep both sides, and get everywhere.
+/// The steps of an implementation keep both sides, and reach everything.
 #[test]
 fn the_cell_in_parts_implements_the_holistic_contract() {
     let whole = holistic("Same");
@@ -292,8 +292,8 @@ fn the_cell_in_parts_implements_the_holistic_contract() {
     let mut before: Option<Vec<i64>> = None;
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for step in 0..STEPS {
-        // A plant that keeps its word: the first of some random changes that breaks no part's
-        // assumption.
+        // A plant that keeps the assumptions: the first of some random changes that violates no
+        // part's assumption.
         let mut candidates = (0..2_000).map(|_| {
             let inputs = machine.plant.iter().zip(&plant);
             let mut change = |p: &Domain, old: i64| {
@@ -352,7 +352,7 @@ fn the_cell_in_parts_implements_the_holistic_contract() {
         assert!(count > STEPS / 10, "{}: {count}", goal.name);
     }
     for variable in whole.variables.iter().filter(|v| v.owner == Owner::System) {
-        // Arm b goes to where the arms meet, and no farther.
+        // Arm b moves to where the arms meet, and no farther.
         if ["move_b_x", "move_b_y"].contains(&variable.name.as_str()) {
             continue;
         }

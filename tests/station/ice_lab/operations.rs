@@ -1,10 +1,9 @@
-//! Every operation of every machine: what the coordinator really does is what the machine's file
-//! says.
+//! Every operation of every machine: the coordinator does what the machine's file says.
 //!
-//! An operation is begun in a state where its assumptions hold (`screw` needs a part in the
-//! gripper, so `hold` comes before it); those that have to come before are searched for, and
-//! compared with what the process needs. It then runs twice: in one call of `simulate`, and step by
-//! step, where the actions that are active are written down.
+//! An operation begins in a state where its assumptions hold (`screw` needs a part in the gripper,
+//! so `hold` comes before it); the necessary preceding ones are searched, and compared with what
+//! the process needs. It then runs twice: in one call of `simulate`, and step by step, where the
+//! active actions are recorded.
 
 use crate::differential::{Random, assert_same};
 use crate::laboratory::{Controlled, machines};
@@ -15,7 +14,7 @@ use linewright::station::load::{Instance, Library};
 use linewright::station::{Controller, ErrorCode, Package, Toolchain};
 use std::sync::Arc;
 
-/// An interpreter and an instance of the library that have gone the same way.
+/// An interpreter and an instance of the library in the same state.
 struct Pair {
     machine: Arc<Machine>,
     ours: Interpreter,
@@ -38,7 +37,7 @@ impl Pair {
         self.theirs.reset();
     }
 
-    /// Both make one operation; its steps, seconds and joules where they succeed.
+    /// Both run one operation; returns its steps, seconds and joules if they succeed.
     fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Option<(u64, f64, f64)> {
         let name = &self.machine.operations[operation].name;
         let place = format!("{}.{name} with {values:?}", self.machine.name);
@@ -60,8 +59,8 @@ impl Pair {
         Some(figures(&a))
     }
 
-    /// Both make one operation in single steps. Gives the executions, each a component and its
-    /// number of steps, and the number of all steps.
+    /// Both run one operation in single steps. Returns the executions, each a component and its
+    /// number of steps, and the total number of steps.
     fn walk(&mut self, operation: usize, values: &[f64]) -> (Vec<usize>, u64) {
         let machine = Arc::clone(&self.machine);
         let outputs = machine.wire_count() - machine.plant.len();
@@ -95,7 +94,7 @@ impl Pair {
     }
 }
 
-/// The plant's wires in a step of an operation, as the documentation of [`PlantSource`] has them.
+/// The plant's wires in a step of an operation, as documented at [`PlantSource`].
 fn plant(machine: &Machine, operation: usize, values: &[f64], step: u64) -> Vec<i64> {
     let wire = |source: &PlantSource| match source {
         PlantSource::Operation => machine.operations[operation].value,
@@ -105,7 +104,7 @@ fn plant(machine: &Machine, operation: usize, values: &[f64], step: u64) -> Vec<
     machine.plant.iter().map(|p| wire(&p.source)).collect()
 }
 
-/// The properties' defaults for the first call, then what their domains allow; angles in steps of
+/// The properties' defaults for the first call, then values from their domains; angles in steps of
 /// 45 degrees.
 fn values(machine: &Machine, call: usize, random: &mut Random) -> Vec<f64> {
     let properties = machine.properties.iter();
@@ -122,7 +121,7 @@ fn values(machine: &Machine, call: usize, random: &mut Random) -> Vec<f64> {
         .collect()
 }
 
-/// Shortest list of operations after which this one runs, from the start.
+/// Shortest list of operations from the start after which this one runs.
 fn preparation(pair: &mut Pair, operation: usize) -> Vec<usize> {
     let count = pair.machine.operations.len();
     let mut lists: Vec<Vec<usize>> = vec![Vec::new()];
@@ -211,7 +210,7 @@ fn every_operation_does_what_its_machine_says() {
     insta::assert_snapshot!(prepared.join("\n"));
 }
 
-/// What an operation must leave in the part, said here without the machine's file.
+/// What an operation must write to the part, defined here independently of the machine's file.
 fn check_written(machine: &str, operation: &str, before: &[f64], after: &[f64]) {
     let mut wanted = before.to_vec();
     match (machine, operation) {
@@ -230,8 +229,8 @@ fn check_written(machine: &str, operation: &str, before: &[f64], after: &[f64]) 
     assert_eq!(after, wanted, "{machine}.{operation}");
 }
 
-/// A blank of which something is missing cannot be milled to more than is there: it is refused, and
-/// stays as it is.
+/// A blank with missing material cannot be milled to a greater height: it is refused, and stays
+/// unchanged.
 #[test]
 fn a_part_that_is_lower_than_its_target_is_not_milled() {
     let folder = tempfile::tempdir().unwrap();
@@ -250,7 +249,7 @@ fn a_part_that_is_lower_than_its_target_is_not_milled() {
         assert_eq!(pair.simulate(0, &mut after), None);
         assert_eq!(after.map(f64::to_bits), values.map(f64::to_bits));
     }
-    // The instance is as good as before.
+    // The instance is unchanged.
     let mut values = [2.0, 2.0, 2.0, 1.0];
     assert!(pair.simulate(0, &mut values).is_some());
     let milled = [2.0, 1.0, 2.0, 1.0_f64];

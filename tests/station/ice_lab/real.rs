@@ -1,5 +1,5 @@
-//! The line at real size: every controller verified, both forms of controllers, libraries like the
-//! interpreter, no violation.
+//! The line at real size: every controller verified, both forms of controllers, libraries equal to
+//! the interpreter, no violation.
 
 use crate::differential::differential;
 use crate::support::{linewright_with_cache, root};
@@ -7,11 +7,11 @@ use linewright::engine::cache::Cache;
 use linewright::engine::controlled::compose;
 use linewright::engine::controller::ExtractionOptions;
 use linewright::engine::files::{self, StandardLibrary};
-use linewright::engine::machines::{Planned, of_line};
+use linewright::engine::machines::{MachinePlan, of_line};
 use linewright::engine::pipeline::{Jobs, Settings};
 use linewright::game::{Heuristics, KernelChoice, Limits};
 use linewright::station::ErrorCode;
-use linewright::station::composition::By;
+use linewright::station::composition::Discharger;
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -40,12 +40,12 @@ fn the_line_at_real_size_runs() {
         functions: true,
         ..ExtractionOptions::default()
     });
-    let planned: Vec<Planned<'_>> = machines
+    let planned: Vec<MachinePlan<'_>> = machines
         .iter()
-        .map(|m| Planned::new(m, &mut jobs))
+        .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
     let settings = Settings {
-        // The command line's own, so that its run below finds what is remembered here.
+        // The command line's default, so that its run below finds the cached results.
         limits: Limits {
             memory_mib: Some(4096),
             ..Limits::default()
@@ -54,14 +54,15 @@ fn the_line_at_real_size_runs() {
         heuristics: Heuristics::default(),
         cache: Some(Cache::in_folder(&cache)),
     };
-    // What comes out of the pipeline was verified, or certified.
+    // Everything from the pipeline was verified, or certified.
     let checked = jobs.run(&settings, &indicatif::ProgressBar::hidden());
     let mut tables: Vec<&str> = Vec::new();
     for (machine, plan) in machines.iter().zip(&planned) {
         let controlled = plan.controlled(&checked).expect("a controller each");
         let composition = compose(&controlled);
         assert_eq!(composition.findings, [], "{}", machine.name);
-        let by_others = |by: &By| matches!(by, By::Guarantee(_) | By::Coordinator);
+        let by_others =
+            |by: &Discharger| matches!(by, Discharger::Guarantee(_) | Discharger::Coordinator);
         assert_eq!(
             machine.coordinator().is_some(),
             composition.discharges.iter().any(|d| by_others(&d.by)),

@@ -64,7 +64,8 @@ fn fifty_products_as_a_document() {
         let stations = document["stations"].as_array().unwrap();
         stations.iter().find(|s| s["name"] == name).unwrap().clone()
     };
-    // One brick a product, and one for each that was rejected (but what is under way at the end).
+    // One brick per product, and one for each rejected product (except for those in process at the
+    // end).
     let printed = station("printer")["processed"].as_u64().unwrap();
     assert!(printed >= 50 + rejected, "{printed} printed");
     assert!(station("cell")["processed"].as_u64().unwrap() >= 50);
@@ -126,7 +127,7 @@ fn libraries_stand_beside_the_line_unless_said_otherwise() {
         .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    // A library and its manifest a machine, nothing half-written.
+    // A library and its manifest per machine, and no partial files.
     assert_eq!(names.len(), 6, "{names:?}");
     for stem in ["belt", "milling", "quality_check"] {
         let own: Vec<_> = names.iter().filter(|n| n.starts_with(stem)).collect();
@@ -134,7 +135,7 @@ fn libraries_stand_beside_the_line_unless_said_otherwise() {
     }
 }
 
-/// Every field that is promised is there, of its kind, and the figures add up.
+/// Every documented field is present with its type, and the figures add up.
 fn check_schema(document: &Value) {
     assert_eq!(document["schema"], "linewright/run/1");
     assert!(document["line"].is_string(), "{document}");

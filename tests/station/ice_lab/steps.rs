@@ -1,10 +1,10 @@
-//! Library and interpreter on random steps: the same outputs, the same errors, for every machine of
-//! the line.
+//! Library and interpreter on random steps: the same outputs and the same errors, for every machine
+//! of the line.
 //!
-//! A tenth of the steps at least break an assumption. A value outside its domain is another error
-//! and does not count as one. The lists below name every assumption that a plant can break through
-//! a machine's own wires; the others speak of what the coordinator gives, which keeps them whatever
-//! the plant does.
+//! At least a tenth of the steps violate an assumption. A value outside its domain is another error
+//! and is not counted. The lists below name every assumption that a plant can violate through a
+//! machine's own wires; the others concern the coordinator's outputs, which keep them whatever the
+//! plant does.
 
 use crate::differential::differential;
 use crate::laboratory::machines;
@@ -12,7 +12,7 @@ use linewright::station::ErrorCode;
 
 const STEPS: usize = 100_000;
 
-/// The rules that a walk must have broken, by machine.
+/// The rules that a walk must have violated, by machine.
 fn breakable(machine: &str) -> &'static [&'static str] {
     match machine {
         "Printer" => &["layers: target_held"],

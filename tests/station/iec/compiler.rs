@@ -1,12 +1,12 @@
-//! A function block checked and compiled: its declarations. Statements and expressions have files
-//! of their own.
+//! Checks and compiles a function block: its declarations. Statements and expressions have separate
+//! files.
 
 use super::interpreter::{Code, INTEGERS, Program, Type, Variable};
 use super::syntax::{Block, Declaration, Section, Spec, Unit};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-/// What is known while a block is compiled.
+/// State of compiling a block.
 pub struct Compiler {
     pub variables: HashMap<String, Variable>,
     pub enumerations: Vec<(String, Vec<String>)>,
@@ -24,7 +24,7 @@ impl Compiler {
             texts: RefCell::new(vec![String::new()]),
             line: 0,
         };
-        // One name means one thing in the whole text, whatever its case.
+        // One name has one meaning in the whole text, ignoring case.
         let mut known = vec![block.name.clone()];
         let mut declare = |name: &str| {
             if known.iter().any(|k| k == name) {
@@ -51,7 +51,7 @@ impl Compiler {
     }
 
     pub fn block(mut self, block: &Block) -> Result<Program, String> {
-        // The first number counts the turns of loops.
+        // The first number counts loop iterations.
         let mut beginning = vec![0];
         let mut temporary = Vec::new();
         for declaration in &block.declarations {
@@ -131,7 +131,7 @@ impl Compiler {
         })
     }
 
-    /// A type without the names that are declared for others.
+    /// A type with names of declared types resolved.
     pub fn resolved(&self, spec: &Spec) -> Spec {
         let mut spec = spec.clone();
         while let Spec::Named(name) = &spec {

@@ -1,8 +1,8 @@
-//! PLCopen XML, read back by a small reader of its own.
+//! PLCopen XML, read back by a small independent reader.
 
 use std::fmt::Write as _;
 
-/// An element with its attributes and what it holds; text is all its text, joined.
+/// An element with its attributes and content; text is all its text, joined.
 #[derive(Debug, Default)]
 pub struct Element {
     pub name: String,
@@ -11,7 +11,7 @@ pub struct Element {
     pub text: String,
 }
 
-/// Text without entities.
+/// Text with entities replaced.
 fn plain(text: &str) -> String {
     let named = [
         ("lt", "<"),

@@ -1,4 +1,4 @@
-//! Expressions, compiled, and the types of what they give.
+//! Compiles expressions and determines their types.
 
 use super::compiler::Compiler;
 use super::interpreter::{Code, INTEGERS, NOTHING, Type, Variable, both, fault, one};
@@ -6,7 +6,7 @@ use super::syntax::{Expr, Section, Spec};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 impl Compiler {
-    /// Where an element lies.
+    /// Location of an element.
     pub fn place(&self, variable: &Variable, indices: &[Expr]) -> Result<Code, String> {
         let line = self.line;
         if indices.len() != variable.dimensions.len() {
@@ -42,7 +42,7 @@ impl Compiler {
         Ok(place)
     }
 
-    /// A value where another type is wanted: only numbers without a type fit any.
+    /// A value where another type is expected: only untyped numbers fit any.
     pub fn fitted(&self, of: Type, code: Code, wanted: Type) -> Result<Code, String> {
         match (of, wanted, &code) {
             (Type::Literal, Type::Integer(place), Code::Constant(value)) => {
@@ -52,7 +52,7 @@ impl Compiler {
                 }
                 Ok(code)
             }
-            // A string that is cut is a mistake here.
+            // Truncating a string counts as an error here.
             (Type::Text(length), Type::Text(most), _) if length <= most => Ok(code),
             _ if of == wanted => Ok(code),
             _ => self.wrong(&format!("{of:?} where {wanted:?} is wanted")),
@@ -181,7 +181,8 @@ impl Compiler {
         }
     }
 
-    /// `+ - * / MOD` within a type. Division rounds towards 0; the rest of a division by 0 is 0.
+    /// `+ - * / MOD` within a type. Division rounds toward 0; the remainder of a division by 0 is
+    /// 0.
     pub fn arithmetic(&self, op: &str, of: Type, a: Code, b: Code) -> Result<(Type, Code), String> {
         let line = self.line;
         let (low, high) = match of {
@@ -205,7 +206,7 @@ impl Compiler {
             }),
             _ => both(a, b, |a, b| if b == 0 { 0 } else { a.wrapping_rem(b) }),
         };
-        // Of numbers without a type comes one, at once.
+        // Untyped operands give an untyped result, computed at once.
         if of == Type::Literal {
             let computed = catch_unwind(AssertUnwindSafe(|| code.run(&mut [])));
             return match computed {

@@ -1,11 +1,10 @@
-//! Structured Text, run: a function block is checked and compiled ([`compiler`](super::compiler))
+//! Runs Structured Text: a function block is checked and compiled ([`compiler`](super::compiler))
 //! to closures over a row of numbers, and called.
 //!
-//! Where IEC 61131-3 leaves room, this takes the narrow side, so that what runs here runs
-//! everywhere: no conversion happens by itself, both operands of AND and OR are evaluated,
-//! temporary variables have no value at the beginning of a call, and neither has the variable of a
-//! FOR loop behind it. Numbers that leave their type, indices that leave their array, and loops
-//! that do not end are faults.
+//! Where IEC 61131-3 leaves freedom, this chooses the strict interpretation, so that whatever runs
+//! here runs everywhere: no implicit conversions, both operands of AND and OR are evaluated,
+//! temporary variables have no value at the beginning of a call, nor does the variable of a FOR
+//! loop after it. Numbers out of range, indices out of bounds, and endless loops are faults.
 
 use super::compiler::Compiler;
 use super::syntax::{Section, Unit};
@@ -15,24 +14,24 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 /// A temporary variable without a value.
 pub const NOTHING: i64 = i64::MIN + 1;
 
-/// A call that takes more turns of loops than this hangs.
+/// Maximum number of loop iterations of a call; beyond it, the call counts as hung.
 const MOST_TURNS: i64 = 10_000_000;
 
 /// The type of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Type {
     Bool,
-    /// By its place in [`INTEGERS`].
+    /// By index in [`INTEGERS`].
     Integer(usize),
-    /// By its place among the declared ones.
+    /// By index among the declared ones.
     Enumeration(usize),
-    /// A string of at most so many characters. Its value is its place in [`Program::texts`].
+    /// A string with this maximum length. Its value is its index in [`Program::texts`].
     Text(usize),
-    /// A number without a type of its own.
+    /// A number without its own type.
     Literal,
 }
 
-/// The types of whole numbers; `ULINT` is left out.
+/// The integer types; `ULINT` is omitted.
 pub const INTEGERS: [(&str, i64, i64); 7] = [
     ("SINT", i8::MIN as i64, i8::MAX as i64),
     ("INT", i16::MIN as i64, i16::MAX as i64),
@@ -43,20 +42,20 @@ pub const INTEGERS: [(&str, i64, i64); 7] = [
     ("UDINT", 0, u32::MAX as i64),
 ];
 
-/// A variable and where it lies.
+/// A variable and its location.
 #[derive(Debug, Clone)]
 pub struct Variable {
     pub section: Section,
     pub kind: Type,
     /// The values that a subrange allows.
     pub range: Option<(i64, i64)>,
-    /// Bounds of the dimensions of an array.
+    /// Bounds of an array's dimensions.
     pub dimensions: Vec<(i64, i64)>,
     pub slot: usize,
     pub length: usize,
 }
 
-/// What ended a call.
+/// The fault that ended a call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault(pub String);
 
@@ -71,7 +70,7 @@ pub enum Flow {
 pub type Numbers = [i64];
 pub type Run = Box<dyn Fn(&mut Numbers) -> Flow>;
 
-/// A compiled expression; the simple ones are told apart for speed.
+/// A compiled expression; simple ones have their own variants for speed.
 pub enum Code {
     Constant(i64),
     Slot(usize),
@@ -95,7 +94,7 @@ pub struct Program {
     pub order: Vec<String>,
     /// The labels of every enumeration.
     pub enumerations: Vec<(String, Vec<String>)>,
-    /// All strings that the text has; the empty one first.
+    /// All strings in the text; the empty one first.
     pub texts: Vec<String>,
     pub beginning: Vec<i64>,
     pub temporary: Vec<(usize, usize)>,
@@ -109,7 +108,7 @@ pub struct Instance<'a> {
 }
 
 pub fn fault(line: usize, text: &str) -> ! {
-    // Not a panic: nothing is to be printed.
+    // Not a panic, so that nothing is printed.
     resume_unwind(Box::new(Fault(format!("line {line}: {text}"))))
 }
 
@@ -123,7 +122,7 @@ pub fn sequence(body: &[Run], m: &mut Numbers) -> Flow {
     Flow::On
 }
 
-/// Two operands and what is made of them.
+/// Two operands and an operation.
 pub fn both(a: Code, b: Code, f: impl Fn(i64, i64) -> i64 + 'static) -> Code {
     Code::Other(match (a, b) {
         (Code::Slot(a), Code::Constant(b)) => Box::new(move |m| f(m[a], b)),
@@ -174,7 +173,7 @@ impl Instance<'_> {
         self.numbers[variable.slot] = value;
     }
 
-    /// All numbers: variables lie in their slots.
+    /// All numbers: variables are in their slots.
     pub fn snapshot(&self) -> Vec<i64> {
         self.numbers.clone()
     }
@@ -197,7 +196,7 @@ impl Instance<'_> {
     }
 }
 
-/// One more turn of a loop.
+/// Counts a loop iteration.
 pub fn turn(m: &mut Numbers, line: usize) {
     m[0] -= 1;
     if m[0] < 0 {

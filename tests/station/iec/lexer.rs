@@ -1,25 +1,25 @@
-//! Structured Text as words and signs.
+//! Splits Structured Text into tokens.
 //!
-//! From IEC 61131-3: identifiers are the same in upper and lower case, an underscore stands alone
-//! and not at the end, comments are `(* *)`, `/* */` and `//`, directives stand in braces, numbers
-//! may hold single underscores and a base.
+//! From IEC 61131-3: identifiers ignore case, underscores are single and not at the end, comments
+//! are `(* *)`, `/* */` and `//`, directives are in braces, numbers may contain single underscores
+//! and a base.
 
 /// A word or sign.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Token {
     /// A keyword or identifier, in capital letters.
     Word(String),
-    /// A whole number without its sign.
+    /// An integer without its sign.
     Number(i128),
     /// A character string, without its quotes.
     Text(String),
     /// Anything else.
     Sign(&'static str),
-    /// Behind the last one.
+    /// The end of the text.
     End,
 }
 
-/// A token and the line on which it begins.
+/// A token and its first line.
 #[derive(Debug, Clone)]
 pub struct Placed {
     pub token: Token,
@@ -88,7 +88,7 @@ fn skipped(text: &str) -> Result<Option<usize>, String> {
     for (open, close) in [("(*", "*)"), ("/*", "*/")] {
         if text.starts_with(open) {
             let end = text[2..].find(close).ok_or("a comment has no end")?;
-            // Whether comments nest is left to the system, so none may try.
+            // Whether comments nest depends on the system, so nested ones are rejected.
             if text[2..2 + end].contains(open) {
                 return Err("a comment stands in a comment".to_owned());
             }
@@ -102,9 +102,9 @@ fn skipped(text: &str) -> Result<Option<usize>, String> {
     Ok(None)
 }
 
-/// A character string and its length with its quotes: `'it$'s'`. It holds printable characters of
-/// ASCII, so that a character is a byte in every system; of the marks with `$` only the two that
-/// stand for themselves are known here.
+/// A character string and its length including quotes: `'it$'s'`. It contains printable ASCII
+/// characters, so that a character is a byte in every system; of the escapes with `$` only the two
+/// for the characters themselves are supported here.
 fn string(text: &str) -> Result<(String, usize), String> {
     let mut found = String::new();
     let mut rest = text[1..].char_indices();

@@ -1,4 +1,4 @@
-//! Statements, compiled.
+//! Compiles statements.
 
 use super::compiler::Compiler;
 use super::interpreter::{

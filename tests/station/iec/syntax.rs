@@ -1,8 +1,8 @@
-//! The part of Structured Text that function blocks are written in: types, declarations,
-//! statements, expressions.
+//! The subset of Structured Text used by function blocks: types, declarations, statements,
+//! expressions.
 //!
-//! From IEC 61131-3, tables of operators and of statements. An operator binds before those below
-//! it; of equal ones the left one binds first:
+//! From IEC 61131-3, tables of operators and of statements. Operators are listed by decreasing
+//! precedence, and associate to the left:
 //!
 //! ```text
 //! - NOT    * / MOD    + -    < > <= >=    = <>    & AND    XOR    OR
@@ -20,9 +20,9 @@ pub struct Unit {
 /// A type as written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Spec {
-    /// An elementary type, or one that is declared.
+    /// An elementary or declared type.
     Named(String),
-    /// `STRING[80]`, and how long it may be
+    /// `STRING[80]`, with its maximum length.
     Text(i128),
     /// `INT(0..4)`
     Subrange(String, i128, i128),
@@ -47,7 +47,7 @@ pub struct Declaration {
     pub section: Section,
     pub name: String,
     pub spec: Spec,
-    /// One value, or those of an array.
+    /// One value, or the values of an array.
     pub initial: Option<Vec<Expr>>,
 }
 
@@ -68,7 +68,7 @@ pub struct Statement {
 #[derive(Debug)]
 pub enum Kind {
     Assign(Expr, Expr),
-    /// Conditions with what they lead to, and what is done otherwise.
+    /// Conditions with their statements, and the ELSE statements.
     If(Vec<(Expr, Vec<Statement>)>, Vec<Statement>),
     Case(Expr, Vec<(Vec<Label>, Vec<Statement>)>, Vec<Statement>),
     For {
@@ -85,7 +85,7 @@ pub enum Kind {
     Return,
 }
 
-/// A value of a case, or the first and last of several.
+/// A value of a case, or the first and last of a range.
 #[derive(Debug)]
 pub struct Label {
     pub first: Expr,
@@ -96,7 +96,7 @@ pub struct Label {
 pub enum Expr {
     Number(i128),
     Text(String),
-    /// `INT#5`, `E_Command#turn`: the type and what stands behind it.
+    /// `INT#5`, `E_Command#turn`: the type and what follows it.
     Typed(String, Box<Expr>),
     Name(String),
     Index(String, Vec<Expr>),
@@ -112,7 +112,7 @@ const KEYWORDS: &str = "AND ARRAY BY CASE CONSTANT CONTINUE DO ELSE ELSIF END_CA
     DATE STRING WSTRING BYTE WORD DWORD LWORD ABS MIN MAX SEL LIMIT MOVE ADD SUB MUL DIV TON TOF TP RS SR CTU CTD R_TRIG F_TRIG \
     EN ENO TASK PROGRAM FUNCTION STRUCT AT WITH ON RESOURCE CONFIGURATION RETAIN";
 
-/// Operators by how they bind, the loosest first.
+/// Operators by precedence, the lowest first.
 const LEVELS: [&[&str]; 7] = [
     &["OR"],
     &["XOR"],
@@ -488,7 +488,7 @@ impl Parser {
         Ok(Kind::Case(selector, branches, otherwise))
     }
 
-    /// Whether the next label begins, or the end: a label is constants up to a colon.
+    /// Whether the next label or the end begins: a label is constants up to a colon.
     fn case_ends(&self) -> bool {
         if self.is_word("ELSE") || self.is_word("END_CASE") {
             return true;

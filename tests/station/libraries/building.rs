@@ -1,4 +1,4 @@
-//! The toolchain: what is compiled when, and what is said when it cannot be.
+//! The toolchain: what is compiled when, and the messages on failure.
 
 use crate::fixtures;
 use linewright::diagnostics::codes;
@@ -14,7 +14,7 @@ fn manipulator() -> Package {
     Package::emit(&machine, &controllers)
 }
 
-/// A compiler that fails, and says so.
+/// A compiler that fails with a message.
 #[cfg(unix)]
 fn failing_compiler(folder: &Path) -> std::path::PathBuf {
     let path = folder.join("failing-cc");
@@ -113,7 +113,7 @@ fn what_is_there_is_not_compiled_again() {
         .build(&manipulator(), &build, false)
         .unwrap();
     assert!(first.compiled);
-    // The same name is another program now, which must not be started.
+    // The same name is now another program, which must not be started.
     std::fs::remove_file(&compiler).unwrap();
     std::fs::rename(&failing, &compiler).unwrap();
     let log_of_second = folder.path().join("cc-by-turns.log");
@@ -127,7 +127,7 @@ fn what_is_there_is_not_compiled_again() {
         "no compiler was started"
     );
     Library::open(&second.path).unwrap();
-    // When asked for, or when something changed, it is.
+    // It is rebuilt on request, or when something changed.
     let rebuilt = Toolchain::with_compiler(&compiler).build(&manipulator(), &build, true);
     assert!(
         matches!(rebuilt, Err(Error::CompilerFailed { .. })),
@@ -144,7 +144,7 @@ fn what_is_there_is_not_compiled_again() {
         "{}",
         error.message
     );
-    // What was there is still whole.
+    // The existing library is still intact.
     Library::open(&second.path).unwrap();
     let left: Vec<_> = std::fs::read_dir(&build)
         .unwrap()
@@ -248,7 +248,7 @@ fn damaged_libraries_are_refused() {
     std::fs::write(&path, &whole).unwrap();
     std::fs::write(&manifest, &manifest_text[..20]).unwrap();
     refused("manifest truncated");
-    // Without a manifest nothing is known: it is made again.
+    // Without a manifest nothing is known: it is rebuilt.
     std::fs::remove_file(&manifest).unwrap();
     assert!(
         Toolchain::host()
@@ -305,7 +305,7 @@ fn an_unwritable_folder_is_named() {
     }
 }
 
-/// A handle that was saved with a model must not fit an instance of the next process.
+/// A handle saved with a model must not match an instance of the next process.
 #[test]
 fn processes_begin_with_handles_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -335,7 +335,7 @@ fn processes_begin_with_handles_of_their_own() {
         let handle = String::from_utf8(output.unwrap().stdout).unwrap();
         handle.parse::<i32>().unwrap()
     };
-    // Also of processes that begin in the same second.
+    // Including processes that start in the same second.
     let handles: BTreeSet<i32> = (0..6).map(|_| first()).collect();
     assert!(handles.iter().all(|h| *h > 0));
     assert_eq!(handles.len(), 6, "{handles:?}");

@@ -1,8 +1,9 @@
-//! The exports themselves, called with what a host can get wrong, and from several threads.
+//! The exports, called with possible errors of a host, and from several threads.
 #![expect(unsafe_code, reason = "calls exports as a foreign host does")]
 #![expect(clippy::float_cmp, reason = "codes and copied values are exact")]
 
 use crate::fixtures;
+use crate::support::documents;
 use linewright::contract::machine::Machine;
 use linewright::mealy;
 use linewright::station::load::Library;
@@ -140,7 +141,7 @@ fn handles_are_checked() {
         assert!(host.simulate(value, integer(0), good) == -2.0);
         assert_eq!(as_integer(host.call("deinstantiate", &mut [value])), -2);
     }
-    // Destroyed handles stay dead, even when their place is used again.
+    // Destroyed handles stay invalid, even when their slot is reused.
     let mut dead = Vec::new();
     for _ in 0..3000 {
         assert_eq!(
@@ -184,13 +185,13 @@ fn results_are_read_by_name() {
     let steps = whole(c"steps");
     assert!(steps > 0 && as_real(get("get_real", c"steps")) == f64::from(steps));
     assert_eq!(words(c"steps"), steps.to_string());
-    // What is no whole number has no integer.
+    // A value that is no integer has no integer result.
     assert_eq!(whole(c"time"), -2);
     assert!(host.last_error(handle).contains("ask get_real"));
     let output = whole(c"output.turn.angle");
     assert!(as_real(get("get_real", c"output.turn.angle")) == f64::from(output));
 
-    // A refusal has a verdict and a rule, and leaves the results of the last operation that ended.
+    // A refusal has a verdict and a rule, and keeps the results of the last completed operation.
     assert!(host.simulate(integer(handle), integer(0), [90.0, 0.0, 0.3].map(real)) == -5.0);
     assert_eq!(
         (whole(c"verdict"), words(c"verdict").as_str()),
@@ -203,7 +204,7 @@ fn results_are_read_by_name() {
         (words(c"verdict").as_str(), words(c"rule").as_str()),
         ("operation", "")
     );
-    // Names that there are not, one longer than what is kept of it.
+    // Unknown names, one longer than the part that is stored.
     let long = std::ffi::CString::new("\u{e4}".repeat(200)).unwrap();
     for name in [c"nothing", c"output.nothing", c"property.", &long] {
         assert_eq!(whole(name), -2);
@@ -215,7 +216,7 @@ fn results_are_read_by_name() {
     assert!(host.last_error(handle).ends_with("...`"));
 }
 
-/// A text that was returned is left alone by other calls on the instance, and by texts of others.
+/// A returned text is not changed by other calls on the instance, nor by texts of others.
 #[test]
 fn texts_stay_for_a_while() {
     let folder = tempfile::tempdir().unwrap();
@@ -284,7 +285,7 @@ fn arguments_are_checked() {
     assert!(simulate(integer(0), [real(91.0), real(1.0), real(0.3)]) == -3.0);
     assert!(simulate(integer(0), [real(90.0), real(0.0), real(0.3)]) == -5.0);
     assert!(host.last_error(handle).contains("(R-12)"));
-    // An operation by its name, and integers where numbers are wanted.
+    // An operation by name, and integers where numbers are expected.
     let by_name = simulate(string(c"turning"), [integer(90), integer(1), real(0.3)]);
     assert!(by_name > 0.0);
     let get = |name: &CStr| host.call("get_real", &mut [integer(handle), string(name)]);
@@ -299,7 +300,8 @@ fn arguments_are_checked() {
         as_integer(host.call("get_real", &mut [integer(handle), integer(1)])),
         -2
     );
-    // After an error the results of the last operation are still there, and the state is as it was.
+    // After an error the results of the last operation are still available, and the state is
+    // unchanged.
     assert!(simulate(integer(0), [real(90.0), real(0.0), real(0.3)]) == -5.0);
     assert!(as_real(get(c"seconds")) == by_name);
     let description = host.call("station_describe", &mut []);
@@ -307,7 +309,7 @@ fn arguments_are_checked() {
     let text = unsafe { CStr::from_ptr(description.bits as *const c_char) }
         .to_str()
         .unwrap();
-    let json: serde_json::Value = serde_json::from_str(text).unwrap();
+    let json = documents::assert_valid(text.as_bytes()).remove(0);
     assert_eq!(json["schema"], "linewright/station/1");
     assert_eq!(json["exports"]["simulate"], 5);
     assert_eq!(json["plant"][0]["labels"][2], "pick");
@@ -353,7 +355,7 @@ fn threads_share_libraries_and_instances() {
         .unwrap()
         .simulate(0, &mut GOOD.clone())
         .unwrap();
-    // Many instances, one a thread: as if each were alone.
+    // Many instances, one per thread: as if each were alone.
     std::thread::scope(|scope| {
         for _ in 0..8 {
             scope.spawn(|| {

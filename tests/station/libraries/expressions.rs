@@ -1,7 +1,7 @@
 //! Random expressions, computed by emitted C and by direct evaluation.
 //!
-//! All functions of a test go into one C file, warnings are errors, and the program prints what it
-//! computes.
+//! All functions of a test go into one C file, warnings are errors, and the program prints its
+//! results.
 
 #![expect(clippy::float_cmp, reason = "the two must agree to the last bit")]
 
@@ -117,12 +117,12 @@ fn number(random: &mut Random, depth: u32) -> Expr {
             Box::new(number(random, d)),
             Box::new(number(random, d)),
         ),
-        // A truth value as a number, as arithmetic over booleans has it.
+        // A truth value as a number, as in arithmetic over booleans.
         _ => truth(random, d),
     }
 }
 
-/// Compiles one file with all warnings as errors, runs it, gives its lines.
+/// Compiles one file with all warnings as errors, runs it, and returns its lines.
 fn run(source: &str) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let profile = linewright::station::profile::Profile::assumed();
@@ -192,7 +192,7 @@ fn integer_expressions_mean_the_same_in_c() {
         } else {
             number(&mut random, depth)
         };
-        // As the resolver does: nothing that could leave an i64.
+        // As in the resolver: nothing that could exceed an i64.
         if interval(&expr, &ranges).is_ok() {
             cases.push((boolean, expr));
         }
@@ -366,8 +366,7 @@ fn real_expressions_mean_the_same_in_c() {
             let expected = expr.eval(properties, wires);
             let got = f64::from_bits(u64::from_str_radix(&lines.next().unwrap(), 16).unwrap());
             nans += usize::from(expected.is_nan());
-            // Which of two zeros a minimum gives is left open, and so are the bits of what is not a
-            // number.
+            // Which of two zeros a minimum returns is not specified, nor are the bits of a NaN.
             let same = expected == got || (expected.is_nan() && got.is_nan());
             assert!(same, "f{i}: {expr:?} is {expected:?} here and {got:?} in C");
         }

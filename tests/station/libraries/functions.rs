@@ -1,6 +1,6 @@
-//! Controllers as functions, with everything that the laboratory's machines have none of: domains
-//! that do not begin at 0, constants, copies of many inputs, several goals, and outputs before the
-//! inputs are known.
+//! Controllers as functions, with everything that the laboratory's machines lack: domains that do
+//! not begin at 0, constants, copies of many inputs, several goals, and outputs before the inputs
+//! are known.
 
 use crate::controlled::controlled;
 use crate::differential::differential;
@@ -11,7 +11,7 @@ const STEPS: usize = 60_000;
 
 #[test]
 fn odd_functions_agree_with_the_interpreter() {
-    // As `check` and `build` do it; tables of these would have no end.
+    // As in `check` and `build`; tables of these would be too large.
     let wish = ExtractionOptions {
         functions: true,
         ..ExtractionOptions::default()

@@ -1,5 +1,5 @@
-//! Machines of machines: the library of the flat machine against the interpreter, step by step and
-//! operation by operation.
+//! Machines of machines: the library of the flat machine compared with the interpreter, step by
+//! step and operation by operation.
 
 use super::folder;
 use crate::controlled::controlled;
@@ -29,8 +29,8 @@ fn libraries_of_three_and_four_layers_agree_with_the_interpreter_step_by_step() 
     }
 }
 
-/// The operation of three layers, and the same of four: as many steps more as the hall needs to ask
-/// and to report, the same angle in the part, the same times and powers of the actions.
+/// The operation of three layers, and the same of four: additional steps for the hall's requests
+/// and reports, the same angle in the part, the same times and powers of the actions.
 #[test]
 fn operations_of_all_layers_run_to_their_end() {
     let folder = folder();
@@ -59,7 +59,7 @@ fn operations_of_all_layers_run_to_their_end() {
                 );
                 assert_eq!(ours.map(f64::to_bits), theirs.map(f64::to_bits));
                 assert!((ours[0] - (target / 45.0_f64).round() * 45.0).abs() < 1e-9);
-                // Two picks and two places of 4 steps each, and the table; beside them 20, 40 and
+                // Two picks and two places of 4 steps each, and the table; in addition 20, 40 and
                 // 30 W.
                 let turning = 0.5 + 0.01 * (target - 10.0).abs();
                 let joules = 120.0 * 8.0 * (0.8 + 0.6) + 90.0 * turning + 90.0 * a.seconds;

@@ -1,4 +1,4 @@
-//! Tables of rules that are written down, against calls that are put to the rules one by one.
+//! Tables of written rules, compared with the rules themselves, call by call.
 
 use super::reference::some_call;
 use crate::random::Random;
@@ -6,7 +6,7 @@ use crate::unit;
 use linewright::contract::load;
 use linewright::diagnostics::has_errors;
 use linewright::order::fsm::calls;
-use linewright::order::monitor::{Monitor, Verdict, Why};
+use linewright::order::monitor::{Monitor, RefusalReason, Verdict};
 use linewright::order::supervisor::{Call, Options, Refusal, Supervisor};
 use linewright::order::table::Table;
 use linewright::order::{Level, Serialisation, Skills};
@@ -49,7 +49,7 @@ fn skills(text: &str) -> Arc<Skills> {
     Arc::clone(&library.skills[0])
 }
 
-/// The table, and a monitor of it beside the rules.
+/// The table, with a monitor of it compared with the rules.
 fn compare(skills: &Skills, options: Options, steps: usize) -> Table {
     let mut supervisor = Supervisor::new(skills, options).expect("small rules");
     let table = Table::explore(&supervisor, calls(skills, 3)).expect("a small table");
@@ -71,9 +71,11 @@ fn compare(skills: &Skills, options: Options, steps: usize) -> Table {
             }
             Err(refusal) => {
                 let why = match refusal {
-                    Refusal::SameComponent { .. } => Why::Together,
-                    Refusal::Recall { .. } => Why::Recall,
-                    Refusal::Rule { rule, .. } | Refusal::Deleted { rule } => Why::Rule(rule),
+                    Refusal::SameComponent { .. } => RefusalReason::Together,
+                    Refusal::Recall { .. } => RefusalReason::Recall,
+                    Refusal::Rule { rule, .. } | Refusal::Deleted { rule } => {
+                        RefusalReason::Rule(rule)
+                    }
                 };
                 assert_eq!(said, Verdict::Refused(why), "step {step}: {mask:b}");
             }
@@ -116,7 +118,7 @@ fn the_table_by_hand_is_that_of_the_rules() {
         };
         let table = compare(&unit, options, 4_000);
         let by_hand = unit::pick_and_place(recalls);
-        // Where nothing asks for the situation, the table knows less of it.
+        // If nothing refers to the situation, the table distinguishes fewer states.
         assert!(table.states <= by_hand.states);
         assert_eq!(table.skills, by_hand.skills);
         let (mut one, mut other) = (Monitor::new(&table), Monitor::new(&by_hand));
@@ -124,7 +126,7 @@ fn the_table_by_hand_is_that_of_the_rules() {
         for _ in 0..20_000 {
             let call = some_call(&table, &mut random);
             let both = (one.call_at_once(call), other.call_at_once(call));
-            // Where several reasons hold, either may be named.
+            // If several reasons hold, either may be named.
             assert_eq!(both.0.is_allowed(), both.1.is_allowed(), "{call:b}");
         }
     }

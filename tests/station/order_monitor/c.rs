@@ -5,7 +5,7 @@ use super::reference::some_call;
 use super::tables::random;
 use crate::random::Random;
 use crate::unit::pick_and_place;
-use linewright::order::monitor::{Monitor, Verdict, Why};
+use linewright::order::monitor::{Monitor, RefusalReason, Verdict};
 use linewright::order::table::Table;
 use linewright::station::emit::controller::Files;
 use linewright::station::monitor::c;
@@ -14,8 +14,8 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What a script may say: `c` a mask called at once, `o` one skill, `a` a mask that is only asked
-/// for, `n` what may come next, `t` a run of skills, `r` back to the beginning.
+/// Commands of a script: `c` a mask called at once, `o` one skill, `a` a query for a mask, `n` the
+/// possible next calls, `t` a run of skills, `r` reset.
 fn driver(name: &str) -> String {
     format!(
         "#include \"{name}.h\"\n#include <stdio.h>\n#include <inttypes.h>\n\
@@ -45,7 +45,7 @@ fn compile(folder: &Path, compiler: &str, arguments: &str) {
     assert!(output.status.success() && text.is_empty(), "{text}");
 }
 
-/// A script of random calls, and what the monitor of this process says to it.
+/// A script of random calls, and the answers of this process's monitor.
 fn script(table: &Table, steps: usize, seed: u64) -> (String, String) {
     let mut random = Random::new(seed);
     let mut monitor = Monitor::new(table);
@@ -55,10 +55,10 @@ fn script(table: &Table, steps: usize, seed: u64) -> (String, String) {
             Verdict::Allowed => "0 allowed".to_owned(),
             Verdict::Refused(why) => {
                 let code = match why {
-                    Why::Rule(rule) => rule,
-                    Why::Recall => rules,
-                    Why::Together => rules + 1,
-                    Why::Unknown => rules + 2,
+                    RefusalReason::Rule(rule) => rule,
+                    RefusalReason::Recall => rules,
+                    RefusalReason::Together => rules + 1,
+                    RefusalReason::Unknown => rules + 2,
                 };
                 format!("-{} {}", code + 1, why.text(&table.rules))
             }

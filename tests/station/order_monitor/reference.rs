@@ -1,7 +1,7 @@
-//! A monitor that looks everything up in the table as it is.
+//! A monitor that looks everything up in the plain table.
 
 use crate::random::Random;
-use linewright::order::monitor::Why;
+use linewright::order::monitor::RefusalReason;
 use linewright::order::table::{RECALL, REFUSED, TOGETHER, Table};
 
 pub struct Reference<'a> {
@@ -25,35 +25,35 @@ impl<'a> Reference<'a> {
         self.state = self.table.start;
     }
 
-    /// The state after a call, or why it is refused.
-    pub fn look(&self, mask: u64) -> Result<u32, Why> {
+    /// The state after a call, or the reason for its refusal.
+    pub fn look(&self, mask: u64) -> Result<u32, RefusalReason> {
         let table = self.table;
         if mask == 0 {
             return Ok(self.state);
         }
         if (0..64).any(|bit| mask >> bit & 1 == 1 && bit >= table.skills.len()) {
-            return Err(Why::Unknown);
+            return Err(RefusalReason::Unknown);
         }
         let column = table.calls.iter().position(|c| *c == mask);
-        let column = column.ok_or(Why::Together)?;
+        let column = column.ok_or(RefusalReason::Together)?;
         let place = self.state as usize * table.calls.len() + column;
         match table.next[place] {
             REFUSED => Err(match table.why[place] {
-                RECALL => Why::Recall,
-                TOGETHER => Why::Together,
-                rule => Why::Rule(usize::from(rule)),
+                RECALL => RefusalReason::Recall,
+                TOGETHER => RefusalReason::Together,
+                rule => RefusalReason::Rule(usize::from(rule)),
             }),
             after => Ok(after),
         }
     }
 
-    pub fn call(&mut self, mask: u64) -> Result<(), Why> {
+    pub fn call(&mut self, mask: u64) -> Result<(), RefusalReason> {
         self.state = self.look(mask)?;
         Ok(())
     }
 }
 
-/// A call that is mostly in the table, sometimes none, sometimes of anything at once.
+/// A random call: mostly from the table, sometimes empty, sometimes arbitrary.
 pub fn some_call(table: &Table, random: &mut Random) -> u64 {
     let skill = |random: &mut Random| 1_u64 << random.below(64.min(table.skills.len() as u64 + 1));
     match random.below(10) {

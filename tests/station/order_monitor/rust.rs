@@ -1,10 +1,10 @@
-//! The monitor of this process against the table it is made of.
+//! The monitor of this process compared with its table.
 
 use super::reference::{Reference, some_call};
 use super::tables::random;
 use crate::random::Random;
 use crate::unit::pick_and_place;
-use linewright::order::monitor::{Monitor, Refusal, Verdict, Why};
+use linewright::order::monitor::{Monitor, Refusal, RefusalReason, Verdict};
 use linewright::order::table::Table;
 
 /// The skills of the unit by their first letters; `R` is Right, `r` Release.
@@ -21,25 +21,28 @@ fn the_unit_is_watched() {
     assert_eq!(monitor.run(&word("RDGULDrU")), None);
     monitor.reset();
     let refusal = monitor.run(&word("LUDGRr"));
-    let trays = Why::Rule(0);
+    let trays = RefusalReason::Rule(0);
     assert_eq!(refusal, Some(Refusal { at: 4, why: trays }));
     assert_eq!(
         trays.text(&table.rules),
         "trays: after Down until Up: never Left, Right"
     );
-    // What was refused has not been done.
+    // A refused call has no effect.
     assert_eq!(monitor.call(5), Verdict::Allowed);
     assert_eq!(monitor.allowed(), 0b11_1100);
     // Up and Right at once: in one order of the two the arm moves while it is down.
     assert_eq!(monitor.allows(0b110), Verdict::Refused(trays));
     assert_eq!(
         monitor.call_at_once(0b101_0000),
-        Verdict::Refused(Why::Unknown)
+        Verdict::Refused(RefusalReason::Unknown)
     );
-    assert_eq!(monitor.call_at_once(0b11), Verdict::Refused(Why::Together));
+    assert_eq!(
+        monitor.call_at_once(0b11),
+        Verdict::Refused(RefusalReason::Together)
+    );
     let strict = pick_and_place(false);
     let mut monitor = Monitor::new(&strict);
-    assert_eq!(monitor.call(2), Verdict::Refused(Why::Recall));
+    assert_eq!(monitor.call(2), Verdict::Refused(RefusalReason::Recall));
     assert_eq!(monitor.allowed(), 0b01_1010);
 }
 
@@ -63,7 +66,7 @@ fn compare(table: &Table, steps: usize, seed: u64) {
             for (at, skill) in calls.iter().enumerate() {
                 let unknown = usize::from(*skill) >= table.skills.len();
                 let made = if unknown {
-                    Err(Why::Unknown)
+                    Err(RefusalReason::Unknown)
                 } else {
                     reference.call(1 << skill)
                 };
@@ -107,19 +110,22 @@ fn no_number_of_a_skill_is_out_of_bounds() {
     let table = pick_and_place(true);
     let mut monitor = Monitor::new(&table);
     for skill in 6..=u8::MAX {
-        assert_eq!(monitor.call(skill), Verdict::Refused(Why::Unknown));
+        assert_eq!(
+            monitor.call(skill),
+            Verdict::Refused(RefusalReason::Unknown)
+        );
         let unknown = Refusal {
             at: 1,
-            why: Why::Unknown,
+            why: RefusalReason::Unknown,
         };
         assert_eq!(monitor.run(&[2, skill, 2]), Some(unknown));
     }
     assert_eq!(
         monitor.call_at_once(u64::MAX),
-        Verdict::Refused(Why::Unknown)
+        Verdict::Refused(RefusalReason::Unknown)
     );
     assert_eq!(
         monitor.call_at_once(1 << 63),
-        Verdict::Refused(Why::Unknown)
+        Verdict::Refused(RefusalReason::Unknown)
     );
 }

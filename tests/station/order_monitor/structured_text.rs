@@ -1,12 +1,12 @@
-//! The monitor as a function block, run by the interpreter of the other function blocks, beside the
-//! monitor of this process.
+//! The monitor as a function block, run by the interpreter for the other function blocks, beside
+//! the monitor of this process.
 
 use super::tables::random;
 use crate::iec::document::text_of;
 use crate::iec::interpreter::{Program, Variable};
 use crate::random::Random;
 use crate::unit::pick_and_place;
-use linewright::order::monitor::{Monitor, Verdict, Why};
+use linewright::order::monitor::{Monitor, RefusalReason, Verdict};
 use linewright::order::table::Table;
 use linewright::station::monitor::structured_text::block;
 
@@ -16,7 +16,7 @@ fn compiled(text: &str) -> Program {
     program.unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-/// What a rule's name becomes in a `STRING`.
+/// A rule's name as a `STRING`.
 fn ascii(text: &str) -> String {
     let letters = text.chars().map(|c| match c {
         'Ü' => "Ue".to_owned(),
@@ -26,8 +26,8 @@ fn ascii(text: &str) -> String {
     letters.collect()
 }
 
-/// Inputs that rise, fall and stay, cycle by cycle. Gives how many cycles had something refused,
-/// and how many granted something.
+/// Inputs that rise, fall and stay, cycle by cycle. Returns the numbers of cycles with a refusal,
+/// and with a grant.
 fn compare(program: &Program, table: &Table, cycles: usize, seed: u64) -> (usize, usize) {
     let skills = table.skills.len();
     let of = |name: &String| program.variables[name].clone();
@@ -45,7 +45,7 @@ fn compare(program: &Program, table: &Table, cycles: usize, seed: u64) -> (usize
     let (mut refused, mut taken) = (0, 0);
     for cycle in 0..cycles {
         let all = u64::MAX >> (64 - skills);
-        // A step aside: most inputs stay, a call ends soon.
+        // A small change: most inputs stay, a call ends soon.
         for skill in 0..skills {
             let bit = 1 << skill;
             let flips = if given & bit == 0 {
@@ -82,7 +82,7 @@ fn compare(program: &Program, table: &Table, cycles: usize, seed: u64) -> (usize
                     standing &= given;
                     broken = true;
                     let text = match why {
-                        Why::Rule(rule) => table.rules[rule].name.clone(),
+                        RefusalReason::Rule(rule) => table.rules[rule].name.clone(),
                         other => other.text(&table.rules),
                     };
                     reason = ascii(&text);

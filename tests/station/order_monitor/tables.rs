@@ -1,10 +1,10 @@
-//! Random tables without meaning, with hostile names.
+//! Random meaningless tables with hostile names.
 
 use crate::random::Random;
 use crate::unit::calls;
-use linewright::order::table::{Cited, RECALL, REFUSED, TOGETHER, Table};
+use linewright::order::table::{RECALL, REFUSED, RuleCitation, TOGETHER, Table};
 
-/// What a name may look like.
+/// Possible names.
 const NAMES: [&str; 16] = [
     "Left",
     "left",
@@ -32,17 +32,17 @@ pub fn random(seed: u64) -> Table {
     let name = one(&mut random);
     let names: Vec<String> = (0..skills).map(|_| one(&mut random)).collect();
     let count = random.below(5);
-    let rules = (0..count).map(|_| Cited {
+    let rules = (0..count).map(|_| RuleCitation {
         name: one(&mut random),
         requirement: random.chance(30).then(|| one(&mut random)),
         text: format!("never {} twice in a row", one(&mut random)),
     });
-    let rules: Vec<Cited> = rules.collect();
+    let rules: Vec<RuleCitation> = rules.collect();
     let few = skills.min(8);
     let mut table_calls: Vec<u64> = (0..skills).map(|s| 1 << s).collect();
     let salt = random.below(7);
     let several = calls(few, |m| m.count_ones() > 1 && !(m + salt).is_multiple_of(3));
-    // Where there are many skills, the sets hold the last ones.
+    // If there are many skills, the sets contain the last ones.
     table_calls.extend(several.iter().map(|m| m << (skills - few)));
     let states = 1 + random.below(40) as usize;
     let (mut next, mut why) = (Vec::new(), Vec::new());

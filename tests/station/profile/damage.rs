@@ -1,5 +1,5 @@
-//! Dumps that are cut off, changed or made up: findings, never a panic, and never a profile that
-//! could not be read again.
+//! Truncated, changed or fabricated dumps: findings, never a panic, and never a profile that cannot
+//! be read again.
 
 use super::mocks::mocks;
 use super::probing::{build, probe};
@@ -101,7 +101,7 @@ fn damaged_dumps_give_findings() {
                 cases += 1;
                 found += usize::from(uf_value::dump(&mutated(&whole, &mut random)).0);
             }
-            // Cut off anywhere, what is left is enough or it is not.
+            // Truncated anywhere, the rest suffices or it does not.
             for _ in 0..60 {
                 let end = random.below(whole.len());
                 let _ = uf_value::dump(&whole[..end]);

@@ -1,4 +1,4 @@
-//! `linewright doctor`: what it says of a computer, with and without compilers.
+//! `linewright doctor`: its output for a computer with and without compilers.
 #![cfg(unix)]
 
 use crate::support;
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 fn doctor(arguments: &[&str], path: &Path) -> Output {
-    Command::new(support::PROGRAM)
+    let output = Command::new(support::PROGRAM)
         .arg("doctor")
         .args(arguments)
         .env("PATH", path)
@@ -17,10 +17,12 @@ fn doctor(arguments: &[&str], path: &Path) -> Output {
         .env("LINEWRIGHT_CACHE", "off")
         .env("NO_COLOR", "1")
         .output()
-        .expect("the program starts")
+        .expect("the program starts");
+    support::documents::assert_valid(&output.stdout);
+    output
 }
 
-/// A folder with links to these programs and no others.
+/// A folder with links to these programs only.
 fn only(programs: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let places = std::env::var_os("PATH").expect("a path");
@@ -61,7 +63,7 @@ fn without_a_compiler_for_windows_there_is_a_way_out() {
     assert!(document["c_compiler"]["version"].is_string(), "{document}");
     assert_eq!(document["python"], Value::Null);
     assert_eq!(document["profile"]["verified"], false);
-    // `build` says the same.
+    // `build` reports the same.
     let output = Command::new(support::PROGRAM)
         .args(["build", "--probe", "--target", "windows", "--out"])
         .arg(folder.path().join("out"))
@@ -85,7 +87,7 @@ fn without_any_compiler_it_cannot_run() {
     assert!(String::from_utf8_lossy(&output.stdout).contains("not found"));
 }
 
-/// A compiler is taken for one when it compiles.
+/// A program counts as a compiler only if it compiles.
 #[test]
 fn what_is_found_is_tried() {
     let folder = only(&["cc", "as", "ld"]);
@@ -111,7 +113,7 @@ fn what_is_found_is_tried() {
     let output = doctor(&["--format", "json"], folder.path());
     let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(document["windows"], false);
-    // One that compiles, and does no more than that.
+    // One that only compiles.
     program(
         "x86_64-w64-mingw32-gcc",
         "case $1 in --version) echo MinGW of the test;; *) exec cc \"$@\";; esac",
@@ -119,7 +121,7 @@ fn what_is_found_is_tried() {
     let output = doctor(&[], folder.path());
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(text.contains("with x86_64-w64-mingw32-gcc"), "{text}");
-    // The compiler of this computer is tried as well.
+    // The compiler for this computer is tried as well.
     std::fs::remove_file(folder.path().join("cc")).expect("it is there");
     program("cc", "echo no compiler of ours; exit 0");
     let output = doctor(&[], folder.path());

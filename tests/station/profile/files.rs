@@ -1,5 +1,5 @@
-//! Profiles as files: printed and read again as they were; every mistake a finding at its place,
-//! all of them at once.
+//! Profiles as files: printed and read again unchanged; every error a finding at its place, all of
+//! them at once.
 
 use linewright::diagnostics::{codes, render};
 use linewright::source::SourceMap;

@@ -1,5 +1,5 @@
-//! The SimTalk of machines, against the description of their libraries: arity and order of every
-//! call, that loading comes first, and that every negative code is looked at.
+//! The SimTalk of machines, compared with the description of their libraries: arity and argument
+//! order of every call, loading first, and checks of every negative code.
 
 use super::simtalk::{Expression, Method, Statement, methods};
 use crate::{fixtures, support};
@@ -10,7 +10,7 @@ use linewright::station::{Package, simtalk};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
-/// Results that are a code where they are below 0.
+/// Results that are error codes if negative.
 const CODED: [&str; 5] = [
     "instantiate",
     "simulate",
@@ -19,7 +19,7 @@ const CODED: [&str; 5] = [
     "get_integer",
 ];
 
-/// What is wrong with a machine's methods; empty when nothing is.
+/// Faults in a machine's methods; empty if there are none.
 fn wrong(text: &str, description: &Value) -> Vec<String> {
     let mut checker = Checker {
         exports: &description["exports"],
@@ -54,8 +54,8 @@ fn wrong(text: &str, description: &Value) -> Vec<String> {
         ("loadLibrary", "instantiate"),
         ("instantiate", "simulate"),
         ("deinstantiate", "freeLibrary"),
-        // What an unfinished run has left is given back before anything is given anew: handles
-        // could be equal.
+        // Instances left by an unfinished run are released before new ones are made: handles could
+        // be equal.
         ("loadLibrary", "deinstantiate"),
         ("deinstantiate", "instantiate"),
     ];
@@ -94,9 +94,9 @@ struct Checker<'a> {
     exports: &'a Value,
     properties: &'a [Value],
     library: String,
-    /// The calls in the order of the text, each with its method's number.
+    /// The calls in text order, each with its method's number.
     called: Vec<(usize, String)>,
-    /// How many checks of a getter's result hold around what is read now.
+    /// Number of active checks of a getter's result at the current position.
     sound: usize,
     wrong: Vec<String>,
 }
@@ -177,7 +177,7 @@ impl Checker<'_> {
         self.sound = sound;
     }
 
-    /// Looks at every call in an expression; the export that the expression is a call of.
+    /// Examines every call in an expression; returns the export that the expression calls.
     fn expression(&mut self, value: &Expression, method: usize, looked_at: bool) -> Option<String> {
         match value {
             Expression::Operation(a, _, b) => {
@@ -276,7 +276,7 @@ fn sets(body: &[Statement], target: &str, number: &str) -> bool {
     })
 }
 
-/// Whether a condition asks for this to be below 0.
+/// Whether a condition tests that this is negative.
 fn is_negative(condition: &Expression, of: &Expression) -> bool {
     matches!(condition, Expression::Operation(a, '<', zero)
         if **a == *of && **zero == Expression::Number("0".to_owned()))
@@ -313,7 +313,7 @@ fn methods_of_fixtures_keep_to_the_exports() {
     }
 }
 
-/// What the check would miss if it looked less closely.
+/// Faults that a weaker check would miss.
 #[test]
 fn wrong_methods_are_noticed() {
     let (machine, controllers) = fixtures::manipulator();

@@ -1,11 +1,11 @@
-//! Layouts of `UF_Value` that Plant Simulation might have, as a C compiler lays them out.
+//! Layouts of `UF_Value` that Plant Simulation might have, as laid out by a C compiler.
 
 use crate::support;
 use linewright::station::profile::{Encoding, Layout};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A mock of the product: what `cwinfunc.h` is compiled with.
+/// A mock of the product: the options for compiling `cwinfunc.h`.
 pub struct Mock {
     pub name: &'static str,
     packing: u32,
@@ -106,7 +106,7 @@ pub fn mocks() -> Vec<Mock> {
 }
 
 impl Mock {
-    /// The options that make a C compiler see this layout.
+    /// The options that give a C compiler this layout.
     pub fn options(&self) -> Vec<String> {
         let place = Encoding::ALL.iter().position(|e| *e == self.encoding);
         let tags = self.tags.map(|t| t.to_string()).join(",");
@@ -123,7 +123,7 @@ impl Mock {
         options
     }
 
-    /// Its layout: sizes and offsets are those that the compiled mock has printed.
+    /// Its layout: sizes and offsets are those printed by the compiled mock.
     pub fn layout(&self, printed: &str) -> Layout {
         let number = |what: &str| {
             let line = printed.lines().find_map(|l| l.strip_prefix(what));
@@ -144,7 +144,7 @@ impl Mock {
         layout
     }
 
-    /// Compiles a host that sees this layout.
+    /// Compiles a host with this layout.
     pub fn host(&self, source: &str, folder: &Path, more: &[&str]) -> PathBuf {
         let program = folder.join(format!("{}-{}", source.trim_end_matches(".c"), self.name));
         let output = Command::new("cc")
@@ -173,7 +173,7 @@ pub fn here() -> PathBuf {
     support::root().join("tests/station/profile")
 }
 
-/// Runs a host on a library; what it printed, and whether its last line says that it passed.
+/// Runs a host on a library; returns its output, and whether its last line says that it passed.
 pub fn run(host: &Path, library: &Path, environment: &[(&str, &Path)]) -> (bool, String) {
     let Output { stdout, stderr, .. } = Command::new(host)
         .arg(library)

@@ -1,5 +1,5 @@
-//! From a mock to a verified profile, through the program alone: build the probe, run its SimTalk
-//! in the mock, read the dump, confirm.
+//! From a mock to a verified profile, using only the program: build the probe, run its SimTalk in
+//! the mock, read the dump, confirm.
 
 use super::mocks::{Mock, mocks, run};
 use super::simtalk::{Expression, Statement, methods};
@@ -33,7 +33,7 @@ pub fn build(folder: &Path, profile: Option<&str>) -> Probe {
     }
 }
 
-/// The calls of a probe's SimTalk as C for the mock; also those that the user may uncomment.
+/// The calls of a probe's SimTalk as C for the mock, including those that the user may uncomment.
 pub fn as_c(text: &str) -> String {
     let optional = |line: &str| {
         let line = line.replace("-- callLibrary", "callLibrary");
@@ -100,7 +100,7 @@ fn call(probe: &str, expression: &Expression) -> String {
     }
 }
 
-/// Runs a probe's SimTalk in a mock; what the mock printed, and the dump.
+/// Runs a probe's SimTalk in a mock; returns the mock's output, and the dump.
 pub fn probe(mock: &Mock, probe: &Probe, folder: &Path, dump: &str) -> (String, PathBuf) {
     std::fs::write(folder.join("calls.inc"), as_c(&probe.text)).expect("a file");
     let host = mock.host("probe_host.c", folder, &[]);
@@ -110,7 +110,7 @@ pub fn probe(mock: &Mock, probe: &Probe, folder: &Path, dump: &str) -> (String, 
     (printed, dump)
 }
 
-/// What `doctor --probe` makes of a dump.
+/// The result of `doctor --probe` for a dump.
 pub fn doctor(folder: &Path, dump: &Path, out: &str) -> (String, Profile) {
     let dump = dump.display().to_string();
     let output = support::linewright(folder, &["doctor", "--probe", &dump, "--out", out]);
@@ -122,7 +122,7 @@ pub fn doctor(folder: &Path, dump: &Path, out: &str) -> (String, Profile) {
     (format!("{text}{said}"), profile)
 }
 
-/// The layout of a mock, and the profile that is found in two rounds.
+/// The layout of a mock, and the profile found in two rounds.
 pub fn find(mock: &Mock, first: &Probe, folder: &Path) -> (Layout, Profile, String) {
     let name = mock.name;
     let (printed, dump) = probe(mock, first, folder, &format!("{name}-1.txt"));
@@ -163,7 +163,7 @@ fn every_layout_is_recovered_and_confirmed() {
 }
 
 /// The second round with a layout that is not the mock's: nothing is confirmed, whether the host
-/// notices or not.
+/// detects it or not.
 #[test]
 fn a_wrong_layout_is_refuted() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -186,7 +186,7 @@ fn a_wrong_layout_is_refuted() {
     assert!(!folder.path().join("verified.toml").exists());
 }
 
-/// Beside the library, when nobody says where.
+/// Beside the library, unless a path is given.
 #[test]
 fn the_dump_lies_beside_the_library() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -199,12 +199,12 @@ fn the_dump_lies_beside_the_library() {
     let output = support::linewright(folder.path(), &["doctor", "--probe", &dump]);
     let text = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success(), "{text}");
-    // Without --out the profile itself is shown.
+    // Without --out the profile itself is printed.
     assert!(
         text.contains("schema = \"linewright/uf-profile/1\""),
         "{text}"
     );
-    // A file that is there and differs is kept.
+    // An existing file that differs is kept.
     std::fs::write(folder.path().join("mine.toml"), "mine").expect("a file");
     let output = support::linewright(
         folder.path(),

@@ -1,10 +1,10 @@
-//! A reader of the SimTalk 2 that is generated, written from its texts alone: statements, `if`,
-//! assignments, calls. Whatever else stands in a text is an error.
+//! A parser of the generated SimTalk 2, based only on its texts: statements, `if`, assignments,
+//! calls. Anything else in a text is an error.
 
 /// An expression.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Expression {
-    /// A number or truth value, as it is written.
+    /// A number or truth value, as written.
     Number(String),
     /// A text.
     Text(String),
@@ -56,7 +56,7 @@ pub fn methods(text: &str) -> Vec<Method> {
         .collect()
 }
 
-/// A line without its comment and the spaces around it.
+/// A line without its comment, trimmed.
 fn uncommented(line: &str) -> String {
     let mut quoted = false;
     let characters: Vec<char> = line.chars().collect();
@@ -70,7 +70,7 @@ fn uncommented(line: &str) -> String {
     line.trim().to_owned()
 }
 
-/// Statements up to `else`, `end` or the end of the text, which is given too.
+/// Statements up to `else`, `end` or the end of the text, which is also returned.
 fn block(lines: &mut impl Iterator<Item = String>) -> (Vec<Statement>, String) {
     let mut body = Vec::new();
     while let Some(line) = lines.next() {

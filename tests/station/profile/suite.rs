@@ -1,5 +1,4 @@
-//! A station library with the profile that was found passes the host suite of its layout, and no
-//! other's.
+//! A station library with the inferred profile passes the host suite of its layout, and no other's.
 
 use super::mocks::{Mock, here, mocks, run};
 use super::probing::{build, find};
@@ -11,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-/// The manipulator with names and a rule that not every encoding can write.
+/// The manipulator with names and a rule that some encodings cannot represent.
 pub fn package(profile: &Profile) -> Package {
     let (machine, controllers) = fixtures::manipulator();
     let mut machine = (*machine).clone();
@@ -133,8 +132,7 @@ fn the_vendors_header_is_taken_where_it_is_asked_for() {
             options.push(format!("-DLW_UF_MORE_REAL(tag)=((tag)=={time})"));
         }
         options.extend(own);
-        // The header is included by the library's own files: it is not ours, and neither are its
-        // warnings.
+        // The library's own files include the header, which is foreign, and so are its warnings.
         options.extend(
             ["-Wno-conversion", "-Wno-sign-compare", "-Wno-type-limits"].map(str::to_owned),
         );
@@ -143,7 +141,7 @@ fn the_vendors_header_is_taken_where_it_is_asked_for() {
         let host = mock.host("suite_host.c", folder, &[]);
         let (passed, printed) = run(&host, &library, &[]);
         assert!(passed, "{}: {printed}", mock.name);
-        // It describes itself so, and names no profile.
+        // Its description says so, and names no profile.
         let bytes = std::fs::read(&library).expect("a library");
         let holds = |text: &str| bytes.windows(text.len()).any(|w| w == text.as_bytes());
         assert!(

@@ -1,5 +1,5 @@
 //! The same on Windows, under Wine: the probe's guarded reading, the dump beside the DLL, and
-//! libraries with the profiles found.
+//! libraries with the inferred profiles.
 
 use super::mocks::{Mock, here, mocks};
 use super::probing::{as_c, doctor};
@@ -14,7 +14,7 @@ use std::time::Duration;
 
 const PATIENCE: Duration = Duration::from_mins(2);
 
-/// A Windows program that sees a mock's layout.
+/// A Windows program with a mock's layout.
 fn host(mock: &Mock, compiler: &Compiler, source: &str, folder: &Path) -> PathBuf {
     let program = folder.join(format!(
         "{}-{}.exe",
@@ -46,7 +46,7 @@ fn run(wine: &Wine, host: &Path, library: &Path) -> (bool, String) {
     (text.trim_end().ends_with("HOST PASSED"), text)
 }
 
-/// Builds the probe for Windows and runs it in a mock; what the mock printed, and the dump.
+/// Builds the probe for Windows and runs it in a mock; returns the mock's output, and the dump.
 fn probe(
     mock: &Mock,
     compiler: &Compiler,
@@ -119,8 +119,8 @@ fn layouts_are_recovered_and_confirmed_on_windows() {
     }
 }
 
-/// The command that the page of the sources names makes, byte for byte, the library that
-/// `--target windows` makes; its source lies beside that, too.
+/// The command on the page of the sources makes, byte for byte, the library that `--target windows`
+/// makes; its source is beside that, too.
 #[test]
 fn the_command_of_the_page_makes_the_same_library() {
     match Compiler::windows() {

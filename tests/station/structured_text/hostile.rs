@@ -1,5 +1,5 @@
-//! Names that Structured Text does not take: what is written is legal, every name is there once,
-//! and nothing else changes.
+//! Names that are invalid in Structured Text: the output is legal, every name is unique, and
+//! nothing else changes.
 
 use super::play::{compiled, play as played};
 use crate::iec::document::text_of;
@@ -10,7 +10,7 @@ use linewright::station::structured_text::{Block, block, block_of_tables};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 
-/// Words that are taken, by the language or by the block itself, and names that become equal.
+/// Words reserved by the language or by the block itself, and names that become equal.
 const NAMES: [&str; 40] = [
     "END_IF",
     "End_If",
@@ -115,8 +115,8 @@ fn renamed(names: &[String], labels: &[String], own: &str) -> (Specification, [C
     (specification, controllers)
 }
 
-/// Every form of it, as text and as a document, is accepted and makes the same steps. That a broken
-/// assumption is called by its name is left to the names of the library.
+/// Every form of it, as text and as a document, is accepted and makes the same steps. That a
+/// violated assumption is named is tested with the names of the library.
 fn check(names: &[String], labels: &[String], own: &str, steps: usize) -> Result<(), String> {
     let (specification, [machine, functions]) = renamed(names, labels, own);
     let explicit = machine.machine().expect("a machine");

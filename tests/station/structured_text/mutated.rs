@@ -1,5 +1,5 @@
 //! The comparison itself: a block with one state, guard, output, assumption or decision changed
-//! must be found out.
+//! must be detected.
 
 use super::play::{compare, compiled};
 use crate::library::{Controlled, as_functions, machines};
@@ -13,7 +13,7 @@ fn turn() -> &'static Controlled {
     found.expect("a contract of the library")
 }
 
-/// Whether a changed text is refused, or plays otherwise.
+/// Whether a changed text is rejected, or behaves differently.
 fn differs(text: &str, controller: &Controller) -> bool {
     let specification = &turn().specification;
     match compiled(text) {
@@ -22,7 +22,7 @@ fn differs(text: &str, controller: &Controller) -> bool {
     }
 }
 
-/// The text with the line of this number changed.
+/// The text with the line at this index changed.
 fn with_line(text: &str, number: usize, line: &str) -> String {
     let lines = text.lines().enumerate();
     lines.fold(String::new(), |out, (i, old)| {
@@ -30,7 +30,7 @@ fn with_line(text: &str, number: usize, line: &str) -> String {
     })
 }
 
-/// A change of one line of a step, if it has something to change.
+/// A change of one line of a step, if there is something to change.
 fn changed(line: &str) -> Option<String> {
     let words = line.trim_start();
     for (right, wrong) in [
@@ -84,7 +84,7 @@ fn changed_lines_of_a_case_are_found() {
         tried += 1;
         found += usize::from(differs(&mutant, &controlled.controller));
     }
-    // The others change what is done on inputs that the assumptions exclude, which are refused
+    // The others change the behavior on inputs that the assumptions exclude, which are refused
     // before.
     assert!(
         tried > 150 && found * 100 >= tried * 85,
@@ -92,7 +92,7 @@ fn changed_lines_of_a_case_are_found() {
     );
 }
 
-/// The texts in which one number of a table is another.
+/// The texts with one number of a table changed.
 fn with_other_numbers(text: &str, table: &str, change: impl Fn(i64) -> i64) -> Vec<String> {
     let begin = text.find(&format!("    {table} : ARRAY")).expect("a table");
     let open = begin + text[begin..].find(":= [").expect("its values") + 4;
@@ -145,7 +145,7 @@ fn changed_answers_and_targets_of_the_tables_are_found() {
     let mutants = mutants.concat();
     let found = mutants.iter();
     let found = found.filter(|m| differs(m, &controlled.controller)).count();
-    // The others change what is done on inputs that the assumptions exclude.
+    // The others change the behavior on inputs that the assumptions exclude.
     let all = mutants.len();
     assert!(found * 100 >= all * 98, "{found} of {all}");
 }
@@ -156,7 +156,7 @@ fn changed_decisions_are_found() {
     let controller = as_functions(&controlled.specification);
     let text = block(&controller, &controlled.specification).to_text();
     assert!(!differs(&text, &controller));
-    // What is promised, and what step 0 gives, is asked for in every play.
+    // Promises, and the outputs of step 0, are evaluated in every play.
     for mutant in with_other_numbers(&text, "promise", |v| v ^ 1) {
         assert!(differs(&mutant, &controller));
     }
@@ -170,7 +170,7 @@ fn changed_decisions_are_found() {
     for mutant in &mutants[..first] {
         assert!(differs(mutant, &controller));
     }
-    // Of later steps, some give what nobody will ask for.
+    // Of later steps, some change outputs that are never read.
     let found = mutants[first..]
         .iter()
         .filter(|m| differs(m, &controller))

@@ -1,8 +1,8 @@
-//! What is not ours: blark, a parser of Structured Text, and the schema of PLCopen XML under a
+//! External tools: blark, a parser of Structured Text, and the schema of PLCopen XML with a
 //! validator.
 //!
-//! Both run as processes of their own, and both must refuse what is damaged, or their consent would
-//! mean nothing.
+//! Both run as separate processes, and both must reject damaged files; otherwise their acceptance
+//! would mean nothing.
 
 use crate::library::{as_functions, bundled, large, machines};
 use crate::support::{self, python_with};
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Whether a command takes a file; what it says of it otherwise.
+/// Whether a command accepts a file; otherwise its output.
 fn accepted(command: &mut Command) -> Result<(), String> {
     let output = command.output().expect("the checker starts");
     if output.status.success() {
@@ -25,8 +25,8 @@ fn accepted(command: &mut Command) -> Result<(), String> {
     Err(lines[lines.len().saturating_sub(5)..].join("\n"))
 }
 
-/// The bundled library as it is written, and two of it in the forms of larger controllers. blark
-/// needs some seconds for a long text.
+/// The bundled library as emitted, and two of its contracts in the forms of larger controllers.
+/// blark needs some seconds for a long text.
 fn blocks() -> Vec<Block> {
     let library = bundled().iter();
     let mut blocks: Vec<Block> = library
@@ -101,7 +101,7 @@ fn schema() -> Option<PathBuf> {
     None
 }
 
-/// Validates with lxml: prints every path that is not valid, and why.
+/// Validates with lxml: prints every invalid path with the reason.
 const VALIDATE: &str = "
 import sys
 from lxml import etree
@@ -119,10 +119,10 @@ for path in sys.argv[2:]:
 sys.exit(1 if wrong else 0)
 ";
 
-/// Says what is wrong with the documents.
+/// Returns the faults of the documents.
 type Validator = dyn Fn(&[PathBuf]) -> Result<(), String>;
 
-/// What validates documents against a schema.
+/// Validates documents against a schema.
 fn validator(schema: &Path) -> Option<Box<Validator>> {
     let schema = schema.to_path_buf();
     if Command::new("xmllint").arg("--version").output().is_ok() {

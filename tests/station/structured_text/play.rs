@@ -1,8 +1,8 @@
 //! A controller and its function block, played side by side on random steps.
 //!
-//! Inputs stay near the last ones that were accepted, so that most keep the assumptions; some are
-//! outside their domains. A step must have the same outputs, or be refused for the same reason, and
-//! a refused one must change nothing.
+//! Inputs stay near the last accepted ones, so that most keep the assumptions; some are outside
+//! their domains. A step must have the same outputs, or be refused for the same reason, and a
+//! refused one must change nothing.
 
 use crate::iec::interpreter::{Instance, Program, Variable};
 use crate::iec::syntax::{Section, parse};
@@ -11,7 +11,7 @@ use linewright::gr1::{Domain, Specification};
 use linewright::mealy::functions::{Functions, Refusal, State};
 use linewright::mealy::{Controller, Port};
 
-/// A generator of its own (xorshift), so that a seed means the same for ever.
+/// Its own generator (xorshift), so that a seed always means the same.
 pub struct Random(u64);
 
 impl Random {
@@ -32,13 +32,13 @@ impl Random {
     }
 }
 
-/// So many letters are tried for a step.
+/// Maximum number of letters tried for a step.
 const TRIES: usize = 16;
 
-/// After so many refused steps in a row all begins anew.
+/// Number of successive refused steps after which everything is reset.
 const REFUSED_AT_MOST: usize = 40;
 
-/// What was played.
+/// Statistics of a play.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Counts {
     pub accepted: usize,
@@ -50,14 +50,14 @@ pub struct Counts {
     pub resets: usize,
 }
 
-/// Why a controller refuses.
+/// Reason for a controller's refusal.
 #[derive(Debug, PartialEq, Eq)]
 enum Refused {
     Outside(usize),
     Broken(String),
 }
 
-/// The outputs of a step, and where it leads to: a state, or what functions keep.
+/// The outputs of a step, and the next state or the memory of functions.
 type Answer = (Vec<i64>, Option<usize>, Option<State>);
 
 /// The controller itself.
@@ -84,7 +84,7 @@ impl<'a> Reference<'a> {
         self.memory = self.controller.functions().map(Functions::start);
     }
 
-    /// What the answer is, and nothing is changed by asking.
+    /// Computes the answer without changing anything.
     fn answer(&self, inputs: &[i64]) -> Result<Answer, Refused> {
         let ports = self.controller.inputs().iter().zip(inputs);
         let outside = ports.into_iter().position(|(p, v)| !p.domain.contains(*v));
@@ -127,7 +127,7 @@ impl<'a> Reference<'a> {
         Ok(outputs)
     }
 
-    /// Whether the controller is a machine and has a transition for these inputs, which may break
+    /// Whether the controller is a machine and has a transition for these inputs, which may violate
     /// assumptions.
     fn has_transition(&self, inputs: &[i64]) -> bool {
         let machine = self.controller.machine();
@@ -135,7 +135,7 @@ impl<'a> Reference<'a> {
     }
 }
 
-/// The variables of the block, found by their order as the interface promises it.
+/// The variables of the block, found by their order, which the interface guarantees.
 pub struct Ports {
     enable: Variable,
     reset: Variable,
@@ -145,7 +145,7 @@ pub struct Ports {
     inputs: Vec<Variable>,
     outputs: Vec<Variable>,
     errors: Vec<String>,
-    /// Where all that is kept lies, but for what says how the last call went.
+    /// Locations of all memory except for the status of the last call.
     kept: Vec<(usize, usize)>,
     beginning: Vec<i64>,
 }
@@ -197,7 +197,7 @@ impl Ports {
         instance.call().map_err(|fault| fault.0)
     }
 
-    /// The label of the error, in capital letters; empty where there is none.
+    /// The label of the error, in capital letters; empty if there is none.
     fn error(&self, instance: &Instance<'_>) -> Result<String, String> {
         let (error, id) = (instance.get(&self.error), instance.get(&self.error_id));
         if (error == 0) != (id == 0) {
@@ -211,7 +211,7 @@ impl Ports {
     }
 }
 
-/// Inputs near the last ones; rarely some outside of their domains.
+/// Inputs near the last ones; rarely some outside their domains.
 fn letter(last: &[i64], ports: &[Port], random: &mut Random) -> Vec<i64> {
     let mut inputs = last.to_vec();
     let all = random.chance(20);
@@ -236,7 +236,7 @@ pub fn compiled(text: &str) -> Result<Program, String> {
     Program::new(&parse(text)?)
 }
 
-/// Plays so many steps: what was played, or where the two differ.
+/// Plays a number of steps: statistics, or the first difference.
 pub fn compare(
     program: &Program,
     controller: &Controller,
@@ -254,7 +254,7 @@ pub fn compare(
     )
 }
 
-/// The same, where `names` decides whether an error may stand for this broken assumption.
+/// Like `compare`, where `names` decides whether an error matches this violated assumption.
 pub fn play(
     program: &Program,
     controller: &Controller,
@@ -289,7 +289,7 @@ pub fn play(
     for step in 0..steps {
         let place = |text: String| format!("{}, step {step}: {text}", controller.name());
         if refused == REFUSED_AT_MOST || random.below(150) == 0 {
-            // A call that is to do both only resets.
+            // A call with both requests only resets.
             ports
                 .call(&mut instance, random.chance(50), true)
                 .map_err(place)?;
@@ -373,7 +373,7 @@ pub fn play(
     Ok(counts)
 }
 
-/// How the label of a broken assumption ends.
+/// The ending of the label for a violated assumption.
 fn ending(name: &str) -> String {
     let words = name.split(|c: char| !c.is_ascii_alphanumeric());
     let words: Vec<&str> = words.filter(|w| !w.is_empty()).collect();
@@ -381,7 +381,7 @@ fn ending(name: &str) -> String {
 }
 
 impl Counts {
-    /// Both together.
+    /// Adds two statistics.
     pub fn and(self, other: Self) -> Self {
         Self {
             accepted: self.accepted + other.accepted,

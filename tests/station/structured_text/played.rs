@@ -1,6 +1,6 @@
-//! Every controller of the library against its function block, 100,000 random steps each: as a CASE
-//! and as functions; fewer as tables, which the library's machines are too small for, and for the
-//! laboratory's controllers at real size.
+//! Every controller of the library compared with its function block, 100,000 random steps each: as
+//! a CASE and as functions; fewer as tables, for which the library's machines are too small, and
+//! for the laboratory's controllers at real size.
 
 use super::play::{Counts, compare, compiled};
 use crate::library::{as_functions, large, machines};

@@ -1,4 +1,4 @@
-//! PLCopen XML: what a block says there runs as its text does.
+//! PLCopen XML: a block in this format runs like its text.
 
 use super::play::{compare, compiled};
 use crate::iec::document::{read, text_of};

@@ -1,10 +1,10 @@
-//! The interpreter itself, against the rules of IEC 61131-3: what each construct means, and what is
-//! an error.
+//! The interpreter itself, compared with the rules of IEC 61131-3: the meaning of each construct,
+//! and the errors.
 
 use super::play::compiled;
 use crate::iec::interpreter::Program;
 
-/// A block with some variables; `x` is what it computes.
+/// A block with some variables; `x` is its result.
 fn block(declarations: &str, body: &str) -> Result<Program, String> {
     compiled(&format!(
         "TYPE Colour : (red, green, blue); END_TYPE TYPE Small : INT(-2..3); END_TYPE\n\
@@ -36,7 +36,7 @@ fn truth(expression: &str) -> bool {
         != 0
 }
 
-/// What is said of a text that is refused before it runs.
+/// The error for a text that is rejected before it runs.
 fn refused(body: &str) -> String {
     match block("", body) {
         Ok(_) => panic!("accepted: {body}"),
@@ -44,7 +44,7 @@ fn refused(body: &str) -> String {
     }
 }
 
-/// What ends the call.
+/// The fault that ends the call.
 fn fault(body: &str) -> String {
     let program = block("", body).unwrap_or_else(|e| panic!("{body}: {e}"));
     let mut instance = program.instance();

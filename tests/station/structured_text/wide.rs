@@ -1,4 +1,4 @@
-//! Numbers of every width and sign, and assumptions that compute with them.
+//! Numbers of every width and sign, with arithmetic on them in assumptions.
 
 use super::play::{compare, compiled};
 use crate::library::{as_functions, wide};

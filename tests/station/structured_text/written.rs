@@ -1,4 +1,4 @@
-//! What a small controller looks like, in every form.
+//! The output for a small controller, in every form.
 
 use crate::library::{Controlled, as_functions, machines};
 use crate::support::linewright;

@@ -1,34 +1,36 @@
 //! The questions about a closed composition.
 //!
-//! Safety is asked at once: is there a step, after steps in which all went well, in which anything
-//! goes wrong? Only where there is one each duty is asked for by itself, in the order of a step.
-//! What comes again and again is asked of the runs on which all goes well.
+//! Safety is asked in one query: is there a step, after steps without errors, in which any error
+//! occurs? Only then is each duty asked separately, in the order of a step. Justice is asked about
+//! the runs without errors.
 
-use super::rules::{Book, Duty, Owed};
-use super::{Closed, FailureKind, Form, Met, OperationFailure, Stuck, Verdict, replay};
+use super::rules::{RuleSet, ScheduledObligation, StepObligation};
+use super::{
+    Closed, DischargeMethod, FailureKind, Form, OperationFailure, StuckComponent, Verdict, replay,
+};
 use crate::machine::COMPLETES;
-use crate::proof::{Broken, Exports, Open};
+use crate::proof::{Exports, Open, Refutation};
 use crate::replay::formula;
 use crate::system::FormulaRef;
 use linewright_core::gr1::{Expr, Time, VarId};
 use linewright_core::source::Span;
 use linewright_solver::game::{
-    Lasso, Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery, Wanted,
+    Lasso, Limit, Limits, Rule, RuleKind, RunQuery, Runs, SafetyViolationQuery,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A composition with more bits than this is not looked at: what it takes grows too fast, and a
-/// proof from contracts does without.
+/// Maximum size of a composition in bits. The cost of larger ones grows too fast; a proof from
+/// contracts does not need them.
 const MOST_BITS: u32 = 90;
 
-/// So many bits hold so many values.
+/// Returns the number of bits needed for this many values.
 fn bits(values: u64) -> u32 {
     u64::BITS - values.saturating_sub(1).leading_zeros()
 }
 
-/// Decides everything that is claimed.
+/// Decides the whole claim.
 pub(super) fn decide(closed: &Closed<'_>, limits: &Limits) -> Result<Verdict, Limit> {
-    let mut book = Book::new(closed);
+    let mut book = RuleSet::new(closed);
     let all_owed = book.all_owed();
     let bits = closed
         .system
@@ -56,9 +58,9 @@ pub(super) fn decide(closed: &Closed<'_>, limits: &Limits) -> Result<Verdict, Li
 
 struct Asked<'a> {
     closed: &'a Closed<'a>,
-    book: Book,
+    book: RuleSet,
     runs: Runs,
-    /// Components that went in as contracts whose justice can be relied on.
+    /// Components used as contracts whose justice can be relied on.
     reliable: BTreeSet<usize>,
     verdict: Verdict,
 }
@@ -68,7 +70,7 @@ impl Asked<'_> {
         self.runs.add(Rule { kind, expr })
     }
 
-    // ---- what may go wrong in a step ------------------------------------------------------------
+    // ---- errors in a step -----------------------------------------------------------------------
 
     fn safety(&mut self, all: [usize; 2]) -> Result<(), Limit> {
         let mut sound = true;
@@ -89,16 +91,21 @@ impl Asked<'_> {
         Ok(())
     }
 
-    /// A run up to a step in which a duty is the first that is not met.
-    fn broken(&mut self, owed: &[Owed], place: usize) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+    /// Returns a run up to a step in which this duty is the first not to be met.
+    fn broken(
+        &mut self,
+        owed: &[ScheduledObligation],
+        place: usize,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let duty = &owed[place];
         if duty.both.is_true() {
             return Ok(None);
         }
         let mut last = self.book.last.clone();
         for earlier in &owed[..place] {
-            let before = earlier.component != duty.component || earlier.duty == Duty::Speaks;
-            if before || duty.duty == Duty::Covered {
+            let before =
+                earlier.component != duty.component || earlier.duty == StepObligation::Speaks;
+            if before || duty.duty == StepObligation::Covered {
                 last.extend(earlier.rules);
             }
         }
@@ -118,17 +125,18 @@ impl Asked<'_> {
         })
     }
 
-    fn conclude(&mut self, owed: &Owed, broken: Option<Vec<Vec<i64>>>) {
+    fn conclude(&mut self, owed: &ScheduledObligation, broken: Option<Vec<Vec<i64>>>) {
         match (owed.duty, broken) {
-            // What a component without outputs assumes is not met in the step in which it has none.
-            (Duty::Assumed(_), None) if self.is_silent(owed.component) => {}
-            (Duty::Assumed(at), None) => self.met(at),
-            (Duty::Assumed(at), Some(trace)) => self.open(at, Broken::Trace(trace)),
-            (Duty::Speaks | Duty::Covered, None) => {}
-            (Duty::Speaks | Duty::Covered, Some(trace)) => {
-                let stuck = Stuck {
+            // The assumptions of a component without outputs are not met in the step in which it
+            // has none.
+            (StepObligation::Assumed(_), None) if self.is_silent(owed.component) => {}
+            (StepObligation::Assumed(at), None) => self.met(at),
+            (StepObligation::Assumed(at), Some(trace)) => self.open(at, Refutation::Trace(trace)),
+            (StepObligation::Speaks | StepObligation::Covered, None) => {}
+            (StepObligation::Speaks | StepObligation::Covered, Some(trace)) => {
+                let stuck = StuckComponent {
                     component: owed.component,
-                    silent: owed.duty == Duty::Speaks,
+                    silent: owed.duty == StepObligation::Speaks,
                     trace,
                 };
                 if self.is_real(replay::stuck(self.closed, &stuck)) {
@@ -145,15 +153,15 @@ impl Asked<'_> {
 
     fn met(&mut self, at: FormulaRef) {
         let met = if self.book.exported.contains(&at) {
-            Met::Exported
+            DischargeMethod::Exported
         } else {
-            Met::Held
+            DischargeMethod::Held
         };
         self.verdict.met.push((at, met));
     }
 
-    /// Something is not met, as a run shows.
-    fn open(&mut self, what: FormulaRef, why: Broken) {
+    /// Records that something is not met, as a run shows.
+    fn open(&mut self, what: FormulaRef, why: Refutation) {
         let open = Open { what, why };
         if self.is_real(replay::open(self.closed, &open)) {
             self.verdict.open.push(open);
@@ -162,8 +170,8 @@ impl Asked<'_> {
         }
     }
 
-    /// Whether the controllers make a run that was found. Where one of them went in as its
-    /// contract, it need not be so.
+    /// Returns whether the controllers can make the run that was found. They may not if one of them
+    /// was used as its contract.
     fn is_real(&self, played: Result<(), String>) -> bool {
         let exact = self.closed.taking.iter().all(|t| t.form == Form::Table);
         match played {
@@ -173,10 +181,10 @@ impl Asked<'_> {
         }
     }
 
-    // ---- what comes again and again -------------------------------------------------------------
+    // ---- justice --------------------------------------------------------------------------------
 
-    /// Justice that components assume, turn by turn: a contract's own justice is relied on once
-    /// what it assumes comes true.
+    /// Decides the justice that components assume, turn by turn: a contract's own justice is relied
+    /// on once its assumed justice is met.
     fn justice(&mut self) -> Result<(), Limit> {
         for at in self.book.exported.clone() {
             if at.kind == RuleKind::Justice {
@@ -208,7 +216,7 @@ impl Asked<'_> {
             self.reliable = reliable;
             if waiting.is_empty() || waiting.len() == before || !helps {
                 for (at, _, lasso) in waiting {
-                    self.open(at, Broken::Lasso(lasso));
+                    self.open(at, Refutation::Lasso(lasso));
                 }
                 return Ok(());
             }
@@ -219,9 +227,9 @@ impl Asked<'_> {
         }
     }
 
-    /// A run on which all goes well, and from some step on a justice is never met.
+    /// Returns a run without errors on which, from some step on, a justice is never met.
     fn starved(&mut self, rule: usize) -> Result<Option<Lasso>, Limit> {
-        let wanted = Wanted {
+        let wanted = RunQuery {
             keep: self.book.keep.clone(),
             again: self.again(),
             never_again: vec![rule],
@@ -229,7 +237,7 @@ impl Asked<'_> {
         self.runs.lasso(&wanted)
     }
 
-    /// Justice that can be relied on.
+    /// Returns the justice that can be relied on.
     fn again(&self) -> Vec<usize> {
         let owed = self
             .reliable
@@ -238,28 +246,27 @@ impl Asked<'_> {
         self.book.again.iter().chain(owed).copied().collect()
     }
 
-    // ---- what is kept together ------------------------------------------------------------------
+    // ---- goals ----------------------------------------------------------------------------------
 
     fn goals(&mut self) -> Result<(), Limit> {
         for (at, rule) in self.book.goals.clone() {
             if at.kind == RuleKind::Justice {
                 match self.starved(rule)? {
                     None => self.met(at),
-                    Some(lasso) => self.open(at, Broken::Lasso(lasso)),
+                    Some(lasso) => self.open(at, Refutation::Lasso(lasso)),
                 }
                 continue;
             }
             match self.slip(self.book.keep.clone(), rule)? {
-                Some(trace) if self.goes_on(rule)? => self.open(at, Broken::Trace(trace)),
+                Some(trace) if self.goes_on(rule)? => self.open(at, Refutation::Trace(trace)),
                 _ => self.met(at),
             }
         }
         Ok(())
     }
 
-    /// Whether a broken rule counts: not where the step leads to one after which the environment
-    /// that is assumed has no way to go on, as for a contract that is refined only runs without an
-    /// end matter.
+    /// Returns whether a broken rule counts. For a refined contract only infinite runs count, so a
+    /// step does not count if it leads to a state in which the assumed environment cannot go on.
     fn goes_on(&mut self, rule: usize) -> Result<bool, Limit> {
         let Some(slipped) = self
             .closed
@@ -281,7 +288,7 @@ impl Asked<'_> {
         let on = Expr::next(slipped).equals(Expr::now(slipped).or(later));
         let on = self.add(RuleKind::Safety, on);
         let seen = self.add(RuleKind::Justice, Expr::now(slipped));
-        let mut wanted = Wanted {
+        let mut wanted = RunQuery {
             keep: self.book.keep.clone(),
             again: self.again(),
             never_again: Vec::new(),
@@ -324,7 +331,7 @@ impl Asked<'_> {
         if let Some(trace) = self.slip(keep, in_order)? {
             return Ok(Some(FailureKind::Order(trace)));
         }
-        // Where all requests complete, so does each.
+        // If all requests complete, so does each operation.
         let mut goals = self.closed.claim.goals();
         let completes = goals.find(|(_, f)| f.name == COMPLETES);
         if completes.is_some_and(|(at, _)| self.verdict.is_met(at).is_some()) {
@@ -336,7 +343,8 @@ impl Asked<'_> {
         Ok(self.starved(ends)?.map(FailureKind::Endless))
     }
 
-    /// Whether some call, while these rules are kept, is not what two rules say of every call.
+    /// Returns whether some call that keeps these rules breaks one of the two rules of
+    /// [`never_begins`](super::watch::Watch::never_begins).
     fn begins(&mut self, keep: &[usize], never: [usize; 2]) -> Result<bool, Limit> {
         for broken in never {
             let slip = SafetyViolationQuery {
@@ -351,9 +359,9 @@ impl Asked<'_> {
         Ok(false)
     }
 
-    /// What keeps an operation from ever beginning: assumptions without one of which it could, or,
-    /// where that is no single one, all that speak of what is asked for. Of formulas that were made
-    /// from one, the first stands for all.
+    /// Returns what keeps an operation from ever beginning: the assumptions without one of which it
+    /// could begin or, if no single one suffices, all that mention the requested operation. Of
+    /// formulas made from the same source, only the first is returned.
     fn forbidding(
         &mut self,
         asked: Option<VarId>,
@@ -372,7 +380,7 @@ impl Asked<'_> {
             let mut left_out: Vec<usize> = group.iter().map(|(_, rule)| *rule).collect();
             let mut keep = self.book.keep.clone();
             if let Some([strict, loose]) = self.book.tables[*component] {
-                // A table has no row for what it takes to be excluded.
+                // A table has no row for inputs that its assumptions exclude.
                 left_out.extend(strict);
                 keep.extend(loose);
             }

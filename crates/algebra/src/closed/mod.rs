@@ -1,23 +1,22 @@
-//! The closed composition of a machine: its components are the controllers that were synthesized
-//! for them.
+//! The closed composition of a machine: its components are their synthesized controllers.
 //!
 //! [`crate::proof`] shows what is true of all controllers that keep the contracts. Here there is
-//! one controller a component, and what comes from outside is free as far as the [`Claim`] leaves
-//! it free. So an answer is exact: what holds is true of the machine that is built, and what does
-//! not comes with a run that the controllers themselves make ([`replay`]).
+//! one controller per component, and outside inputs are free as far as the [`Claim`] allows. So the
+//! answer is exact: a result that holds is true of the machine that is built, and one that does not
+//! comes with a run that the controllers themselves make ([`replay`]).
 //!
-//! - A table (`table.rs`) becomes rules over the component's wires and one variable more, which
-//!   says together with the outputs of a step which state the table is in *after* it. Before step 0
-//!   it is in none; that is what initial rules speak of.
-//! - A controller that is functions, too large for a table, goes in as its contract: it keeps the
-//!   guarantees as long as its assumptions are kept, for it was certified against them. What is
-//!   found so may be due to what the contract leaves open, and counts only if the functions
-//!   themselves make that run.
-//! - Who answers when is what a step of a machine is: components that answer first give their
+//! - A table (`table.rs`) becomes rules over the component's wires and one more variable. Together
+//!   with the outputs of a step, the variable identifies the state of the table *after* it. Before
+//!   step 0 the table is in no state; the initial rules are about that.
+//! - A controller made of functions, too large for a table, is replaced by its contract: it keeps
+//!   the guarantees as long as its assumptions are kept, for it was certified against them. An
+//!   error found this way may be due to freedom left by the contract, and counts only if the
+//!   functions themselves make that run.
+//! - The order of answers is that of a step of a machine: components that answer first give their
 //!   outputs, the others follow in the order of their declaration, and then those that answered
-//!   first look at their inputs. So of all that can go wrong in one step there is a first, and only
-//!   that is told.
-//! - What an assumption says of the first step of a call is the caller's to keep ([`Exports`]).
+//!   first read their inputs. So the possible errors of a step have a first one, and only that is
+//!   reported.
+//! - An assumption about the first step of a call is the caller's to keep ([`Exports`]).
 
 mod decide;
 pub mod replay;
@@ -29,183 +28,183 @@ mod watch;
 pub use table::States;
 pub use watch::Watch;
 
-use super::caller::Called;
+use super::caller::CalledMachine;
 use super::machine::{of_machine, of_promise};
 use super::proof::{Claim, Exports, Open, latest};
-use super::system::{FormulaRef, Half, Part, System, formulas};
+use super::system::{ContractSide, FormulaRef, Part, System, formulas};
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Timing, VarId, Variable};
 use linewright_core::source::Span;
-use linewright_language::contract::machine::{Machine, Promised};
+use linewright_language::contract::machine::{Machine, RefinedContract};
 use linewright_solver::game::{Lasso, Limit, Limits, RuleKind};
 use linewright_solver::mealy::Controller;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// How a component takes part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+/// Representation of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
-    /// As the table of its controller.
+    /// Its controller's table.
     Table,
-    /// As its contract: its controller is functions.
+    /// Its contract: the controller is functions.
     Contract,
 }
 
-/// A component that takes part.
+/// A component in the composition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Participant {
-    /// In which form.
+    /// Representation.
     pub form: Form,
-    /// Of a table: the variable that says, with its outputs, which state it is in.
+    /// For a table: the variable that, with its outputs, identifies its state.
     pub state: Option<VarId>,
-    /// Of a table: its states.
+    /// For a table: its states.
     pub states: Option<States>,
-    /// The first of its wires.
+    /// Index of its first wire.
     pub first: usize,
 }
 
-/// A machine whose components are their controllers, and what is claimed of it.
+/// A machine whose components are their controllers, and the claim about it.
 #[derive(Debug)]
 pub struct Closed<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// One controller a component.
+    /// One controller per component.
     pub controllers: Vec<&'a Controller>,
-    /// The wires and the contracts, as in a proof from contracts alone, with a state for every
-    /// table and what watches operations.
+    /// Wires and contracts, as in a proof from contracts alone, plus a state for every table and
+    /// the variables that watch operations.
     pub system: System,
-    /// What is claimed.
+    /// Claim to decide.
     pub claim: Claim,
-    /// How each component takes part.
+    /// Representation of each component.
     pub taking: Vec<Participant>,
-    /// What watches that operations run what they name, where there are some and nothing else is
-    /// claimed.
+    /// Variables that check that operations run the actions they name, if there are operations and
+    /// nothing else is claimed.
     pub watch: Option<Watch>,
-    /// A truth value that stays true once a rule under examination was broken, where only runs
-    /// without an end matter.
+    /// Boolean that stays true once the rule under examination was broken; only used where just
+    /// infinite runs count.
     slipped: Option<VarId>,
 }
 
 /// How an obligation is met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Met {
-    /// In every state that can be reached.
+pub enum DischargeMethod {
+    /// In every reachable state.
     Held,
-    /// In every state but those at the beginning of a call, where the caller keeps it.
+    /// In every reachable state except at the beginning of a call, where the caller keeps it.
     Exported,
 }
 
 /// A component that has no answer although its assumptions are kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Stuck {
-    /// The component.
+pub struct StuckComponent {
+    /// Index of the component.
     pub component: usize,
-    /// Whether it answers first and has no outputs where it is. A table that was verified has a row
-    /// for all inputs that keep the assumptions, so no inputs keep them there
-    /// ([`Closed::contradiction`]).
+    /// Whether it answers first and has no outputs in its state. A verified table has a row for all
+    /// inputs that keep the assumptions, so no inputs keep them there ([`Closed::contradiction`]).
     pub silent: bool,
-    /// The run; in its last step there is no answer. Of a silent component, what wires are in that
-    /// step means nothing.
+    /// Run whose last step has no answer. For a silent component, the wires in that step are
+    /// meaningless.
     pub trace: Vec<Vec<i64>>,
 }
 
-/// An operation that does not do what it says.
+/// An operation that does not run as declared.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OperationFailure {
-    /// The operation.
+    /// Index of the operation.
     pub operation: usize,
-    /// What is wrong with it.
+    /// Kind of failure.
     pub why: FailureKind,
 }
 
-/// What is wrong with an operation.
+/// Failure of an operation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FailureKind {
-    /// No call can begin with it: these assumptions keep it from that, each of them alone where
-    /// there are several and one would do.
+    /// No call can begin with it because of these assumptions. If there are several, each one alone
+    /// would be enough.
     NeverBegins(Vec<FormulaRef>),
-    /// In the last step of this run an action begins that is not the next one, or the operation is
-    /// done too early.
+    /// In the last step of this run an action begins out of order, or the operation is done too
+    /// early.
     Order(Vec<Vec<i64>>),
-    /// On this run it is never done.
+    /// On this run the operation is never done.
     Endless(Lasso),
 }
 
-/// All that came out.
+/// Result of the decision.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Verdict {
     /// Assumptions of components and formulas of the goal that are met.
-    pub met: Vec<(FormulaRef, Met)>,
-    /// Those that are not; on each run everything else is kept up to its last step.
+    pub met: Vec<(FormulaRef, DischargeMethod)>,
+    /// Those that are not met; each run keeps everything else up to its last step.
     pub open: Vec<Open>,
-    /// Those that were not decided, since a component went in as its contract.
+    /// Those that were not decided because a component was used as its contract.
     pub undecided: Vec<FormulaRef>,
     /// Components without an answer.
-    pub stuck: Vec<Stuck>,
-    /// Operations that do not do what they say.
+    pub stuck: Vec<StuckComponent>,
+    /// Operations that do not run as declared.
     pub misruns: Vec<OperationFailure>,
-    /// Operations of which that was not decided.
+    /// Operations for which this was not decided.
     pub unclear: Vec<usize>,
-    /// How many states can be reached: values of all wires, with what they leave open of the
-    /// tables' states and what is remembered.
+    /// Number of reachable states: values of all wires, together with the undetermined part of the
+    /// tables' states and the remembered values.
     pub states: f64,
 }
 
 impl Verdict {
-    /// Whether nothing is wrong, and nothing undecided.
+    /// Returns whether there is no error and nothing undecided.
     pub fn holds(&self) -> bool {
         !self.is_broken() && self.undecided.is_empty() && self.unclear.is_empty()
     }
 
-    /// Whether something is wrong.
+    /// Returns whether there is an error.
     pub fn is_broken(&self) -> bool {
         !self.open.is_empty() || !self.stuck.is_empty() || !self.misruns.is_empty()
     }
 
-    /// How an obligation is met, if it is.
-    pub fn is_met(&self, what: FormulaRef) -> Option<Met> {
+    /// Returns how an obligation is met, if it is.
+    pub fn is_met(&self, what: FormulaRef) -> Option<DischargeMethod> {
         self.met.iter().find(|(at, _)| *at == what).map(|(_, m)| *m)
     }
 
-    /// The run on which an obligation is not met.
+    /// Returns the open obligation with its run, if it is not met.
     pub fn is_open(&self, what: FormulaRef) -> Option<&Open> {
         self.open.iter().find(|o| o.what == what)
     }
 }
 
 impl<'a> Closed<'a> {
-    /// A machine as its file has it: with the plant that it describes, called again and again.
+    /// Builds a machine as declared in its file: with the plant described there, called repeatedly.
     ///
     /// # Panics
-    /// When there is not one controller a component.
+    /// When the number of controllers differs from the number of components.
     pub fn of_machine(machine: &'a Machine, controllers: &[&'a Controller]) -> Self {
         let (mut system, claim) = of_machine(machine);
         let watch = Watch::new(machine, &mut system);
         Self::new(machine, controllers, system, claim, watch)
     }
 
-    /// A machine in the place of a contract that it is said to refine: under what that assumes, and
-    /// nothing else.
+    /// Builds a machine in place of a contract that it is claimed to refine: under that contract's
+    /// assumptions only.
     ///
     /// # Panics
-    /// When there is not one controller a component.
+    /// When the number of controllers differs from the number of components.
     pub fn of_promise(
         machine: &'a Machine,
         controllers: &[&'a Controller],
-        promised: &Promised,
+        promised: &RefinedContract,
     ) -> Self {
         let (system, claim) = of_promise(machine, promised);
         Self::new(machine, controllers, system, claim, None)
     }
 
-    /// A machine that is called as a line calls it.
+    /// Builds a machine that is called as a line calls it.
     ///
     /// # Panics
-    /// When there is not one controller a component.
+    /// When the number of controllers differs from the number of components.
     pub fn of_called(
         machine: &'a Machine,
         controllers: &[&'a Controller],
-        called: &Called,
+        called: &CalledMachine,
     ) -> Self {
         let (system, claim) = (called.system.clone(), called.claim.clone());
         Self::new(machine, controllers, system, claim, None)
@@ -256,15 +255,15 @@ impl<'a> Closed<'a> {
         }
     }
 
-    /// Decides everything that is claimed.
+    /// Decides the whole claim.
     ///
     /// # Errors
-    /// When a limit was reached, or the composition has too many bits to be looked at.
+    /// When a limit was reached, or the composition has too many bits.
     pub fn decide(&self, limits: &Limits) -> Result<Verdict, Limit> {
         decide::decide(self, limits)
     }
 
-    /// The components in the order in which their inputs are looked at within a step.
+    /// Returns the components in the order in which their inputs are read within a step.
     pub fn order(&self) -> Vec<usize> {
         let timed = |timing: Timing| {
             let all = 0..self.machine.components.len();
@@ -273,16 +272,16 @@ impl<'a> Closed<'a> {
         timed(Timing::Mealy).chain(timed(Timing::Moore)).collect()
     }
 
-    /// The component of an index, as a part of the system.
+    /// Returns a component as a part of the system.
     fn part(&self, component: usize) -> &Part {
         &self.system.parts[component]
     }
 
-    /// The assumptions of a component.
+    /// Returns the assumptions of a component.
     fn assumed(&self, component: usize) -> impl Iterator<Item = (FormulaRef, &Formula)> {
         formulas(&self.part(component).assumptions).map(move |(kind, index, formula)| {
             let part = Some(component);
-            let half = Half::Assumptions;
+            let half = ContractSide::Assumptions;
             let at = FormulaRef {
                 part,
                 half,
@@ -293,7 +292,8 @@ impl<'a> Closed<'a> {
         })
     }
 
-    /// Whether an assumption is handed on to whoever is outside: always, or where a call begins.
+    /// Returns whether an assumption is handed on to the environment: always, or at the beginning
+    /// of a call.
     pub fn is_exported(&self, kind: RuleKind, formula: &Formula) -> bool {
         let may = match &self.claim.exports {
             Exports::Never => false,
@@ -311,7 +311,7 @@ impl<'a> Closed<'a> {
             .any(|v| self.system.driver(v).is_none())
     }
 
-    /// When a call ends, if that is where the next one's first step is the caller's.
+    /// Returns when a call ends, if the first step of the next call is the caller's responsibility.
     fn done(&self) -> Option<&Expr> {
         match &self.claim.exports {
             Exports::After(done) => Some(done),
@@ -320,7 +320,7 @@ impl<'a> Closed<'a> {
     }
 }
 
-/// The variable that says, with a table's outputs, which state it is in.
+/// Adds the variable that, with a table's outputs, identifies its state.
 fn state(machine: &Machine, component: usize, most: usize, system: &mut System) -> VarId {
     let name = system.fresh_name(&format!("{} (state)", machine.components[component].name));
     let domain = Domain::Range {
@@ -332,7 +332,7 @@ fn state(machine: &Machine, component: usize, most: usize, system: &mut System) 
     id
 }
 
-/// One more variable that nobody outside sees.
+/// Adds an internal variable.
 fn remember(system: &mut System, name: String, domain: Domain, span: Span) -> VarId {
     let id = VarId(system.variables.len() as u32);
     system.variables.push(Variable {

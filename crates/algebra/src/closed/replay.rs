@@ -1,8 +1,8 @@
-//! The evaluator of runs of a closed composition: the controllers themselves are stepped, and
-//! formulas are evaluated on plain values. No rule of `rules.rs` and no diagram is relied on.
+//! Evaluator of runs of a closed composition: steps the controllers themselves and evaluates
+//! formulas on plain values. It relies on no rule of `rules.rs` and on no decision diagram.
 
-use super::{Closed, FailureKind, OperationFailure, Stuck};
-use crate::proof::{Broken, Exports, Open};
+use super::{Closed, FailureKind, OperationFailure, StuckComponent};
+use crate::proof::{Exports, Open, Refutation};
 use crate::replay::{formula, holds_at, keeps_formula};
 use crate::system::{FormulaRef, formulas, list};
 use linewright_core::gr1::{Formula, Timing, eval};
@@ -10,28 +10,28 @@ use linewright_language::contract::machine::PlantSource;
 use linewright_solver::game::{Lasso, RuleKind};
 use linewright_solver::mealy::{Controller, functions};
 
-/// So often a cycle is gone round until functions are in a state that they were in before.
+/// Maximum number of repetitions of a cycle until functions return to an earlier state.
 const MOST_ROUNDS: usize = 1_000;
 
-/// Where a controller is.
+/// State of a controller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Place {
     Table(Option<usize>),
     Functions(functions::State),
 }
 
-/// Controllers that are stepped side by side.
+/// Controllers stepped side by side.
 struct Playing<'a> {
     closed: &'a Closed<'a>,
     places: Vec<Place>,
 }
 
-/// How far a step is to be gone through.
+/// How far a step is played.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Until {
-    /// All answer.
+    /// All components answer.
     End,
-    /// Those answer whose turn comes before this component.
+    /// Only the components before this one answer.
     Before(usize),
 }
 
@@ -47,19 +47,19 @@ impl<'a> Playing<'a> {
         }
     }
 
-    /// What a component sees.
+    /// Returns the inputs of a component.
     fn inputs(&self, component: usize, values: &[i64]) -> Vec<i64> {
         let bindings = self.closed.machine.components[component].bindings.iter();
         bindings.map(|b| eval::eval(b, values, &[])).collect()
     }
 
-    /// The wires of a component.
+    /// Returns the wires of a component.
     fn outputs<'v>(&self, component: usize, values: &'v [i64]) -> &'v [i64] {
         let first = self.closed.taking[component].first;
         &values[first..first + self.closed.controllers[component].outputs().len()]
     }
 
-    /// What a component that answers first has to say; `None` when it has nothing to say.
+    /// Returns the outputs of a component that answers first; `None` if it has none.
     fn spoken(&self, component: usize) -> Option<Vec<i64>> {
         match (self.closed.controllers[component], &self.places[component]) {
             (Controller::Machine(table), Place::Table(at)) => {
@@ -73,7 +73,7 @@ impl<'a> Playing<'a> {
         }
     }
 
-    /// A component's answer; `None` when it has none. It goes on.
+    /// Returns a component's answer and advances it; `None` if it has none.
     fn answer(&mut self, component: usize, inputs: &[i64]) -> Option<Vec<i64>> {
         match (
             self.closed.controllers[component],
@@ -91,7 +91,7 @@ impl<'a> Playing<'a> {
         }
     }
 
-    /// Goes through a step in which these are the values.
+    /// Plays a step with these values.
     fn step(&mut self, values: &[i64], until: Until) -> Result<(), String> {
         let name = |c: usize| &self.closed.machine.components[c].name;
         let order = self.closed.order();
@@ -131,12 +131,12 @@ impl<'a> Playing<'a> {
 }
 
 impl Closed<'_> {
-    /// Whether the environment keeps its part in a step, and what monitors and watches remember is
-    /// right there.
+    /// Checks that the environment keeps its part in a step, and that the values of monitors and
+    /// watches are correct.
     fn surroundings(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
         let values = self.system.variables.iter().zip(&steps[at]);
         if let Some((v, value)) = values.into_iter().find(|(v, x)| !v.domain.contains(**x)) {
-            return Err(format!("{value} is no value of {}", v.name));
+            return Err(format!("{value} is not a value of {}", v.name));
         }
         let beside = &self.system.parts[self.taking.len()..];
         let sides = beside.iter().map(|p| &p.definitions);
@@ -150,7 +150,7 @@ impl Closed<'_> {
         self.remembered(steps, at)
     }
 
-    /// Counts actions anew.
+    /// Recounts the actions and compares with the watch.
     fn remembered(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
         let Some(watch) = &self.watch else {
             return Ok(());
@@ -170,7 +170,7 @@ impl Closed<'_> {
         done.is_some_and(|d| eval::holds(d, values, &[]))
     }
 
-    /// The active component in a step, and how many actions have begun in the call up to it.
+    /// Returns the active component in a step, and how many actions have begun in the call so far.
     fn counted(&self, steps: &[Vec<i64>], at: usize) -> (Option<usize>, usize) {
         let first = (1..=at).rev().find(|i| self.is_done(&steps[i - 1]));
         let (mut before, mut begun) = (None, 0);
@@ -186,7 +186,7 @@ impl Closed<'_> {
         (before, begun)
     }
 
-    /// Whether what is handed on is kept in a step.
+    /// Checks that the exported assumptions are kept in a step.
     fn handed_on(&self, steps: &[Vec<i64>], at: usize) -> Result<(), String> {
         for component in 0..self.taking.len() {
             for (what, formula) in self.assumed(component) {
@@ -204,7 +204,7 @@ impl Closed<'_> {
         Ok(())
     }
 
-    /// Whether the caller answers for what is handed on in a step.
+    /// Returns whether the caller is responsible for the exported assumptions in a step.
     fn is_outside(&self, steps: &[Vec<i64>], at: usize) -> bool {
         match &self.claim.exports {
             Exports::Never => false,
@@ -213,7 +213,7 @@ impl Closed<'_> {
         }
     }
 
-    /// Whether these components keep what they assume in a step.
+    /// Checks that these components' assumptions are kept in a step.
     fn assumptions(&self, of: &[usize], steps: &[Vec<i64>], at: usize) -> Result<(), String> {
         for component in of {
             for (what, formula) in self.assumed(*component) {
@@ -225,8 +225,8 @@ impl Closed<'_> {
         Ok(())
     }
 
-    /// Steps the controllers along a run. All goes well in it; in the last step as far as `until`,
-    /// whose own assumptions are not asked for.
+    /// Steps the controllers along a run. It must be free of errors, in the last step as far as
+    /// `until`, whose own assumptions are not checked.
     fn play(&self, steps: &[Vec<i64>], until: Until) -> Result<Playing<'_>, String> {
         let mut playing = Playing::new(self);
         let Some(last) = steps.len().checked_sub(1) else {
@@ -251,14 +251,14 @@ impl Closed<'_> {
         Ok(playing)
     }
 
-    /// Steps the controllers along a run without an end.
+    /// Steps the controllers along an infinite run.
     fn play_for_ever(&self, run: &Lasso) -> Result<(), String> {
         if run.cycle.is_empty() {
             return Err("it has no cycle".to_owned());
         }
         let mut steps: Vec<Vec<i64>> = run.prefix.iter().chain(&run.cycle).cloned().collect();
         let mut playing = self.play(&steps, Until::End)?;
-        // Once more into the cycle: what is remembered and assumed fits there as well.
+        // Enter the cycle once more: monitors and assumptions must fit there as well.
         steps.push(run.cycle[0].clone());
         self.surroundings(&steps, steps.len() - 1)?;
         self.assumptions(&self.order(), &steps, steps.len() - 1)?;
@@ -297,12 +297,12 @@ impl Closed<'_> {
     }
 }
 
-/// Whether a component has no answer at the end of a run, although it is the first with which
-/// something is wrong.
+/// Checks that a component has no answer at the end of a run, and that this is the first error of
+/// the step.
 ///
 /// # Errors
-/// What is wrong with the run, in words.
-pub fn stuck(closed: &Closed<'_>, found: &Stuck) -> Result<(), String> {
+/// What is wrong with the run, as text.
+pub fn stuck(closed: &Closed<'_>, found: &StuckComponent) -> Result<(), String> {
     let steps = &found.trace;
     let component = found.component;
     let last = steps.len().saturating_sub(1);
@@ -330,14 +330,14 @@ pub fn stuck(closed: &Closed<'_>, found: &Stuck) -> Result<(), String> {
     }
 }
 
-/// Whether a run shows that an obligation is not met.
+/// Checks that a run shows an obligation not to be met.
 ///
 /// # Errors
-/// What is wrong with the run, in words.
+/// What is wrong with the run, as text.
 pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
     let what = closed.formula(found.what);
     match &found.why {
-        Broken::Trace(steps) => {
+        Refutation::Trace(steps) => {
             let until = found.what.part.map_or(Until::End, Until::Before);
             closed.play(steps, until)?;
             let last = steps.len() - 1;
@@ -350,7 +350,7 @@ pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
             }
             Ok(())
         }
-        Broken::Lasso(run) => {
+        Refutation::Lasso(run) => {
             closed.play_for_ever(run)?;
             if keeps_formula(found.what.kind, what, run) {
                 return Err(format!("it keeps {}", what.name));
@@ -360,11 +360,11 @@ pub fn open(closed: &Closed<'_>, found: &Open) -> Result<(), String> {
     }
 }
 
-/// Whether a run shows that an operation does not do what it says. That one never begins is shown
-/// by no run.
+/// Checks that a run shows an operation not to run as declared. No run can show that an operation
+/// never begins.
 ///
 /// # Errors
-/// What is wrong with the run, in words.
+/// What is wrong with the run, as text.
 pub fn misrun(closed: &Closed<'_>, found: &OperationFailure) -> Result<(), String> {
     let operation = &closed.machine.operations[found.operation];
     let mut plant = closed.machine.plant.iter();

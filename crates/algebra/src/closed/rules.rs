@@ -1,5 +1,4 @@
-//! Everything that is known and everything that is to be shown of a closed composition, as numbered
-//! rules.
+//! All givens and all proof obligations of a closed composition, as numbered rules.
 
 use super::table::{Both, Table, any, conjunction};
 use super::{Closed, Form};
@@ -8,67 +7,67 @@ use crate::system::{FormulaRef, KINDS, list, rule};
 use linewright_core::gr1::{Expr, Formula, Side, Time, VarId};
 use linewright_solver::game::{Rule, RuleKind};
 
-/// What is to be shown of a component before it answers or advances.
+/// An obligation of a component before it answers or advances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Duty {
+pub(super) enum StepObligation {
     /// It answers first, and has an answer.
     Speaks,
-    /// An assumption of it is kept.
+    /// One of its assumptions is kept.
     Assumed(FormulaRef),
     /// It has an answer to its inputs.
     Covered,
 }
 
-/// A duty in its place in the order of a step.
+/// A duty at its position in the order of a step.
 #[derive(Debug, Clone)]
-pub(super) struct Owed {
-    /// The component.
+pub(super) struct ScheduledObligation {
+    /// Index of the component.
     pub component: usize,
-    /// What.
-    pub duty: Duty,
-    /// When it is met.
+    /// Kind of duty.
+    pub duty: StepObligation,
+    /// Condition under which it is met.
     pub both: Both,
-    /// The same as rules.
+    /// The same condition as rules.
     pub rules: [usize; 2],
 }
 
 /// Justice of a component.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Again {
-    /// What it assumes; what is handed on is not among it.
+pub(super) struct ComponentJustice {
+    /// Assumed justice, without exported assumptions.
     pub assumed: Vec<(FormulaRef, usize)>,
-    /// What its contract guarantees, where it goes in as that.
+    /// Guaranteed justice of its contract, if it is used as its contract.
     pub guaranteed: Vec<usize>,
 }
 
-/// All rules.
+/// All rules, grouped by use.
 #[derive(Debug, Default)]
-pub(super) struct Book {
+pub(super) struct RuleSet {
     /// The rules.
     pub rules: Vec<Rule>,
-    /// What every step keeps in which nothing goes wrong.
+    /// Rules kept in every step without errors.
     pub keep: Vec<usize>,
-    /// Of these, what components assume.
+    /// Those of `keep` that are assumptions of components.
     pub kept: Vec<(FormulaRef, usize)>,
-    /// By component: what its table says (of `keep`), and the same where the table knows its
-    /// inputs. Nothing of one that goes in as its contract.
+    /// By component: the rules of its table (in `keep`), and the same where the table has a row for
+    /// its inputs. `None` for one used as its contract.
     pub tables: Vec<Option<[[usize; 2]; 2]>>,
-    /// What a step keeps whatever goes wrong in it.
+    /// Rules kept in a step even if there are errors in it.
     pub last: Vec<usize>,
-    /// What the environment makes come true again and again.
+    /// Justice of the environment.
     pub again: Vec<usize>,
-    /// What is to be shown of components, in the order of a step.
-    pub owed: Vec<Owed>,
-    /// By component.
-    pub justice: Vec<Again>,
-    /// What is handed on.
+    /// Duties of components, in the order of a step.
+    pub owed: Vec<ScheduledObligation>,
+    /// Justice by component.
+    pub justice: Vec<ComponentJustice>,
+    /// Assumptions that are handed on.
     pub exported: Vec<FormulaRef>,
-    /// What is to be kept together.
+    /// Formulas that the components must keep together.
     pub goals: Vec<(FormulaRef, usize)>,
 }
 
-impl Book {
-    /// Writes everything down.
+impl RuleSet {
+    /// Builds all rules.
     pub fn new(closed: &Closed<'_>) -> Self {
         let mut book = Self {
             tables: vec![None; closed.taking.len()],
@@ -97,7 +96,7 @@ impl Book {
         book
     }
 
-    /// One more rule.
+    /// Adds a rule.
     pub fn add(&mut self, rule: Rule) -> usize {
         self.rules.push(rule);
         self.rules.len() - 1
@@ -107,14 +106,14 @@ impl Book {
         both.rules().map(|rule| self.add(rule))
     }
 
-    /// What holds in every step, whatever happens in it.
+    /// Adds a rule for every step, with or without errors.
     fn always(&mut self, rule: Rule) {
         let number = self.add(rule);
         self.keep.push(number);
         self.last.push(number);
     }
 
-    /// What is given, what monitors remember, and what watches operations.
+    /// Adds the givens, the definitions of monitors, and the watch on operations.
     fn surroundings(&mut self, closed: &Closed<'_>) {
         let given = &closed.claim.given;
         self.side(given);
@@ -143,7 +142,7 @@ impl Book {
         }
     }
 
-    /// The environment's share of what components assume.
+    /// Adds the environment's share of the components' assumptions.
     fn handed_on(&mut self, closed: &Closed<'_>) {
         for component in 0..closed.taking.len() {
             for (at, formula) in closed.assumed(component) {
@@ -166,7 +165,7 @@ impl Book {
         }
     }
 
-    /// A table: it does what its rows say; without a row for the inputs, anything may follow.
+    /// Adds a table: it follows its rows; if no row matches the inputs, anything may follow.
     fn table(&mut self, closed: &Closed<'_>, component: usize) {
         let Some(table) = closed.table(component) else {
             return;
@@ -182,10 +181,10 @@ impl Book {
         let loose = self.add_both(moves.or(table.covers().not()));
         self.last.extend(loose);
         self.tables[component] = Some([strict, loose]);
-        self.justice.push(Again::default());
+        self.justice.push(ComponentJustice::default());
     }
 
-    /// A contract: it keeps its guarantees in a step in which its assumptions are kept.
+    /// Adds a contract: it keeps its guarantees in a step in which its assumptions are kept.
     fn contract(&mut self, closed: &Closed<'_>, component: usize) {
         let assumed = closed
             .assumed(component)
@@ -213,18 +212,18 @@ impl Book {
             .iter()
             .map(|f| self.add(rule(RuleKind::Justice, &f.expr)));
         let guaranteed = guaranteed.collect();
-        self.justice.push(Again {
+        self.justice.push(ComponentJustice {
             guaranteed,
             assumed: Vec::new(),
         });
     }
 
-    /// What is to be shown of components.
+    /// Adds the duties of components.
     fn duties(&mut self, closed: &Closed<'_>) {
         let order = closed.order();
         for component in &order {
             if let Some(table) = closed.table(*component) {
-                self.owe(*component, Duty::Speaks, &table.speaks());
+                self.owe(*component, StepObligation::Speaks, &table.speaks());
             }
         }
         for component in order {
@@ -245,21 +244,21 @@ impl Book {
                         _ => Expr::TRUE,
                     };
                 }
-                self.owe(component, Duty::Assumed(at), &both);
+                self.owe(component, StepObligation::Assumed(at), &both);
             }
             if let Some(table) = closed.table(component) {
-                self.owe(component, Duty::Covered, &table.covers());
+                self.owe(component, StepObligation::Covered, &table.covers());
             }
         }
     }
 
-    fn owe(&mut self, component: usize, duty: Duty, both: &Both) {
+    fn owe(&mut self, component: usize, duty: StepObligation, both: &Both) {
         let both = Both {
             first: both.first.simplify(),
             later: both.later.simplify(),
         };
         let rules = self.add_both(both.clone());
-        self.owed.push(Owed {
+        self.owed.push(ScheduledObligation {
             component,
             duty,
             both,
@@ -267,7 +266,7 @@ impl Book {
         });
     }
 
-    /// All duties at once: the first of them to be broken, if there is one.
+    /// Returns rules that hold as long as no duty is broken.
     pub fn all_owed(&mut self) -> [usize; 2] {
         let broken = self.owed.iter().filter(|o| !o.both.is_true());
         let (first, later) = broken
@@ -283,7 +282,7 @@ impl Book {
 }
 
 impl Closed<'_> {
-    /// The table of a component that goes in as one.
+    /// Returns the table of a component, if it is used as its table.
     pub(super) fn table(&self, component: usize) -> Option<Table<'_>> {
         let taking = &self.taking[component];
         Some(Table {
@@ -296,7 +295,7 @@ impl Closed<'_> {
     }
 }
 
-/// What a formula asks of step 0, and of a step after another.
+/// Returns what a formula requires of step 0, and of a step after another.
 fn in_step(kind: RuleKind, formula: &Formula) -> Both {
     let expr = &formula.expr;
     match kind {

@@ -1,23 +1,28 @@
-//! Why a component that answers first has no outputs: what it assumes of a step contradicts itself.
+//! Why a component that answers first has no outputs: its assumptions about a step contradict each
+//! other.
 //!
-//! Assumptions read no output of the step that they speak of, so whether some inputs keep them
-//! depends on the step before alone. Where none do, a table has no row, and no outputs to begin the
-//! step with. Which assumptions that takes is found out by leaving one after the other away, as
-//! long as the rest still contradict each other.
+//! Assumptions read no output of the step they are about, so whether some inputs keep them depends
+//! only on the step before. If no inputs do, a table has no row, and no outputs to begin the step
+//! with. To find the assumptions responsible, they are removed one by one as long as the rest still
+//! contradict each other.
 
-use super::{Closed, Stuck};
+use super::{Closed, StuckComponent};
 use crate::system::formulas;
 use linewright_core::gr1::{Expr, Formula, Owner, Time, VarId, eval};
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 
 impl Closed<'_> {
-    /// Assumptions of a silent component of which none can be left out: no inputs keep all of them
-    /// in the last step of the run. None where some inputs do, which no table that was verified
-    /// leads to.
+    /// Returns a minimal set of contradictory assumptions of a silent component: no inputs keep all
+    /// of them in the last step of the run. Empty if some inputs do, which cannot happen with a
+    /// verified table.
     ///
     /// # Errors
     /// When a limit was reached.
-    pub fn contradiction(&self, stuck: &Stuck, limits: &Limits) -> Result<Vec<&Formula>, Limit> {
+    pub fn contradiction(
+        &self,
+        stuck: &StuckComponent,
+        limits: &Limits,
+    ) -> Result<Vec<&Formula>, Limit> {
         let specification = &*self.machine.components[stuck.component].specification;
         let before = stuck
             .trace
@@ -59,7 +64,7 @@ impl Closed<'_> {
         Ok(kept.into_iter().map(|k| asked[k]).collect())
     }
 
-    /// The values of a component's own variables in a step.
+    /// Returns the values of a component's own variables in a step.
     fn own(&self, component: usize, wires: &[i64]) -> Vec<i64> {
         let placed = &self.machine.components[component];
         let mut bindings = placed.bindings.iter();
@@ -75,8 +80,8 @@ impl Closed<'_> {
     }
 }
 
-/// What an assumption asks of a step after these values, or of step 0, as a condition on the values
-/// of that step.
+/// Returns what an assumption requires of a step after these values, or of step 0, as a condition
+/// on the values of that step.
 fn in_step(kind: RuleKind, formula: &Formula, before: Option<&[i64]>) -> Option<Expr> {
     match (kind, before) {
         (RuleKind::Initial, None) | (RuleKind::Invariant, _) => Some(formula.expr.clone()),

@@ -1,27 +1,26 @@
 //! A controller's table as rules over wires and a state.
 //!
-//! A row of the table says: from this state, on inputs that satisfy the guard, these outputs and
-//! that state. The rows of a state are disjoint, so that their disjunction is the table. Inputs are
-//! what they are bound to.
+//! A row of the table means: from this state, on inputs that satisfy the guard, these outputs and
+//! that next state. The rows of a state are disjoint, so their disjunction is the table. Inputs are
+//! replaced by their bindings.
 //!
-//! The outputs of a step nearly say which state the table is in after it. So only what they leave
-//! open is a variable of its own ([`States`]): a number among the states that rows with these
-//! outputs lead to.
+//! The outputs of a step almost determine the state of the table after it. So only the rest is a
+//! separate variable ([`States`]): a number among the states that rows with these outputs lead to.
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, Timing, VarId};
 use linewright_solver::game::{Rule, RuleKind};
 use linewright_solver::mealy::{Guard, Machine, Test, Transition};
 use std::collections::BTreeMap;
 
-/// The states of a table, each as outputs and a number.
+/// The states of a table, each encoded as outputs and a number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct States {
-    /// For all outputs of rows, the states that such rows lead to, in ascending order.
+    /// For the outputs of each row, the states that such rows lead to, in ascending order.
     after: BTreeMap<Vec<i64>, Vec<usize>>,
 }
 
 impl States {
-    /// The states of a table.
+    /// Collects the states of a table.
     pub(super) fn new(machine: &Machine) -> Self {
         let mut after: BTreeMap<Vec<i64>, Vec<usize>> = BTreeMap::new();
         let rows = machine
@@ -37,17 +36,17 @@ impl States {
         Self { after }
     }
 
-    /// How many states there are at most with the same outputs; at least 1.
+    /// Returns the maximum number of states with the same outputs; at least 1.
     pub(super) fn most(&self) -> usize {
         self.after.values().map(Vec::len).max().unwrap_or(1)
     }
 
-    /// The number of a state that a row with these outputs leads to.
+    /// Returns the number of a state that a row with these outputs leads to.
     pub fn number(&self, outputs: &[i64], state: usize) -> Option<usize> {
         self.after.get(outputs)?.binary_search(&state).ok()
     }
 
-    /// The ways in which the table comes to be in a state: outputs and numbers.
+    /// Returns the encodings of a state: outputs and numbers.
     fn ways(&self, state: usize) -> impl Iterator<Item = (&[i64], usize)> {
         let all = self.after.iter();
         all.filter_map(move |(outputs, states)| {
@@ -56,31 +55,31 @@ impl States {
     }
 }
 
-/// A table in its place in a machine.
+/// A table at its place in a machine.
 pub(super) struct Table<'a> {
-    /// The table.
+    /// Table.
     pub machine: &'a Machine,
-    /// One expression over wires an input.
+    /// One expression over wires per input.
     pub bindings: &'a [Expr],
-    /// Its first wire.
+    /// Index of its first wire.
     pub first: usize,
-    /// What its outputs leave open of its state after the step.
+    /// Variable for the part of its state that its outputs leave open.
     pub state: VarId,
-    /// Its states.
+    /// Encoded states.
     pub states: &'a States,
 }
 
-/// A condition on step 0, and one on every step after another.
+/// A condition on step 0, and one on every later step.
 #[derive(Debug, Clone)]
 pub(super) struct Both {
-    /// Of step 0, over current values.
+    /// Condition on step 0, over current values.
     pub first: Expr,
-    /// Of a step and the one before it.
+    /// Condition on a step and the one before it.
     pub later: Expr,
 }
 
 impl Both {
-    /// As rules.
+    /// Converts the condition to rules.
     pub fn rules(self) -> [Rule; 2] {
         [
             Rule {
@@ -94,7 +93,7 @@ impl Both {
         ]
     }
 
-    /// Either of two.
+    /// Returns the disjunction.
     pub fn or(self, other: Self) -> Self {
         Self {
             first: self.first.or(other.first).simplify(),
@@ -102,7 +101,7 @@ impl Both {
         }
     }
 
-    /// The contrary.
+    /// Returns the negation.
     pub fn not(self) -> Self {
         Self {
             first: self.first.not().simplify(),
@@ -110,15 +109,15 @@ impl Both {
         }
     }
 
-    /// Whether it always holds, as far as can be seen.
+    /// Returns whether the condition is syntactically true.
     pub fn is_true(&self) -> bool {
         self.first == Expr::TRUE && self.later == Expr::TRUE
     }
 }
 
 impl Table<'_> {
-    /// What it does on inputs that it has a row for. A table that answers first does the part about
-    /// its outputs in any case.
+    /// Returns the behaviour on inputs that have a row. A table that answers first keeps the part
+    /// about its outputs in any case.
     pub fn moves(&self) -> Both {
         let outputs = self.machine.timing == Timing::Mealy;
         self.over_states(|table, state, time| {
@@ -127,7 +126,7 @@ impl Table<'_> {
         })
     }
 
-    /// The outputs of a table that answers first; `None` for one that does not.
+    /// Returns the outputs of a table that answers first; `None` for one that does not.
     pub fn spoken(&self) -> Option<Both> {
         (self.machine.timing == Timing::Moore).then(|| {
             self.over_states(
@@ -139,7 +138,7 @@ impl Table<'_> {
         })
     }
 
-    /// Whether a table that answers first has outputs at all where it is.
+    /// Returns whether a table that answers first has any outputs in its state.
     pub fn speaks(&self) -> Both {
         if self.machine.timing == Timing::Mealy {
             return Both {
@@ -157,7 +156,7 @@ impl Table<'_> {
         }
     }
 
-    /// Whether it has a row for the inputs.
+    /// Returns whether there is a row for the inputs.
     pub fn covers(&self) -> Both {
         self.over_states(|table, state, time| {
             let rows = table.machine.transitions(state).iter();
@@ -165,7 +164,7 @@ impl Table<'_> {
         })
     }
 
-    /// A condition that depends on the state before the step.
+    /// Builds a condition that depends on the state before the step.
     fn over_states(&self, condition: impl Fn(&Self, Option<usize>, Time) -> Expr) -> Both {
         let states = 0..self.machine.states.len();
         let cases = states.map(|s| {
@@ -186,7 +185,7 @@ impl Table<'_> {
         any(ways.collect())
     }
 
-    /// Where a row leads, with its outputs.
+    /// Returns the next state of a row, with its outputs.
     fn leads_to(&self, row: &Transition, time: Time) -> Expr {
         let number = self
             .states
@@ -230,12 +229,12 @@ impl Table<'_> {
     }
 }
 
-/// A disjunction, as a tree that is as flat as can be: a table has thousands of rows.
+/// Builds a disjunction as a balanced tree: a table has thousands of rows.
 pub(super) fn any(parts: Vec<Expr>) -> Expr {
     tree(parts, &Expr::FALSE, Expr::or)
 }
 
-/// A conjunction, in the same way.
+/// Builds a conjunction in the same way.
 pub(super) fn conjunction(parts: Vec<Expr>) -> Expr {
     tree(parts, &Expr::TRUE, Expr::and)
 }

@@ -1,9 +1,8 @@
-//! Whether each operation runs the actions that it names, and is then done: what is remembered for
-//! that.
+//! Variables that check whether each operation runs exactly the actions it names, and is then done.
 //!
-//! Every step belongs to a call; the first one of a call comes after one in which the operation
-//! before was done. An action begins where it is active and was not active in the step before, or
-//! where a call begins with it. Of several that are active in a step the first declared one counts.
+//! Every step belongs to a call; a call's first step comes after a step in which the previous
+//! operation was done. An action begins if it is active and was not active in the step before, or
+//! if a call begins with it. If several are active in a step, the first declared one counts.
 
 use super::remember;
 use crate::system::System;
@@ -11,18 +10,18 @@ use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
 use linewright_language::contract::machine::{Machine, PlantSource};
 use linewright_solver::game::{Rule, RuleKind};
 
-/// What watches operations.
+/// Variables that watch operations.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Watch {
-    /// The wire that says which operation runs, where something asks for it.
+    /// Wire with the running operation, if something requests operations.
     pub operation: Option<VarId>,
-    /// How many actions have begun in this call. One more than any operation names stands for all
-    /// that are more.
+    /// Number of actions begun in this call, saturated at one more than the longest operation
+    /// names.
     pub begun: VarId,
 }
 
 impl Watch {
-    /// Watches a machine with operations: adds what it remembers to the system.
+    /// Adds the variables that watch a machine with operations to the system.
     pub(super) fn new(machine: &Machine, system: &mut System) -> Option<Self> {
         if machine.operations.is_empty() || machine.done.is_none() {
             return None;
@@ -43,7 +42,7 @@ impl Watch {
         })
     }
 
-    /// What defines it.
+    /// Returns the rules that define the watch.
     pub(super) fn rules(&self, machine: &Machine) -> [Rule; 2] {
         let done = machine.done.clone().unwrap_or(Expr::FALSE);
         let begins = |time| active(machine, time).equals(Expr::Const(0)).not();
@@ -71,14 +70,14 @@ impl Watch {
         ]
     }
 
-    /// An operation runs.
+    /// Returns whether an operation runs.
     pub(super) fn runs(&self, machine: &Machine, operation: usize) -> Expr {
         self.operation.map_or(Expr::TRUE, |wire| {
             Expr::now(wire).equals(Expr::Const(machine.operations[operation].value))
         })
     }
 
-    /// No call begins with an operation: not the first one, nor one after another.
+    /// Returns rules that no call begins with an operation: neither the first one nor a later one.
     pub(super) fn never_begins(&self, machine: &Machine, operation: usize) -> [Rule; 2] {
         let runs = self.runs(machine, operation);
         let next = runs.substitute(&mut |v, _| Expr::Var(v, Time::Next));
@@ -95,7 +94,7 @@ impl Watch {
         ]
     }
 
-    /// What an operation names is what runs, and it is done when that has run.
+    /// Returns whether the actions of an operation run as named, and it is done exactly afterwards.
     pub(super) fn in_order(&self, machine: &Machine, operation: usize) -> Expr {
         let sequence = &machine.operations[operation].sequence;
         let named = sequence.iter().enumerate();
@@ -119,7 +118,7 @@ fn longest(machine: &Machine) -> i64 {
     lengths.max().unwrap_or(0) as i64
 }
 
-/// The first declared action that is active, counted from 1.
+/// Returns the first declared active action, counted from 1.
 fn active(machine: &Machine, time: Time) -> Expr {
     let components = machine.components.iter().enumerate().rev();
     components.fold(Expr::Const(0), |rest, (i, component)| {

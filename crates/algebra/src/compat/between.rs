@@ -1,9 +1,9 @@
 //! The game where Moore machines answer before the environment, and Mealy machines after it.
 //!
-//! GR(1) games have two moves a step, and this one has three. But the last move of a step and the
-//! first one of the next are both the parts': a late answer is made known a step later, together
-//! with the next early one. What is asked of a step is then asked of the one before, with copies of
-//! its early values.
+//! A GR(1) game has two moves per step, and this one has three. But the last move of a step and the
+//! first one of the next are both the parts': a late answer is revealed one step later, together
+//! with the next early one. So conditions on a step are checked one step later, with copies of its
+//! early values.
 
 use super::{Game, of_last_step, unnamed};
 use crate::proof::last_step;
@@ -12,18 +12,18 @@ use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Ti
 use linewright_solver::game::RuleKind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is asked of the step before.
+/// Translates conditions on a step to the step after it.
 struct Delay<'s> {
     late: &'s dyn Fn(&VarId) -> bool,
     /// Whether there was no step before.
     first: VarId,
-    /// The values of the step before that one, of what is not late.
+    /// Values of the step before that one, for variables that are not late.
     past: BTreeMap<VarId, VarId>,
 }
 
 impl Delay<'_> {
-    /// A formula about the last step: its late values are known in the next state, or stand in
-    /// `copies`, as may others.
+    /// Returns a formula about the last step. Its late values are known in the next state, or are
+    /// in `copies`, as others may be.
     fn of(&self, kind: RuleKind, expr: &Expr, copies: &BTreeMap<VarId, VarId>) -> Expr {
         let expr = expr.substitute(&mut |v, time| {
             if kind == RuleKind::Justice || time != last_step(kind) {
@@ -43,7 +43,7 @@ impl Delay<'_> {
         }
     }
 
-    /// All that sides ask of the last step, but for their justice.
+    /// Returns everything that sides require of the last step, justice excluded.
     fn all<'f>(
         &self,
         sides: impl Iterator<Item = &'f Side>,
@@ -57,7 +57,7 @@ impl Delay<'_> {
     }
 }
 
-/// The game; `late` says which variables are set after those from outside are.
+/// Builds the game; `late` selects the variables set after those from outside.
 pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Mealy, |v| !driven(v));
@@ -83,8 +83,8 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
 
     let none = BTreeMap::new();
     let kept = delay.all(promised(), &none);
-    // Parts that name no way to make their early answer an allowed one give up, after what was
-    // asked of the step before.
+    // Parts that name no way to make their early answer an allowed one give up, after the
+    // conditions on the step before.
     let gone_on = delay.all(promised().chain(defining()), &allowed);
     let kept = gone_on.clone().and(kept);
     let mut rules = Side {
@@ -127,8 +127,8 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
     game.specification
 }
 
-/// The variables of which a side's formulas need the values of an earlier step, when they are asked
-/// a step late.
+/// Returns the variables whose values from an earlier step a side's formulas need when they are
+/// checked one step late.
 fn of_the_step_before(side: &Side) -> BTreeSet<VarId> {
     let mut found = BTreeSet::new();
     for (kind, _, f) in formulas(side) {
@@ -141,8 +141,8 @@ fn of_the_step_before(side: &Side) -> BTreeSet<VarId> {
     found
 }
 
-/// The steps of a play without the delay: late values stand in the step after. The last one is left
-/// out, unless `next` follows it.
+/// Undoes the delay of a play's steps: late values are in the step after. The last step is dropped,
+/// unless `next` follows it.
 pub(super) fn undelayed(
     steps: &[Vec<i64>],
     next: Option<&Vec<i64>>,

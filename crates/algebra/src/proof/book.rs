@@ -1,45 +1,45 @@
-//! All formulas of a system and a claim as numbered rules, and what each of them says something
-//! about.
+//! All formulas of a system and a claim as numbered rules, with the variables each one mentions and
+//! defines.
 
-use super::super::system::{FormulaRef, Half, System, formulas, rule};
+use super::super::system::{ContractSide, FormulaRef, System, formulas, rule};
 use super::Claim;
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Time, Timing, VarId, Variable};
 use linewright_core::source::Span;
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs};
 use std::collections::BTreeSet;
 
-/// Where each rule comes from, and whether somebody may rely on it.
+/// Origin of a rule, and whether others may rely on it.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// The formula; `None` for one that defines a monitor.
+    /// Formula; `None` for the definition of a monitor.
     pub at: Option<FormulaRef>,
-    /// The part whose formula it is.
+    /// Part that the formula belongs to.
     pub part: Option<usize>,
-    /// The variables that it mentions.
+    /// Variables that it mentions.
     pub mentions: BTreeSet<VarId>,
-    /// Those among them that its part sets (for what is given: that come from outside), or all
-    /// where there are none.
+    /// Those of `mentions` that its part sets (for givens: that come from outside); all of them if
+    /// there are none.
     pub defines: BTreeSet<VarId>,
-    /// Whether it holds in a step whatever comes from elsewhere in that step: what is given, and
-    /// what a part that answers first says of its own answer.
+    /// Whether it holds in a step whatever the others do in that step: givens, and the guarantees
+    /// of a part that answers first about its own answer.
     pub unconditional: bool,
 }
 
-/// The rules.
+/// All rules of a proof.
 #[derive(Debug)]
-pub struct Book<'a> {
-    /// The system.
+pub struct ProofRules<'a> {
+    /// System that the rules are about.
     pub system: &'a System,
-    /// What is asked about them.
+    /// Decision procedure for questions about the rules.
     pub runs: Runs,
-    /// One a rule.
+    /// One entry per rule.
     pub entries: Vec<Entry>,
-    /// A truth value that stays true once a rule under examination was broken.
+    /// Boolean that stays true once the rule under examination was broken.
     pub slipped: VarId,
 }
 
-impl<'a> Book<'a> {
-    /// Writes everything down.
+impl<'a> ProofRules<'a> {
+    /// Builds the rules of a system and a claim.
     pub fn new(system: &'a System, claim: &Claim, limits: &Limits) -> Result<Self, Limit> {
         let mut variables = system.variables.clone();
         let slipped = VarId(variables.len() as u32);
@@ -53,21 +53,21 @@ impl<'a> Book<'a> {
         });
         let mut rules = Vec::new();
         let mut entries = Vec::new();
-        let mut add = |side: &Side, part: Option<usize>, half: Option<Half>| {
+        let mut add = |side: &Side, part: Option<usize>, half: Option<ContractSide>| {
             for (kind, index, formula) in formulas(side) {
                 entries.push(entry(system, &formula.expr, kind, index, part, half));
                 rules.push(rule(kind, &formula.expr));
             }
         };
-        add(&claim.given, None, Some(Half::Assumptions));
+        add(&claim.given, None, Some(ContractSide::Assumptions));
         for (i, part) in system.parts.iter().enumerate() {
             add(&part.definitions, Some(i), None);
-            add(&part.guarantees, Some(i), Some(Half::Guarantees));
+            add(&part.guarantees, Some(i), Some(ContractSide::Guarantees));
         }
         for (i, part) in system.parts.iter().enumerate() {
-            add(&part.assumptions, Some(i), Some(Half::Assumptions));
+            add(&part.assumptions, Some(i), Some(ContractSide::Assumptions));
         }
-        add(&claim.goal, None, Some(Half::Guarantees));
+        add(&claim.goal, None, Some(ContractSide::Guarantees));
         Ok(Self {
             system,
             runs: Runs::new(&variables, rules, limits)?,
@@ -76,17 +76,17 @@ impl<'a> Book<'a> {
         })
     }
 
-    /// The rule of a number.
+    /// Returns the rule with a number.
     pub fn rule(&self, index: usize) -> &Rule {
         &self.runs.rules()[index]
     }
 
-    /// Whether a rule is justice.
+    /// Returns whether a rule is justice.
     pub fn is_justice(&self, index: usize) -> bool {
         self.rule(index).kind == RuleKind::Justice
     }
 
-    /// The rules of formulas that satisfy a condition.
+    /// Returns the rules whose formulas satisfy a condition.
     pub fn numbers(&self, wanted: impl Fn(&FormulaRef) -> bool) -> Vec<usize> {
         let entries = self.entries.iter().enumerate();
         entries
@@ -95,7 +95,7 @@ impl<'a> Book<'a> {
             .collect()
     }
 
-    /// One more rule; nobody relies on it unless told to.
+    /// Adds a rule that is not relied on unless requested.
     pub fn add(&mut self, rule: Rule) -> usize {
         let mentions = mentions(&rule.expr);
         self.entries.push(Entry {
@@ -108,7 +108,7 @@ impl<'a> Book<'a> {
         self.runs.add(rule)
     }
 
-    /// The definitions of all monitors that these rules speak of, directly or through other
+    /// Returns the definitions of all monitors that these rules mention, directly or through other
     /// monitors.
     pub fn definitions(&self, rules: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut needed: BTreeSet<VarId> = BTreeSet::new();
@@ -131,14 +131,14 @@ impl<'a> Book<'a> {
         }
     }
 
-    /// Whether a rule defines a monitor.
+    /// Returns whether a rule defines a monitor.
     fn is_definition(&self, index: usize) -> bool {
         let entry = &self.entries[index];
         entry.at.is_none() && entry.part.is_some()
     }
 
-    /// What is reached from a goal by asking who sets what occurs: the candidates in rings, the
-    /// nearest first. Candidates that nothing leads to are left out.
+    /// Returns the candidates reachable from a goal through the variables that rules mention and
+    /// define, in rings, nearest first. Unreachable candidates are omitted.
     pub fn rings(&self, goals: &[usize], candidates: &[usize]) -> Vec<Vec<usize>> {
         let mut needed: BTreeSet<VarId> = BTreeSet::new();
         for goal in goals {
@@ -168,7 +168,7 @@ impl<'a> Book<'a> {
     }
 }
 
-/// The variables of an expression.
+/// Returns the variables of an expression.
 pub fn mentions(expr: &Expr) -> BTreeSet<VarId> {
     let mut found = BTreeSet::new();
     expr.for_each_var(&mut |v, _| {
@@ -177,7 +177,7 @@ pub fn mentions(expr: &Expr) -> BTreeSet<VarId> {
     found
 }
 
-/// The time of the last step that a formula of this kind speaks of.
+/// Returns the time of the last step that a formula of this kind is about.
 pub fn last_step(kind: RuleKind) -> Time {
     match kind {
         RuleKind::Safety => Time::Next,
@@ -185,7 +185,7 @@ pub fn last_step(kind: RuleKind) -> Time {
     }
 }
 
-/// The variables of a formula whose values belong to the last step that it speaks of.
+/// Returns the variables of a formula whose values belong to the last step that it is about.
 pub fn latest(expr: &Expr, kind: RuleKind) -> BTreeSet<VarId> {
     let time = last_step(kind);
     let mut found = BTreeSet::new();
@@ -203,7 +203,7 @@ fn entry(
     kind: RuleKind,
     index: usize,
     part: Option<usize>,
-    half: Option<Half>,
+    half: Option<ContractSide>,
 ) -> Entry {
     let mentions = mentions(expr);
     let own = |v: &VarId| match part {
@@ -211,11 +211,11 @@ fn entry(
         None => system.driver(*v).is_none(),
     };
     let mut defines: BTreeSet<VarId> = mentions.iter().copied().filter(own).collect();
-    // The goal is about all that it speaks of.
-    if defines.is_empty() || (part.is_none() && half == Some(Half::Guarantees)) {
+    // The goal defines everything that it mentions.
+    if defines.is_empty() || (part.is_none() && half == Some(ContractSide::Guarantees)) {
         defines.clone_from(&mentions);
     }
-    let guarantee = part.filter(|_| half != Some(Half::Assumptions));
+    let guarantee = part.filter(|_| half != Some(ContractSide::Assumptions));
     let answers_first = guarantee.is_some_and(|p| {
         let part = &system.parts[p];
         part.timing == Timing::Moore && latest(expr, kind).iter().all(|v| part.drives.contains(v))

@@ -1,27 +1,27 @@
-//! What the parts are to keep together, when everybody's assumptions are met.
+//! The goal that the parts have to keep together, once all assumptions are met.
 
 use super::super::system::FormulaRef;
-use super::prover::{ALL, Found, Prover, is_goal};
-use super::{Broken, Discharged, Open, Reach};
+use super::prover::{ALL, ObligationResult, Prover, is_goal};
+use super::{DischargeRule, Open, Reach, Refutation};
 use linewright_core::gr1::{Expr, Time};
 use linewright_solver::game::{Lasso, Limit, Rule, RuleKind};
 use std::collections::{BTreeSet, VecDeque};
 
-/// So many rings of rules are near: first the nearest.
+/// Numbers of rings tried for near rules, in this order.
 const NEAR: [usize; 3] = [1, 2, 3];
 
 impl<'a> Prover<'a> {
-    /// What the parts are to keep together. Justice of the goal that was shown is a reason for what
-    /// else comes again and again: it holds of all runs, and so a proof may go place by place,
-    /// where everything at once would be too much.
+    /// Proves the goal. Justice of the goal that was already shown may be used for other justice:
+    /// it holds on all runs, and so a proof may go place by place where proving all at once would
+    /// be too expensive.
     pub(super) fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
-        // After everybody's assumptions.
+        // After all assumptions.
         let turns = self
             .proof
             .discharges
             .iter()
             .map(|d| match d.rule {
-                Discharged::Justice { turn } => turn + 1,
+                DischargeRule::Justice { turn } => turn + 1,
                 _ => 0,
             })
             .max();
@@ -31,7 +31,7 @@ impl<'a> Prover<'a> {
             goals.into_iter().partition(|i| self.book.is_justice(*i));
         let (mut lemmas, mut goals): (Vec<usize>, Vec<usize>) =
             safety.into_iter().partition(|i| self.is_lemma(*i));
-        // What is about little first: lemmas rest on it, and what is about much on them.
+        // Formulas with few variables first: lemmas rest on them, and those with many on lemmas.
         goals.sort_by_key(|i| self.book.entries[*i].mentions.len());
         for (place, rule) in goals.iter().copied().enumerate() {
             self.ready_lemmas(&mut lemmas, &goals[place..], turns)?;
@@ -43,14 +43,14 @@ impl<'a> Prover<'a> {
             let found = match self.step_minimal(rule, None, ALL)? {
                 Some(by) => {
                     self.kept.insert(rule);
-                    Found::Follows(by)
+                    ObligationResult::Follows(by)
                 }
                 None if self.stepwise => self.step_of_goal(rule)?,
                 None => self.fairly(rule, reliable)?,
             };
             match found {
-                Found::Follows(by) => self.show(rule, &by, turns),
-                Found::Fails(why) => self.open(rule, why),
+                ObligationResult::Follows(by) => self.show(rule, &by, turns),
+                ObligationResult::Fails(why) => self.open(rule, why),
             }
         }
         self.ready_lemmas(&mut lemmas, &[], turns)?;
@@ -59,8 +59,8 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// Safety among the lemmas, as far as what they are looked for among was asked before. `left`
-    /// are the goals that were not.
+    /// Proves safety lemmas as soon as all their sources were tried. `left` are the goals not tried
+    /// yet.
     fn ready_lemmas(
         &mut self,
         lemmas: &mut Vec<usize>,
@@ -82,9 +82,9 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// Justice of the goal: first all that follows from what stands near, and then, while something
-    /// is left, one of the others from everything, which may bring more near. Lemmas are only
-    /// looked for near.
+    /// Proves justice of the goal: first everything that follows from near rules; then, while some
+    /// are left, one of the others from all rules, which may make more provable nearby. Lemmas are
+    /// only tried with near rules.
     fn again_and_again(
         &mut self,
         mut left: Vec<usize>,
@@ -100,7 +100,7 @@ impl<'a> Prover<'a> {
                     let Some(rule) = waiting.pop_front() else {
                         break;
                     };
-                    // What a lemma is looked for among is the same for all rings.
+                    // A lemma with fixed sources has the same candidates for all rings.
                     let asked = far > 0 && self.is_lemma(rule) && self.from(rule).is_some();
                     let found = if asked {
                         None
@@ -110,13 +110,13 @@ impl<'a> Prover<'a> {
                     match found {
                         Some(by) => {
                             self.show(rule, &by, turn);
-                            // With it, others may follow from less than from so much.
+                            // With it, others may follow from fewer rules.
                             if far > 0 {
                                 left = waiting.into();
                                 continue 'again;
                             }
                         }
-                        // Asked last the next time.
+                        // Tried last next time.
                         None => waiting.push_back(rule),
                     }
                 }
@@ -130,14 +130,14 @@ impl<'a> Prover<'a> {
             match self.again_minimal(rule, reliable, ALL)? {
                 Some(by) => self.show(rule, &by, turn),
                 None => match self.never_again(rule, reliable)? {
-                    Some(lasso) => self.open(rule, Broken::Lasso(lasso)),
+                    Some(lasso) => self.open(rule, Refutation::Lasso(lasso)),
                     None => unreachable!("what follows was found; please report this"),
                 },
             }
         }
     }
 
-    /// How many rules stand near a goal: where most meets, most is decided.
+    /// Returns the number of rules near a goal; a goal with many is the most decisive.
     fn neighbours(&self, rule: usize) -> usize {
         let rings = self.book.rings(&[rule], &self.hypotheses());
         rings.iter().take(2).map(Vec::len).sum()
@@ -148,19 +148,19 @@ impl<'a> Prover<'a> {
         at.is_some_and(|at| self.claim.lemmas.contains_key(&at))
     }
 
-    /// Whether it is a lemma that all may rest on.
+    /// Returns whether the rule is a lemma that all may rest on.
     pub(super) fn is_common_lemma(&self, rule: usize) -> bool {
         let at = self.book.entries[rule].at;
         at.is_some_and(|at| self.claim.lemmas.get(&at) == Some(&Reach::Near))
     }
 
-    /// What a formula is tried to be shown from first.
+    /// Returns the formulas from which a formula is tried to be shown first.
     fn from(&self, rule: usize) -> Option<&'a BTreeSet<FormulaRef>> {
         self.claim.from.get(&self.book.entries[rule].at?)
     }
 
-    /// The rules that a formula is tried to be shown from first, where that is said. `others` are
-    /// what may be relied on beside formulas of the goal.
+    /// Returns the rules from which a formula is tried to be shown first, if specified. `others`
+    /// are rules outside the goal that may be relied on.
     pub(super) fn sources(&self, rule: usize, others: &[usize]) -> Option<Vec<usize>> {
         let from = self.from(rule)?;
         let again = self.book.is_justice(rule);
@@ -174,7 +174,7 @@ impl<'a> Prover<'a> {
         Some((0..self.book.entries.len()).filter(is_there).collect())
     }
 
-    /// Takes lemmas out of the table that nothing else rests on.
+    /// Removes lemmas that nothing else rests on from the result.
     fn leave_out_idle_lemmas(&mut self) {
         loop {
             let discharges = &self.proof.discharges;
@@ -189,7 +189,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Records that a formula of the goal was shown: in this turn at the earliest, and after all
+    /// Records that a formula of the goal was shown: not before turn `first`, and after all
     /// formulas of the goal that it rests on.
     fn show(&mut self, rule: usize, by: &[usize], first: usize) {
         let after: Vec<FormulaRef> = by
@@ -203,7 +203,7 @@ impl<'a> Prover<'a> {
             .iter()
             .filter(|d| after.contains(&d.what))
             .filter_map(|d| match d.rule {
-                Discharged::Justice { turn } => Some(turn + 1),
+                DischargeRule::Justice { turn } => Some(turn + 1),
                 _ => None,
             });
         let turn = turns.fold(first, usize::max);
@@ -211,28 +211,32 @@ impl<'a> Prover<'a> {
         self.shown.push(rule);
     }
 
-    fn open(&mut self, rule: usize, why: Broken) {
+    fn open(&mut self, rule: usize, why: Refutation) {
         let what = self.at(rule);
         self.proof.open.push(Open { what, why });
     }
 
-    /// Safety of the goal with all that was kept so far.
-    fn step_of_goal(&mut self, rule: usize) -> Result<Found, Limit> {
+    /// Tries safety of the goal with everything kept so far.
+    fn step_of_goal(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
         let mut all = self.with_assumptions(self.hypotheses());
         if self.book.rule(rule).kind == RuleKind::Initial {
             let first = [RuleKind::Initial, RuleKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         if let Some(trace) = self.step(&all, rule, None)? {
-            return Ok(Found::Fails(Broken::Trace(trace)));
+            return Ok(ObligationResult::Fails(Refutation::Trace(trace)));
         }
         let mut holds = |p: &mut Self, kept: &[usize]| p.step_holds(kept, rule, None);
-        Ok(Found::Follows(self.fewest(&all, &mut holds)?))
+        Ok(ObligationResult::Follows(self.fewest(&all, &mut holds)?))
     }
 
-    /// Safety of the goal once more, of infinite runs only: a step that leads to where no run goes
-    /// on breaks nothing.
-    fn fairly(&mut self, rule: usize, reliable: &BTreeSet<usize>) -> Result<Found, Limit> {
+    /// Tries safety of the goal again, on infinite runs only: a step to a state where no run
+    /// continues breaks nothing.
+    fn fairly(
+        &mut self,
+        rule: usize,
+        reliable: &BTreeSet<usize>,
+    ) -> Result<ObligationResult, Limit> {
         let slipped = self.book.slipped;
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let first = match kind {
@@ -269,13 +273,15 @@ impl<'a> Prover<'a> {
         match slips(self, &candidates)? {
             None => {
                 let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
-                Ok(Found::Follows(self.fewest(&candidates, &mut holds)?))
+                Ok(ObligationResult::Follows(
+                    self.fewest(&candidates, &mut holds)?,
+                ))
             }
             Some(lasso) => {
                 let mut steps = [lasso.prefix, lasso.cycle].concat();
                 let first = steps.iter().position(|s| s[slipped.index()] != 0);
                 steps.truncate(first.map_or(steps.len(), |i| i + 1));
-                Ok(Found::Fails(Broken::Trace(steps)))
+                Ok(ObligationResult::Fails(Refutation::Trace(steps)))
             }
         }
     }

@@ -1,14 +1,14 @@
-//! Justice that parts assume: turn by turn, so that no circle is a reason.
+//! Justice that parts assume, proved turn by turn to avoid circular reasoning.
 
 use super::loops::way_back;
 use super::prover::{ALL, Prover, is_assumption, is_given, is_guarantee};
-use super::{Broken, Circle, Discharged, Open};
-use linewright_solver::game::{Lasso, Limit, RuleKind, Wanted};
+use super::{Circle, DischargeRule, Open, Refutation};
+use linewright_solver::game::{Lasso, Limit, RuleKind, RunQuery};
 use std::collections::BTreeSet;
 
 impl Prover<'_> {
-    /// Justice that parts assume, turn by turn. Gives the parts whose justice guarantees can be
-    /// relied on in the end.
+    /// Proves the justice that parts assume, turn by turn. Returns the parts whose justice
+    /// guarantees can be relied on in the end.
     pub(super) fn justice(&mut self) -> Result<BTreeSet<usize>, Limit> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
         let mut left: Vec<usize> = assumed;
@@ -44,7 +44,7 @@ impl Prover<'_> {
             for rule in &left {
                 if let Some(lasso) = self.never_again(*rule, &reliable)? {
                     let what = self.at(*rule);
-                    let why = Broken::Lasso(lasso);
+                    let why = Refutation::Lasso(lasso);
                     self.proof.open.push(Open { what, why });
                 }
             }
@@ -53,7 +53,7 @@ impl Prover<'_> {
         }
     }
 
-    /// Tries what is known of the environment; gives the justice assumptions that were not met.
+    /// Tries the environment's guarantees; returns the justice assumptions that were not met.
     fn by_the_environment(&mut self, left: &[usize]) -> Result<Vec<usize>, Limit> {
         let environments: Vec<usize> = self
             .reasons(&BTreeSet::new())
@@ -73,8 +73,8 @@ impl Prover<'_> {
         Ok(waiting)
     }
 
-    /// Meets one justice assumption with what these parts guarantee, one that speaks of few parts
-    /// if it can; gives the others.
+    /// Meets one justice assumption with these parts' guarantees, preferably one that mentions few
+    /// parts; returns the others.
     fn by_justice(
         &mut self,
         left: &[usize],
@@ -103,14 +103,14 @@ impl Prover<'_> {
     pub(super) fn record_again(&mut self, rule: usize, by: &[usize], turn: usize) {
         let environments = by.iter().all(|i| self.is_environments(*i));
         let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
-            (true, _) => Discharged::Environment,
-            (false, false) => Discharged::Induction,
-            (false, true) => Discharged::Justice { turn },
+            (true, _) => DischargeRule::Environment,
+            (false, false) => DischargeRule::Induction,
+            (false, true) => DischargeRule::Justice { turn },
         };
         self.record(rule, kind, by);
     }
 
-    /// The parts none of whose justice assumptions is left.
+    /// Returns the parts without any justice assumption left.
     fn reliable(&self, left: &[usize]) -> BTreeSet<usize> {
         let waiting: BTreeSet<usize> = left.iter().map(|i| self.part_of(*i)).collect();
         (0..self.book.system.parts.len())
@@ -118,8 +118,8 @@ impl Prover<'_> {
             .collect()
     }
 
-    /// Rules that justice may rest on: safety, and the justice of the environment and of these
-    /// parts.
+    /// Returns the rules that justice may rest on: safety, and the justice of the environment and
+    /// of these parts.
     pub(super) fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
         let mut found = self.hypotheses();
         found.extend(self.book.numbers(|at| {
@@ -163,7 +163,7 @@ impl Prover<'_> {
         Ok(None)
     }
 
-    /// A run that keeps everything and from some step on never meets a justice again.
+    /// Returns a run that keeps everything and, from some step on, never meets a justice again.
     pub(super) fn never_again(
         &mut self,
         rule: usize,
@@ -175,7 +175,7 @@ impl Prover<'_> {
 
     fn starved(&mut self, kept: &[usize], rule: usize) -> Result<Option<Lasso>, Limit> {
         let wanted = self.wanted(kept, &[rule]);
-        self.book.runs.lasso(&Wanted {
+        self.book.runs.lasso(&RunQuery {
             never_again: vec![rule],
             ..wanted
         })
@@ -183,28 +183,28 @@ impl Prover<'_> {
 
     fn is_starved(&mut self, kept: &[usize], rule: usize) -> Result<bool, Limit> {
         let wanted = self.wanted(kept, &[rule]);
-        self.book.runs.any_lasso(&Wanted {
+        self.book.runs.any_lasso(&RunQuery {
             never_again: vec![rule],
             ..wanted
         })
     }
 
-    /// Runs that keep these rules; the monitors of `others` are defined as well.
-    pub(super) fn wanted(&self, kept: &[usize], others: &[usize]) -> Wanted {
+    /// Returns the query for runs that keep these rules, including the monitors of `others`.
+    pub(super) fn wanted(&self, kept: &[usize], others: &[usize]) -> RunQuery {
         let all = kept.iter().chain(others).copied();
         let mut keep = self.book.definitions(all);
         let (again, safe): (Vec<usize>, Vec<usize>) =
             kept.iter().copied().partition(|i| self.book.is_justice(*i));
         keep.extend(safe);
-        Wanted {
+        RunQuery {
             keep,
             again,
             never_again: Vec::new(),
         }
     }
 
-    /// Circles among justice assumptions that were not met: one waits for those that the part whose
-    /// variables it speaks of makes.
+    /// Returns circles among unmet justice assumptions: one waits for the assumptions of the part
+    /// that sets its variables.
     fn circles(&self, left: &[usize]) -> Vec<Circle> {
         let waits_for = |a: usize| -> BTreeSet<usize> {
             let own = self.part_of(a);

@@ -1,28 +1,29 @@
-//! Who waits for whom within a step.
+//! Dependencies between parts within a step.
 //!
-//! A part that sees the inputs of the step that it answers waits for whoever sets them, as far as
-//! what it may answer depends on them: that is asked of its guarantees, not of their words. A part
-//! that answers first waits for nobody.
+//! A part that sees the inputs of the step it answers waits for the parts that set them, if its
+//! possible answers depend on them. This is decided from the meaning of its guarantees, not from
+//! their text. A part that answers first waits for no one.
 
-use super::super::system::{Half, System};
+use super::super::system::{ContractSide, System};
 use super::SameStepLoop;
-use super::book::Book;
+use super::book::ProofRules;
 use linewright_core::gr1::{Timing, VarId};
 use linewright_solver::game::Limit;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Whose answers wait for whose.
+/// Which answers wait for which.
 #[derive(Debug, Clone, Default)]
-pub struct Waits {
+pub struct AnswerDependencies {
     /// For every variable that waits: the variables of other parts that it waits for.
     pub variables: BTreeMap<VarId, BTreeSet<VarId>>,
     /// For every part: the parts whose answers it waits for.
     pub parts: Vec<BTreeSet<usize>>,
 }
 
-impl Waits {
-    /// Finds out. Parts that wait in no circle by their wires alone are not looked at more closely.
-    pub fn new(book: &mut Book<'_>) -> Result<Self, Limit> {
+impl AnswerDependencies {
+    /// Computes the dependencies. Parts that are in no circle by their wires alone are not examined
+    /// further.
+    pub fn new(book: &mut ProofRules<'_>) -> Result<Self, Limit> {
         let system = book.system;
         let mut waits = Self {
             parts: wires(system),
@@ -35,7 +36,9 @@ impl Waits {
                 .filter(|i| {
                     let entry = &book.entries[*i];
                     let own = entry.part == Some(part) && !book.is_justice(*i);
-                    own && entry.at.is_none_or(|at| at.half == Half::Guarantees)
+                    own && entry
+                        .at
+                        .is_none_or(|at| at.half == ContractSide::Guarantees)
                 })
                 .collect();
             for answer in &own {
@@ -53,7 +56,7 @@ impl Waits {
         Ok(waits)
     }
 
-    /// The loops, each once.
+    /// Returns the loops, each once.
     pub fn loops(&self) -> Vec<SameStepLoop> {
         let mut found: Vec<SameStepLoop> = Vec::new();
         let mut told: BTreeSet<VarId> = BTreeSet::new();
@@ -78,7 +81,7 @@ impl Waits {
     }
 }
 
-/// A shortest way from a node of a graph back to itself.
+/// Returns a shortest path from a node of a graph back to itself.
 pub fn way_back<N: Copy + Ord>(next: impl Fn(N) -> Vec<N>, start: N) -> Option<Vec<N>> {
     let mut ways = vec![vec![start]];
     let mut seen = BTreeSet::new();
@@ -97,7 +100,8 @@ pub fn way_back<N: Copy + Ord>(next: impl Fn(N) -> Vec<N>, start: N) -> Option<V
     None
 }
 
-/// By wires alone: for every part that sees inputs, the parts whose outputs it reads.
+/// Returns the dependencies by wires alone: for every part that sees inputs, the parts whose
+/// outputs it reads.
 fn wires(system: &System) -> Vec<BTreeSet<usize>> {
     let reads = system.parts.iter().enumerate().map(|(i, part)| {
         if part.timing == Timing::Moore {
@@ -114,7 +118,7 @@ fn wires(system: &System) -> Vec<BTreeSet<usize>> {
     reads.collect()
 }
 
-/// The parts from which a way leads back to them.
+/// Returns the parts that lie on a circle.
 fn in_circles(edges: &[BTreeSet<usize>]) -> Vec<usize> {
     let leads_back = |start: usize| {
         let mut open: Vec<usize> = edges[start].iter().copied().collect();

@@ -1,68 +1,68 @@
-//! Obligation by obligation: what it follows from, or how it is broken.
+//! Proof of each obligation: what it follows from, or how it is broken.
 
-use super::super::system::{FormulaRef, Half, System};
-use super::book::{Book, latest};
-use super::loops::Waits;
-use super::{Broken, Claim, Discharge, Discharged, Exports, Open, Proof};
+use super::super::system::{ContractSide, FormulaRef, System};
+use super::book::{ProofRules, latest};
+use super::loops::AnswerDependencies;
+use super::{Claim, Discharge, DischargeRule, Exports, Open, Proof, Refutation};
 use linewright_core::gr1::{Expr, Time};
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, SafetyViolationQuery, quick_xplain};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So many rings of rules are near.
+/// Number of rings of rules that count as near.
 const NEAR: usize = 1;
 
-/// As many rings as there are.
+/// No limit on the number of rings.
 pub(super) const ALL: usize = usize::MAX;
 
-/// The state of a proof.
+/// State of a proof.
 pub struct Prover<'a> {
-    pub(super) book: Book<'a>,
+    pub(super) book: ProofRules<'a>,
     pub(super) claim: &'a Claim,
-    /// Who answers before whom in a step.
+    /// Order in which parts answer in a step.
     order: Order,
-    /// Assumptions that were handed on to the environment, by rule.
+    /// Assumptions handed on to the environment, by rule.
     pub(super) exported: Vec<usize>,
     /// Formulas of the goal that were shown: justice of the goal may rest on them.
     pub(super) shown: Vec<usize>,
-    /// Those of them that are kept step by step, also on runs that cannot go on.
+    /// Those of `shown` that are kept step by step, also on runs that cannot go on.
     pub(super) kept: BTreeSet<usize>,
-    /// Whether it is wanted to know what is needed, and not only that it is enough.
+    /// Whether reasons must be minimal, and not only sufficient.
     minimal: bool,
     /// Whether the goal's safety has to be kept step by step.
     pub(super) stepwise: bool,
     pub(super) proof: Proof,
 }
 
-/// The parts in an order in which they may answer within a step.
+/// An order in which the parts may answer within a step.
 #[derive(Debug, Default)]
 struct Order {
-    /// The place of every part. Parts of one place wait for one another, or may do so.
+    /// Place of every part. Parts in one place wait for one another, or may do so.
     places: Vec<usize>,
-    /// Of parts of one place, those that were found to come before others.
+    /// For parts in one place, those that were found to come earlier.
     sooner: BTreeMap<usize, BTreeSet<usize>>,
 }
 
 impl Order {
-    /// Whether the answer of one part may be relied on when another's inputs are looked at.
+    /// Returns whether one part's answer may be relied on when another's inputs are checked.
     fn is_before(&self, first: usize, second: usize) -> bool {
         self.places[first] < self.places[second]
             || self.sooner.get(&second).is_some_and(|s| s.contains(&first))
     }
 }
 
-/// What came out of one obligation.
-pub(super) enum Found {
+/// Result for one obligation.
+pub(super) enum ObligationResult {
     /// It follows from these rules.
     Follows(Vec<usize>),
-    /// It does not.
-    Fails(Broken),
+    /// It does not follow, as this counterexample shows.
+    Fails(Refutation),
 }
 
 impl<'a> Prover<'a> {
-    /// Ready to begin.
+    /// Creates the state at the beginning of a proof.
     pub fn new(system: &'a System, claim: &'a Claim, limits: &Limits) -> Result<Self, Limit> {
         Ok(Self {
-            book: Book::new(system, claim, limits)?,
+            book: ProofRules::new(system, claim, limits)?,
             claim,
             order: Order::default(),
             exported: Vec::new(),
@@ -74,7 +74,7 @@ impl<'a> Prover<'a> {
         })
     }
 
-    /// The same, content with reasons that are enough.
+    /// Accepts sufficient reasons instead of minimal ones.
     pub fn quick(self) -> Self {
         Self {
             minimal: false,
@@ -82,8 +82,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// The same, but safety of the goal has to be kept step by step, also on runs that cannot go
-    /// on.
+    /// Requires safety of the goal to be kept step by step, also on runs that cannot go on.
     pub fn stepwise(self) -> Self {
         Self {
             stepwise: true,
@@ -91,9 +90,9 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Does it all.
+    /// Runs the proof.
     pub fn prove(mut self) -> Result<Proof, Limit> {
-        let waits = Waits::new(&mut self.book)?;
+        let waits = AnswerDependencies::new(&mut self.book)?;
         self.proof.loops = waits.loops();
         if !self.proof.loops.is_empty() {
             return Ok(self.proof);
@@ -107,11 +106,11 @@ impl<'a> Prover<'a> {
         Ok(self.proof)
     }
 
-    // ---- who answers before whom ----------------------------------------------------------------
+    // ---- order of answers -----------------------------------------------------------------------
 
-    /// A part comes after those whose answers its own wait for, and after those that its
-    /// assumptions speak of.
-    fn order_of(&self, waits: &Waits) -> Order {
+    /// Computes the order: a part comes after those whose answers its own wait for, and after those
+    /// that its assumptions mention.
+    fn order_of(&self, waits: &AnswerDependencies) -> Order {
         let system = self.book.system;
         let mut edges = waits.parts.clone();
         for (i, part) in system.parts.iter().enumerate() {
@@ -124,7 +123,8 @@ impl<'a> Prover<'a> {
             }
         }
         let reach: Vec<BTreeSet<usize>> = (0..edges.len()).map(|i| reachable(&edges, i)).collect();
-        // Depth in the graph of components: whoever reaches more parts comes later.
+        // Depth in the graph of strongly connected components: a part that reaches more parts comes
+        // later.
         let together =
             |i: usize, j: usize| i == j || (reach[i].contains(&j) && reach[j].contains(&i));
         let mut places = vec![usize::MAX; edges.len()];
@@ -144,7 +144,7 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Whether a rule may be relied on in the step in which an assumption of a part is looked at.
+    /// Returns whether a rule may be relied on in the step in which a part's assumption is checked.
     fn is_usable(&self, rule: usize, part: usize) -> bool {
         let entry = &self.book.entries[rule];
         entry.unconditional
@@ -154,8 +154,8 @@ impl<'a> Prover<'a> {
 
     // ---- safety ---------------------------------------------------------------------------------
 
-    /// Rules that hold from the beginning: what is given, what was handed on, and what parts
-    /// guarantee.
+    /// Returns the rules that hold from the beginning: givens, exported assumptions, and guarantees
+    /// of parts.
     pub(super) fn hypotheses(&self) -> Vec<usize> {
         let mut found = self.book.numbers(|at| is_given(*at));
         found.extend(&self.exported);
@@ -165,8 +165,8 @@ impl<'a> Prover<'a> {
         found
     }
 
-    /// These, and the safety that parts assume: it was kept so far. It follows from the others
-    /// unless one of the assumptions is open.
+    /// Adds the safety that parts assume to these rules: it was kept so far. It follows from the
+    /// others unless one of the assumptions is open.
     pub(super) fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
         rules.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
@@ -175,7 +175,7 @@ impl<'a> Prover<'a> {
         rules
     }
 
-    /// Initial conditions, invariants and safety that parts assume.
+    /// Proves the initial conditions, invariants and safety that parts assume.
     fn safety(&mut self) -> Result<(), Limit> {
         let assumed = self.book.numbers(|at| is_assumption(*at));
         let mut left: Vec<usize> = assumed;
@@ -185,8 +185,8 @@ impl<'a> Prover<'a> {
             let mut open = Vec::new();
             let mut moved = false;
             for rule in std::mem::take(&mut left) {
-                // Where the caller chooses, what does not follow from what stands near is handed
-                // on, and not looked for further.
+                // If the caller chooses, an assumption that does not follow from near rules is
+                // handed on without further search.
                 if matches!(self.claim.exports, Exports::After(_)) && self.is_about_outside(rule) {
                     if let Some(by) = self.step_minimal(rule, Some(rule), NEAR)? {
                         self.discharged(rule, &by);
@@ -198,7 +198,7 @@ impl<'a> Prover<'a> {
                             moved = true;
                             continue;
                         }
-                        // What fails even where it is not the environment's choice fails
+                        // An assumption that fails even where the environment has no choice fails
                         // altogether.
                         Err(Some(worse)) => {
                             open.push((rule, worse));
@@ -208,11 +208,12 @@ impl<'a> Prover<'a> {
                     }
                 }
                 match self.assumption(rule)? {
-                    Found::Follows(by) => self.discharged(rule, &by),
-                    Found::Fails(why) => failed.push((rule, why)),
+                    ObligationResult::Follows(by) => self.discharged(rule, &by),
+                    ObligationResult::Fails(why) => failed.push((rule, why)),
                 }
             }
-            // What only the environment can keep is its business; with it, more may follow.
+            // Assumptions that only the environment can keep are handed on; with them, more may
+            // follow.
             for (rule, why) in failed {
                 match self.export(rule)? {
                     Ok(by) => {
@@ -230,9 +231,9 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// What failed without the answers of parts that may wait for one another: with them, if that
-    /// can be put into an order.
-    fn within_a_step(&mut self, failed: Vec<(usize, Broken)>) -> Result<(), Limit> {
+    /// Retries assumptions that failed without the answers of parts that may wait for one another,
+    /// now with those answers, if the parts can be ordered.
+    fn within_a_step(&mut self, failed: Vec<(usize, Refutation)>) -> Result<(), Limit> {
         let mut needs: Vec<(usize, BTreeSet<usize>, Vec<usize>)> = Vec::new();
         let mut open = Vec::new();
         for (rule, why) in failed {
@@ -264,7 +265,7 @@ impl<'a> Prover<'a> {
                 None => open.push((rule, why)),
             }
         }
-        // Who needs whom, over all of them.
+        // Dependencies of all of them.
         let mut edges = vec![BTreeSet::new(); self.order.places.len()];
         for (rule, needed, _) in &needs {
             edges[self.part_of(*rule)].extend(needed.iter().copied());
@@ -288,7 +289,7 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// The parts of the same place, but for two of them.
+    /// Returns the parts in the same place, except these two.
     fn same_place(&self, part: usize, without: usize) -> BTreeSet<usize> {
         let place = self.order.places[part];
         (0..self.order.places.len())
@@ -296,7 +297,7 @@ impl<'a> Prover<'a> {
             .collect()
     }
 
-    /// The variables of other parts that an assumption waits for within its step.
+    /// Returns the variables of other parts that an assumption waits for within its step.
     fn loop_of(&self, rule: usize, needed: &BTreeSet<usize>) -> Vec<linewright_core::gr1::VarId> {
         let Rule { kind, expr } = self.book.rule(rule);
         let mut variables: Vec<_> = latest(expr, *kind)
@@ -323,11 +324,11 @@ impl<'a> Prover<'a> {
         variables
     }
 
-    /// An assumption of a part, by induction over time.
-    fn assumption(&mut self, rule: usize) -> Result<Found, Limit> {
+    /// Proves an assumption of a part, by induction over time.
+    fn assumption(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
         let part = self.part_of(rule);
         if let Some(by) = self.step_minimal(rule, Some(rule), ALL)? {
-            return Ok(Found::Follows(by));
+            return Ok(ObligationResult::Follows(by));
         }
         // Other assumptions were kept so far as well.
         let mut all = self.with_assumptions(self.hypotheses());
@@ -336,15 +337,20 @@ impl<'a> Prover<'a> {
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         if let Some(trace) = self.step(&all, rule, Some(part))? {
-            return Ok(Found::Fails(Broken::Trace(trace)));
+            return Ok(ObligationResult::Fails(Refutation::Trace(trace)));
         }
         let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
-        Ok(Found::Follows(quick_xplain(&mut holds, &[], false, &all)?))
+        Ok(ObligationResult::Follows(quick_xplain(
+            &mut holds,
+            &[],
+            false,
+            &all,
+        )?))
     }
 
-    /// The smallest part of the hypotheses from which a rule follows step by step, as far as so
-    /// many rings of them are looked at; `None` when it does not follow. `assumed` says that it is
-    /// an assumption of a part.
+    /// Returns the smallest subset of the hypotheses from which a rule follows step by step, within
+    /// a maximum number of rings; `None` if it does not follow. `assumed` is the rule if it is an
+    /// assumption of a part.
     pub(super) fn step_minimal(
         &mut self,
         rule: usize,
@@ -371,8 +377,8 @@ impl<'a> Prover<'a> {
         })
     }
 
-    /// The smallest part of some candidates that is enough: what is given alone, a single
-    /// guarantee, and then ring by ring, up to so many rings.
+    /// Returns the smallest sufficient subset of some candidates: givens alone, a single guarantee,
+    /// then ring by ring, up to `most_rings`.
     pub(super) fn minimal(
         &mut self,
         goal: usize,
@@ -408,8 +414,7 @@ impl<'a> Prover<'a> {
         }
         let mut kept = Vec::new();
         for ring in rings.into_iter().take(most_rings) {
-            // Justice where it is enough, since it is what the reader looks for; then what stands
-            // nearest.
+            // Justice if it is enough, since it is what the reader looks for; then the nearest.
             let (justice, safety): (Vec<usize>, Vec<usize>) =
                 ring.into_iter().partition(|i| self.book.is_justice(*i));
             kept.splice(0..0, justice);
@@ -418,14 +423,14 @@ impl<'a> Prover<'a> {
                 return self.fewest(&kept, holds).map(Some);
             }
         }
-        // What nothing leads to matters where it cannot be kept at all.
+        // Unreachable candidates matter only if they cannot be kept at all.
         if most_rings == ALL && kept.len() < candidates.len() && holds(self, candidates)? {
             return self.fewest(candidates, holds).map(Some);
         }
         Ok(None)
     }
 
-    /// Leaves away what is not needed.
+    /// Removes rules that are not needed.
     pub(super) fn fewest(
         &mut self,
         enough: &[usize],
@@ -453,8 +458,9 @@ impl<'a> Prover<'a> {
         Ok(self.step(kept, rule, part)?.is_none())
     }
 
-    /// A run up to the first step that breaks a rule, kept to some others. Of a part's assumption
-    /// the last step is only held to what can be relied on when the part's inputs are there.
+    /// Returns a run up to the first step that breaks a rule, keeping some others. For a part's
+    /// assumption, the last step only has to keep what can be relied on when the part's inputs are
+    /// present.
     pub(super) fn step(
         &mut self,
         kept: &[usize],
@@ -472,23 +478,22 @@ impl<'a> Prover<'a> {
         self.book.runs.step(&slip)
     }
 
-    // ---- what is handed on ----------------------------------------------------------------------
+    // ---- exported assumptions -------------------------------------------------------------------
 
-    /// Whether what a rule says of the last step that it speaks of is about what comes from
-    /// outside, too.
+    /// Returns whether a rule mentions outside values in the last step that it is about.
     fn is_about_outside(&self, rule: usize) -> bool {
         let Rule { kind, expr } = self.book.rule(rule);
         let mut latest = latest(expr, *kind).into_iter();
         latest.any(|v| self.book.system.driver(v).is_none())
     }
 
-    /// Whether an assumption that is not discharged may be handed on to the environment, and on
-    /// what that rests; if not, how it is broken where it would not be the environment's own
-    /// choice, if it may be handed on at all.
+    /// Returns what the export of an undischarged assumption rests on. If it may not be handed on,
+    /// returns how it is broken where the environment has no choice, or `None` if it may never be
+    /// handed on.
     pub(super) fn export(
         &mut self,
         rule: usize,
-    ) -> Result<Result<Vec<usize>, Option<Broken>>, Limit> {
+    ) -> Result<Result<Vec<usize>, Option<Refutation>>, Limit> {
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let outside = self.is_about_outside(rule);
         let after = match &self.claim.exports {
@@ -512,7 +517,7 @@ impl<'a> Prover<'a> {
         let mut candidates = self.hypotheses();
         candidates.push(rule);
         let slips = |p: &mut Self, kept: &[usize]| {
-            // Of the last step it is what is to be shown.
+            // In the last step it is to be shown.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
             let last = kept
                 .iter()
@@ -531,7 +536,7 @@ impl<'a> Prover<'a> {
         } else {
             let all = self.with_assumptions(candidates);
             if let Some(trace) = slips(self, &all)? {
-                return Ok(Err(Some(Broken::Trace(trace))));
+                return Ok(Err(Some(Refutation::Trace(trace))));
             }
             self.fewest(&all, &mut holds)?
         };
@@ -544,7 +549,7 @@ impl<'a> Prover<'a> {
         let by = by.iter().map(|i| self.at(*i)).collect();
         self.proof.discharges.push(Discharge {
             what,
-            rule: Discharged::Exported,
+            rule: DischargeRule::Exported,
             by,
         });
     }
@@ -552,14 +557,14 @@ impl<'a> Prover<'a> {
     fn discharged(&mut self, rule: usize, by: &[usize]) {
         let of_the_environment = by.iter().all(|i| self.is_environments(*i));
         let kind = if of_the_environment {
-            Discharged::Environment
+            DischargeRule::Environment
         } else {
-            Discharged::Induction
+            DischargeRule::Induction
         };
         self.record(rule, kind, by);
     }
 
-    pub(super) fn record(&mut self, rule: usize, kind: Discharged, by: &[usize]) {
+    pub(super) fn record(&mut self, rule: usize, kind: DischargeRule, by: &[usize]) {
         let what = self.at(rule);
         let by = by.iter().map(|i| self.at(*i)).collect();
         self.proof.discharges.push(Discharge {
@@ -581,27 +586,27 @@ impl<'a> Prover<'a> {
 }
 
 pub(super) fn is_given(at: FormulaRef) -> bool {
-    at.part.is_none() && at.half == Half::Assumptions
+    at.part.is_none() && at.half == ContractSide::Assumptions
 }
 
 pub(super) fn is_goal(at: FormulaRef) -> bool {
-    at.part.is_none() && at.half == Half::Guarantees
+    at.part.is_none() && at.half == ContractSide::Guarantees
 }
 
 pub(super) fn is_guarantee(at: FormulaRef) -> bool {
-    at.part.is_some() && at.half == Half::Guarantees
+    at.part.is_some() && at.half == ContractSide::Guarantees
 }
 
 pub(super) fn is_assumption(at: FormulaRef) -> bool {
-    at.part.is_some() && at.half == Half::Assumptions
+    at.part.is_some() && at.half == ContractSide::Assumptions
 }
 
-/// Parts in order, the goal last.
+/// Returns a sort key: parts in order, the goal last.
 fn place(at: FormulaRef) -> (usize, RuleKind, usize) {
     (at.part.unwrap_or(usize::MAX), at.kind, at.index)
 }
 
-/// What can be reached in a graph, by at least one edge.
+/// Returns what can be reached in a graph, by at least one edge.
 fn reachable(edges: &[BTreeSet<usize>], from: usize) -> BTreeSet<usize> {
     let mut seen = BTreeSet::new();
     let mut open: Vec<usize> = edges[from].iter().copied().collect();

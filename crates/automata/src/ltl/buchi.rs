@@ -1,26 +1,26 @@
 //! A formula as a deterministic Büchi automaton.
 //!
-//! A state is a conjunction of disjunctions of temporal formulas. A disjunction with a `weak` or a
-//! `release` in it is kept by going on; one without, a *debt*, has to be paid some day. Debts are
-//! paid in rounds: those that are there when a round begins are watched until none is left, which
-//! is accepting (the break-point construction of Miyano and Hayashi, "Alternating finite automata
-//! on ω-words", 1984).
+//! A state is a conjunction of disjunctions of temporal formulas. A disjunction that contains a
+//! `weak` or a `release` can be kept for ever; one without, a *debt*, has to be paid eventually.
+//! Debts are paid in rounds: the debts at the beginning of a round are watched until none is left,
+//! which is accepting (the break-point construction of Miyano and Hayashi, "Alternating finite
+//! automata on ω-words", 1984).
 //!
-//! That is right for formulas in which no `until` holds a `weak` or a `release`.
+//! This is correct for formulas in which no `until` contains a `weak` or a `release`.
 
 use super::formula::{Formulas, Node};
 use super::progression::{Condition, Progression, Reading};
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use crate::symbolic::{Automaton, Values};
 
-/// What is left, the debts that are watched, and whether a round has just ended.
+/// Remaining condition, watched debts, and whether a round has just ended.
 type Round = (Condition, Condition, bool);
 
-/// The smallest automaton of a formula over the atoms 0 to `atoms - 1`.
+/// Returns the minimal automaton of a formula over the atoms 0 to `atoms - 1`.
 ///
 /// # Errors
 /// When it is too large for [`Automaton::explore`].
-pub fn buchi(formulas: &Formulas, formula: Node, atoms: usize) -> Result<Automaton, TooLarge> {
+pub fn buchi(formulas: &Formulas, formula: Node, atoms: usize) -> Result<Automaton, BoundExceeded> {
     let mut progression = Progression::new(formulas, Reading::Clauses, usize::MAX);
     let lost = progression.constant(false);
     let start: Round = (progression.ahead(formula)?, Condition::none(), false);
@@ -48,7 +48,7 @@ mod tests {
     use crate::symbolic::Decision;
     use std::collections::BTreeSet;
 
-    /// The state after a step in which these atoms hold, as bits.
+    /// Returns the state after a step in which these atoms hold, as bits.
     fn after(automaton: &Automaton, state: usize, letter: u32) -> usize {
         let mut decision = &automaton.steps[state];
         loop {
@@ -60,8 +60,7 @@ mod tests {
         }
     }
 
-    /// `G (p -> F q)`: accepting states come again and again, unless the last `p` is never
-    /// answered.
+    /// `G (p -> F q)`: accepting states recur for ever, unless the last `p` is never answered.
     #[test]
     fn a_debt_has_to_be_paid() {
         const P: u32 = 1;
@@ -87,15 +86,14 @@ mod tests {
                 state = after(&automaton, state, *letter);
                 last.push(automaton.accepting[state]);
             }
-            // There are fewer states than steps in the second half, so what is seen there is seen
+            // There are fewer states than steps in the second half, so the states seen there recur
             // for ever.
             let half = &last[last.len() / 2..];
             assert_eq!(half.contains(&true), wanted, "{beginning:?} {round:?}");
         }
     }
 
-    /// A formula that a finite run can break is lost in the same states, whichever automaton is
-    /// made of it.
+    /// A formula that a finite run can break is lost in the same states of both automata.
     #[test]
     fn both_automata_of_a_safety_formula_agree() {
         let mut formulas = Formulas::default();
@@ -113,7 +111,7 @@ mod tests {
         for formula in [weak, release, either, always] {
             let words = safety(&formulas, formula, &letters, limits).expect("it is small");
             let runs = buchi(&formulas, formula, 2).expect("it is small");
-            // In step with each other: what is refused is never accepting again.
+            // Step both together: a refused run is never accepting again.
             let mut open = vec![(Some(0), 0)];
             let mut seen = BTreeSet::new();
             while let Some((word, run)) = open.pop() {

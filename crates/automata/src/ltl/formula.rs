@@ -6,39 +6,38 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Node(u32);
 
-/// A formula over numbered atoms; negations stand before atoms only.
+/// A formula over numbered atoms, in negation normal form.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Formula {
     /// True or false.
     Constant(bool),
     /// An atom, or its negation.
     Atom(usize, bool),
-    /// All of them.
+    /// Conjunction.
     And(Vec<Node>),
-    /// One of them.
+    /// Disjunction.
     Or(Vec<Node>),
-    /// From the next step on.
+    /// Holds from the next step on.
     Next(Node),
-    /// The first up to the second, which has to come.
+    /// The first holds until the second, which must occur.
     Until(Node, Node),
-    /// The first up to the second, or for ever.
+    /// The first holds until the second, or for ever.
     Weak(Node, Node),
-    /// The second up to and with the first, or for ever.
+    /// The second holds up to and including the step of the first, or for ever.
     Release(Node, Node),
 }
 
-/// Formulas that share what is equal.
+/// Formulas with shared equal subformulas.
 #[derive(Debug, Default)]
 pub struct Formulas {
     nodes: Vec<Formula>,
     known: BTreeMap<Formula, Node>,
-    /// For every node, whether it can be kept by going on: whether a `weak` or a `release` is in
-    /// it.
+    /// Whether each node can be kept for ever, that is, contains a `weak` or a `release`.
     goes_on: Vec<bool>,
 }
 
 impl Formulas {
-    /// The node of a formula.
+    /// Returns the node of a formula.
     pub fn node(&mut self, formula: Formula) -> Node {
         if let Some(known) = self.known.get(&formula) {
             return *known;
@@ -57,40 +56,40 @@ impl Formulas {
         node
     }
 
-    /// The formula of a node.
+    /// Returns the formula of a node.
     pub fn formula(&self, node: Node) -> &Formula {
         &self.nodes[node.0 as usize]
     }
 
-    /// Whether it can be kept by going on.
+    /// Returns whether the node can be kept for ever.
     pub(super) fn goes_on(&self, node: Node) -> bool {
         self.goes_on[node.0 as usize]
     }
 
-    /// True or false.
+    /// Returns true or false.
     pub fn constant(&mut self, value: bool) -> Node {
         self.node(Formula::Constant(value))
     }
 
-    /// Some day.
+    /// Returns "eventually `a`".
     pub fn eventually(&mut self, a: Node) -> Node {
         let all = self.constant(true);
         self.node(Formula::Until(all, a))
     }
 
-    /// In every step.
+    /// Returns "always `a`".
     pub fn always(&mut self, a: Node) -> Node {
         let never = self.constant(false);
         self.node(Formula::Release(never, a))
     }
 
-    /// If the first, then the second.
+    /// Returns "`a` implies `b`".
     pub fn implies(&mut self, a: Node, b: Node) -> Node {
         let denied = self.not(a);
         self.node(Formula::Or(vec![denied, b]))
     }
 
-    /// The negation. The recursion is as deep as the formula.
+    /// Returns the negation. The recursion is as deep as the formula.
     pub fn not(&mut self, a: Node) -> Node {
         let formula = match self.formula(a).clone() {
             Formula::Constant(value) => Formula::Constant(!value),

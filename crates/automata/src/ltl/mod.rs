@@ -1,12 +1,12 @@
-//! Formulas of linear temporal logic, and the automata that come of them by progression.
+//! Formulas of linear temporal logic, and their automata by progression.
 //!
-//! A state of such an automaton is what is left to be kept after the steps so far: a condition on
-//! the steps to come, made of temporal formulas by "and" and "or". A step replaces each of these by
-//! what it asks of the rest (Bacchus and Kabanza, "Using temporal logics to express search control
-//! knowledge for planning", 2000). Conditions are [antichains](crate::antichain), so equal ones are
-//! found.
+//! A state of such an automaton is the obligation that remains after the steps so far: a condition
+//! on the steps to come, built from temporal formulas by "and" and "or". A step replaces each of
+//! these by what it requires of the rest (Bacchus and Kabanza, "Using temporal logics to express
+//! search control knowledge for planning", 2000). Conditions are [antichains](crate::antichain), so
+//! equal ones are found.
 //!
-//! [`safety`] refuses what nothing can mend, [`buchi`] also sees to what has to come some day.
+//! [`safety`] refuses runs that can no longer be repaired; [`buchi`] also handles eventualities.
 
 mod buchi;
 mod formula;

@@ -1,26 +1,26 @@
-//! What a step leaves of a formula.
+//! Progression: what remains of a formula after a step.
 
 use super::formula::{Formula, Formulas, Node};
 use crate::antichain::Antichain;
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use std::collections::BTreeMap;
 
-/// What has to hold from the next step on.
+/// Obligation from the next step on.
 pub(super) type Condition = Antichain<Node>;
 
-/// How a condition is read.
+/// Reading of a condition's sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reading {
-    /// All of one set, whichever it is.
+    /// All elements of at least one set.
     Terms,
-    /// One of every set.
+    /// At least one element of every set.
     Clauses,
 }
 
 pub(super) struct Progression<'f> {
     formulas: &'f Formulas,
     reading: Reading,
-    /// A condition may have so many sets.
+    /// Maximum number of sets in a condition.
     most: usize,
     known: BTreeMap<(Node, u32), Condition>,
 }
@@ -43,9 +43,9 @@ impl<'f> Progression<'f> {
         }
     }
 
-    fn bounded(&self, condition: Condition) -> Result<Condition, TooLarge> {
+    fn bounded(&self, condition: Condition) -> Result<Condition, BoundExceeded> {
         if condition.len() > self.most {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "alternatives in a state",
                 limit: self.most,
             });
@@ -53,7 +53,7 @@ impl<'f> Progression<'f> {
         Ok(condition)
     }
 
-    fn joined(&self, and: bool, a: &Condition, b: &Condition) -> Result<Condition, TooLarge> {
+    fn joined(&self, and: bool, a: &Condition, b: &Condition) -> Result<Condition, BoundExceeded> {
         self.bounded(if and == (self.reading == Reading::Terms) {
             a.product(b)
         } else {
@@ -61,13 +61,13 @@ impl<'f> Progression<'f> {
         })
     }
 
-    /// A list as a conjunction or a disjunction.
+    /// Reads a list as a conjunction or a disjunction.
     fn all(
         &mut self,
         and: bool,
         list: &[Node],
-        of: impl Fn(&mut Self, Node) -> Result<Condition, TooLarge>,
-    ) -> Result<Condition, TooLarge> {
+        of: impl Fn(&mut Self, Node) -> Result<Condition, BoundExceeded>,
+    ) -> Result<Condition, BoundExceeded> {
         let mut found = self.constant(and);
         for node in list {
             let part = of(self, *node)?;
@@ -76,8 +76,8 @@ impl<'f> Progression<'f> {
         Ok(found)
     }
 
-    /// A formula about the steps to come.
-    pub fn ahead(&mut self, node: Node) -> Result<Condition, TooLarge> {
+    /// Returns a formula as a condition on the steps to come.
+    pub fn ahead(&mut self, node: Node) -> Result<Condition, BoundExceeded> {
         let formulas = self.formulas;
         match formulas.formula(node) {
             Formula::Constant(value) => Ok(self.constant(*value)),
@@ -87,8 +87,8 @@ impl<'f> Progression<'f> {
         }
     }
 
-    /// What is left of a formula after a step in which these atoms hold, as bits.
-    fn after(&mut self, node: Node, letter: u32) -> Result<Condition, TooLarge> {
+    /// Returns what remains of a formula after a step in which these atoms hold, as bits.
+    fn after(&mut self, node: Node, letter: u32) -> Result<Condition, BoundExceeded> {
         if let Some(known) = self.known.get(&(node, letter)) {
             return Ok(known.clone());
         }
@@ -117,9 +117,13 @@ impl<'f> Progression<'f> {
         Ok(found)
     }
 
-    /// What is left of a condition after such a step.
-    pub fn all_after(&mut self, condition: &Condition, letter: u32) -> Result<Condition, TooLarge> {
-        // "And" and "or" change places with the reading, and so do these two.
+    /// Returns what remains of a condition after such a step.
+    pub fn all_after(
+        &mut self,
+        condition: &Condition,
+        letter: u32,
+    ) -> Result<Condition, BoundExceeded> {
+        // "And" and "or" swap with the reading, and so do these two.
         let mut found = Condition::none();
         for set in condition.sets() {
             let mut left = Condition::unit();

@@ -2,20 +2,20 @@
 
 use super::formula::{Formulas, Node};
 use super::progression::{Progression, Reading};
-use crate::bound::TooLarge;
+use crate::bound::BoundExceeded;
 use crate::dfa::Dfa;
 
-/// How large an automaton may become.
+/// Limits on the size of an automaton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// So many states before it is made minimal.
+    /// Maximum number of states before minimization.
     pub states: usize,
-    /// So many alternatives in a state.
+    /// Maximum number of alternatives in a state.
     pub alternatives: usize,
 }
 
-/// The smallest automaton of a formula without `until`. Its letters are these choices of atoms, as
-/// bits; it refuses the steps that break the formula, whatever comes.
+/// Returns the minimal automaton of a formula without `until`. Its letters are these choices of
+/// atoms, as bits. It refuses a step after which no continuation keeps the formula.
 ///
 /// # Errors
 /// When it is larger than the limits.
@@ -24,8 +24,8 @@ pub fn safety(
     formula: Node,
     letters: &[u32],
     limits: Limits,
-) -> Result<Dfa, TooLarge> {
-    // What can still be kept in some way is what is asked at every step, so states are terms.
+) -> Result<Dfa, BoundExceeded> {
+    // Each step asks what can still be kept in some way, so states are terms.
     let mut progression = Progression::new(formulas, Reading::Terms, limits.alternatives);
     let start = progression.ahead(formula)?;
     let step = |state: &_, letter: usize| {

@@ -1,4 +1,4 @@
-//! Regular expressions over letters: put together in short, and as automata.
+//! Regular expressions over letters: simplifying constructors, and conversion to automata.
 
 mod short;
 mod thompson;

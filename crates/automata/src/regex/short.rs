@@ -1,9 +1,9 @@
-//! Expressions put together without what changes nothing.
+//! Constructors that simplify expressions.
 
 use super::tree::Regex;
 
 impl Regex {
-    /// One after the other, without what changes nothing.
+    /// Concatenates, without redundant parts.
     pub fn concat(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut flat = Vec::new();
         for part in parts {
@@ -29,7 +29,7 @@ impl Regex {
         }
     }
 
-    /// One of them, without doubles; what begins or ends alike is said once.
+    /// Returns the union, without duplicates; common prefixes and suffixes are factored out.
     pub fn either(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut flat = Vec::new();
         let mut empty = false;
@@ -70,7 +70,7 @@ impl Regex {
         if empty { body.optional() } else { body }
     }
 
-    /// As often as one likes, or not at all.
+    /// Returns any number of repetitions, including none.
     #[must_use]
     pub fn star(self) -> Self {
         let of = match self {
@@ -83,7 +83,7 @@ impl Regex {
             } => *of,
             other => other,
         };
-        // In a repetition, what is repeated itself need not say so.
+        // Within a repetition, an inner repetition is redundant.
         let of = match of {
             Self::Either(parts) => {
                 let bare = parts.into_iter().map(|part| match part {
@@ -105,7 +105,7 @@ impl Regex {
         }
     }
 
-    /// Once, or not at all.
+    /// Returns the expression or the empty word.
     #[must_use]
     pub fn optional(self) -> Self {
         match self {
@@ -131,7 +131,7 @@ fn push_new(parts: &mut Vec<Regex>, part: Regex) {
     }
 }
 
-/// Two parts in a row as one.
+/// Merges two adjacent parts, if possible.
 fn joined(a: &Regex, b: &Regex) -> Option<Regex> {
     let many = |of: &Regex, low| Regex::Repeat {
         of: Box::new(of.clone()),
@@ -171,7 +171,7 @@ fn joined(a: &Regex, b: &Regex) -> Option<Regex> {
     }
 }
 
-/// The parts of a concatenation.
+/// Returns the parts of a concatenation.
 fn parts(regex: &Regex) -> Vec<Regex> {
     match regex {
         Regex::Concat(parts) => parts.clone(),
@@ -179,8 +179,8 @@ fn parts(regex: &Regex) -> Vec<Regex> {
     }
 }
 
-/// Says once what two alternatives begin or end with: `x y | x z` is `x (y | z)`, as long as that
-/// is shorter.
+/// Factors out a common prefix or suffix of two alternatives: `x y | x z` becomes `x (y | z)`, as
+/// long as that is shorter.
 fn factor(flat: &mut Vec<Regex>) {
     'again: loop {
         for i in 0..flat.len() {
@@ -197,7 +197,7 @@ fn factor(flat: &mut Vec<Regex>) {
 }
 
 fn factored(a: &Regex, b: &Regex) -> Option<Regex> {
-    // The letters of classes stay one class.
+    // The letters of a class stay one class.
     if matches!((a, b), (Regex::Letter(_), Regex::Letter(_))) {
         return None;
     }

@@ -1,17 +1,17 @@
-//! An expression as a deterministic automaton.
+//! Conversion of an expression to a deterministic automaton.
 //!
-//! It becomes a nondeterministic automaton with empty moves (Thompson, "Regular expression search
-//! algorithm", 1968), and that a deterministic one by sets of its states.
+//! The expression becomes a nondeterministic automaton with empty moves (Thompson, "Regular
+//! expression search algorithm", 1968), which the subset construction makes deterministic.
 
 use super::tree::Regex;
-use crate::bound::{Bound, TooLarge};
+use crate::bound::{BoundExceeded, ExplorationBound};
 use crate::dfa::Dfa;
 use std::collections::BTreeSet;
 
-/// So many places an expression may have when its repetitions are written out.
+/// Maximum number of places of an expression with its repetitions written out.
 pub const MOST_PLACES: usize = 1 << 16;
 
-/// What is read on the way from one place to another.
+/// What is read on a transition.
 enum Move {
     Nothing,
     Letters(Vec<bool>),
@@ -23,9 +23,9 @@ struct Places {
 }
 
 impl Places {
-    fn new_place(&mut self) -> Result<usize, TooLarge> {
+    fn new_place(&mut self) -> Result<usize, BoundExceeded> {
         if self.from.len() == MOST_PLACES {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "places in a regular expression",
                 limit: MOST_PLACES,
             });
@@ -42,8 +42,8 @@ impl Places {
         Move::Letters(set)
     }
 
-    /// Lays the expression behind `from`; gives where its words end.
-    fn lay(&mut self, regex: &Regex, from: usize) -> Result<usize, TooLarge> {
+    /// Adds the expression behind `from`; returns the place where its words end.
+    fn lay(&mut self, regex: &Regex, from: usize) -> Result<usize, BoundExceeded> {
         match regex {
             Regex::Nothing => self.new_place(),
             Regex::Empty => Ok(from),
@@ -65,8 +65,7 @@ impl Places {
                 let mut at = from;
                 for _ in 0..*low {
                     at = self.lay(of, at)?;
-                    // Also nothing repeated takes a place, so that no number is too large to be
-                    // refused.
+                    // An empty repetition takes a place too, so every number can be too large.
                     let next = self.new_place()?;
                     self.from[at].push((Move::Nothing, next));
                     at = next;
@@ -92,16 +91,16 @@ impl Places {
         }
     }
 
-    fn lay_one(&mut self, step: Move, from: usize) -> Result<usize, TooLarge> {
+    fn lay_one(&mut self, step: Move, from: usize) -> Result<usize, BoundExceeded> {
         let to = self.new_place()?;
         self.from[from].push((step, to));
         Ok(to)
     }
 
-    /// A place for every set of those that have been read.
-    fn lay_any_order(&mut self, letters: &[usize], from: usize) -> Result<usize, TooLarge> {
+    /// Adds a place for every set of letters read so far.
+    fn lay_any_order(&mut self, letters: &[usize], from: usize) -> Result<usize, BoundExceeded> {
         if letters.len() >= MOST_PLACES.ilog2() as usize {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "places in a regular expression",
                 limit: MOST_PLACES,
             });
@@ -121,7 +120,7 @@ impl Places {
         Ok(places[places.len() - 1])
     }
 
-    /// These places and all that are reached by empty moves, in ascending order.
+    /// Returns these places and all that are reached by empty moves, in ascending order.
     fn closure(&self, places: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut waiting: Vec<usize> = places.into_iter().collect();
         let mut seen: BTreeSet<usize> = waiting.iter().copied().collect();
@@ -136,13 +135,17 @@ impl Places {
     }
 }
 
-/// The smallest automaton of an expression over `letters` letters. What no longer leads to a word
-/// is refused.
+/// Returns the minimal automaton of an expression over `letters` letters. Letters after which no
+/// word is possible are refused.
 ///
 /// # Errors
-/// When the expression has more than [`MOST_PLACES`] places, or the automaton more states than
-/// `bound` allows, or when the time is over.
-pub fn automaton(regex: &Regex, letters: usize, bound: impl Into<Bound>) -> Result<Dfa, TooLarge> {
+/// When the expression has more than [`MOST_PLACES`] places, when the automaton has more states
+/// than `bound` allows, or when the deadline has passed.
+pub fn automaton(
+    regex: &Regex,
+    letters: usize,
+    bound: impl Into<ExplorationBound>,
+) -> Result<Dfa, BoundExceeded> {
     let mut places = Places {
         letters,
         from: vec![Vec::new()],

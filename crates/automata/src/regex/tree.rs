@@ -1,4 +1,4 @@
-//! Expressions as trees.
+//! Regular expressions as trees.
 
 /// A regular expression over letters.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -9,27 +9,27 @@ pub enum Regex {
     Empty,
     /// One letter.
     Letter(usize),
-    /// Any letter but these; `.` is any.
+    /// Any letter except these; `.` is the empty list.
     AnyBut(Vec<usize>),
     /// Several letters, each once, in any order.
     AnyOrder(Vec<usize>),
-    /// One after the other.
+    /// Concatenation.
     Concat(Vec<Regex>),
-    /// One of them.
+    /// Union.
     Either(Vec<Regex>),
-    /// From `low` to `high` times; without an end where `high` is `None`.
+    /// From `low` to `high` times; unbounded if `high` is `None`.
     Repeat {
-        /// What is repeated.
+        /// Repeated expression.
         of: Box<Regex>,
-        /// How often at least.
+        /// Minimum count.
         low: u32,
-        /// How often at most.
+        /// Maximum count.
         high: Option<u32>,
     },
 }
 
 impl Regex {
-    /// Whether the empty word is one of its words.
+    /// Returns whether the expression matches the empty word.
     pub fn has_empty(&self) -> bool {
         match self {
             Self::Empty => true,
@@ -41,7 +41,7 @@ impl Regex {
         }
     }
 
-    /// How long it is: the letters and operators in it.
+    /// Returns the number of letters and operators.
     pub fn size(&self) -> usize {
         match self {
             Self::Nothing | Self::Empty | Self::Letter(_) => 1,
@@ -53,7 +53,7 @@ impl Regex {
         }
     }
 
-    /// Puts letter `i` at `places[i]`.
+    /// Replaces letter `i` by `places[i]`.
     pub fn renumber(&mut self, places: &[usize]) {
         match self {
             Self::Nothing | Self::Empty => {}

@@ -1,15 +1,15 @@
 //! Every diagnostic code, with its title.
 //!
-//! The first digit says what a code is about: see [`GROUPS`]. A code is never used again for
-//! something else. Each code has a page in `crates/core/src/diagnostics/explanations/`, shown by
+//! The first digit gives the topic of a code: see [`GROUPS`]. A code is never reused for something
+//! else. Each code has a page in `crates/core/src/diagnostics/explanations/`, shown by
 //! `linewright explain`.
 
 /// A diagnostic code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Code {
-    /// `LW101`.
+    /// Identifier, such as `LW101`.
     pub id: &'static str,
-    /// A few words: what is wrong.
+    /// Short description of the problem, a few words.
     pub title: &'static str,
 }
 
@@ -20,7 +20,7 @@ impl std::fmt::Display for Code {
 }
 
 impl Code {
-    /// The group it belongs to.
+    /// Returns the group of the code.
     ///
     /// # Panics
     /// When there is no group for its first digit, which a test rules out for every code.
@@ -30,12 +30,12 @@ impl Code {
     }
 }
 
-/// The codes with the same first digit.
+/// Codes with the same first digit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Group {
-    /// `LW1xx`.
+    /// Pattern of its ids, such as `LW1xx`.
     pub pattern: &'static str,
-    /// What its codes are about.
+    /// Topic of its codes.
     pub title: &'static str,
 }
 
@@ -54,7 +54,7 @@ impl Group {
         Self { pattern, title }
     }
 
-    /// Its codes in ascending order.
+    /// Returns the codes of the group in ascending order.
     pub fn codes(&'static self) -> impl Iterator<Item = Code> {
         ALL.iter().copied().filter(move |c| c.group() == self)
     }
@@ -72,7 +72,7 @@ macro_rules! codes {
 codes! {
     FILE_UNREADABLE = "LW001", "a file cannot be read";
     SYNTAX = "LW002", "a declaration or formula does not follow the grammar";
-    IMPORT_CIRCULAR = "LW003", "files import each other in a circle";
+    IMPORT_CIRCULAR = "LW003", "files import each other (circular import)";
     IMPORT_MISSING = "LW004", "an imported file does not exist";
     NOTATION = "LW005", "another tool's notation means something unusual";
     OWN_TOOL = "LW006", "a specification's own tool answers otherwise";
@@ -121,7 +121,7 @@ codes! {
     OPERATION = "LW306", "an operation does not fit its coordinator";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";
-    JUSTICE_CIRCLE = "LW309", "assumptions of justice wait for one another";
+    JUSTICE_CIRCLE = "LW309", "justice assumptions depend on one another";
     PROMISE_BROKEN = "LW310", "what is promised as a whole is not kept";
     PORTS = "LW311", "the ports of contracts do not fit together";
     INCOMPATIBLE = "LW312", "no environment fits the contracts";
@@ -138,7 +138,7 @@ codes! {
     LINE_VIOLATION = "LW405", "a contract was violated while the line ran";
     LINE_REQUIREMENT = "LW406", "a requirement does not hold";
     LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";
-    LINE_CIRCLE = "LW408", "parts can wait for one another for ever";
+    LINE_CIRCLE = "LW408", "parts can deadlock (circular wait)";
     LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
     LINE_UNDECIDED = "LW410", "a line is too large to be proved";
     LINE_ASKS = "LW411", "a line may ask a station for what its machine forbids";
@@ -166,7 +166,7 @@ codes! {
     SIZES_OF_LINE = "LW547", "a machine is built with the sizes that a line gives it";
 }
 
-/// The code of an id such as `LW101`, in either case.
+/// Returns the code with an id such as `LW101`; case does not matter.
 pub fn find(id: &str) -> Option<Code> {
     ALL.iter().copied().find(|c| c.id.eq_ignore_ascii_case(id))
 }

@@ -1,32 +1,32 @@
-//! The pages behind `linewright explain`: one Markdown file a code, embedded in the program.
+//! The pages behind `linewright explain`: one Markdown file per code, embedded in the program.
 //!
-//! A page says what the finding means to somebody who knows the plant and no temporal logic, shows
-//! the smallest contract that has it, and how to repair that. The example is a block fenced with
-//! ```` ```lw LW103 ````: a test checks it and wants that very code. What only other tools' files
-//! show stands in one of those, fenced with its ending: ```` ```spc LW209 ````. A plain
-//! ```` ```lw ```` block is the repaired contract, in which nothing may be found. What needs a
-//! plant, a compiler or a folder to happen is fenced as plain `console` text instead.
+//! A page explains the finding to somebody who knows the plant but no temporal logic. It shows the
+//! smallest contract with the finding and how to repair it. The example is a block fenced with
+//! ```` ```lw LW103 ````; a test checks it and expects exactly that code. Findings that only occur
+//! in other tools' files have an example in that format, fenced with the file extension:
+//! ```` ```spc LW209 ````. A plain ```` ```lw ```` block is the repaired contract and must have no
+//! findings. Examples that need a plant, a compiler or a folder are fenced as plain `console` text.
 
 use super::Code;
 use include_dir::{Dir, include_dir};
 
 static PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/src/diagnostics/explanations");
 
-/// The page of a code, in Markdown.
+/// Returns the page of a code, in Markdown.
 pub fn page(code: Code) -> Option<&'static str> {
     PAGES
         .get_file(format!("{}.md", code.id))
         .and_then(|file| file.contents_utf8())
 }
 
-/// What a page says before its first example: the text of its first paragraph, in one line.
+/// Returns the first paragraph of a page, before its first example, as one line.
 pub fn summary(page: &str) -> String {
     let mut paragraphs = page.split("\n\n").skip(1);
     let first = paragraphs.next().unwrap_or_default();
     first.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A page for those who show no Markdown: without its title, examples indented.
+/// Renders a page for readers without Markdown: no title, examples indented.
 pub fn plain(page: &str) -> String {
     let mut text = String::new();
     let mut example = false;
@@ -54,16 +54,16 @@ pub fn plain(page: &str) -> String {
 /// An example of a page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Example {
-    /// The ending of a file that holds it: `lw`.
+    /// File extension of the example: `lw`.
     pub ending: String,
-    /// The code it shows.
+    /// Code that the example shows.
     pub code: String,
-    /// The contract.
+    /// Text of the contract.
     pub text: String,
 }
 
-/// The examples of a page: its blocks fenced with the ending of a file and a code, ````
-/// ```lw CODE ````.
+/// Returns the examples of a page: its blocks fenced with a file extension and a code,
+/// ```` ```lw CODE ````.
 pub fn examples(page: &str) -> Vec<Example> {
     let mut examples = Vec::new();
     let mut lines = page.lines();

@@ -1,59 +1,66 @@
-//! Findings as the objects that every JSON document of this program holds.
+//! Findings as objects, as they appear in every JSON document of this program.
 
 use super::{Diagnostic, render};
 use crate::source::{SourceMap, Span};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A finding in JSON. Positions count from 1, columns count characters, and the end is one past the
 /// last character.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Finding {
-    /// `LW101`
+    /// Code, such as `LW101`.
+    #[schemars(regex(pattern = "^LW[0-9]{3}$"))]
     pub code: &'static str,
-    /// `error`, `warning` or `note`
+    /// Severity: `error`, `warning` or `note`.
+    #[schemars(extend("enum" = ["error", "warning", "note"]))]
     pub severity: &'static str,
-    /// One sentence.
+    /// Message, one sentence.
     pub message: String,
-    /// Where; left out for what has no place in a file.
+    /// Place of the finding; omitted if it has no place in a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub span: Option<Place>,
-    /// Further places.
+    /// Related places.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub labels: Vec<Label>,
-    /// What else there is to say, each a text that may have several lines.
+    /// Additional information; each text may have several lines.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
-    /// The next step.
+    /// Suggested next step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
 }
 
 /// A range of a file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Place {
-    /// The file's name.
+    /// File name.
     pub file: String,
     /// First line.
+    #[schemars(range(min = 1))]
     pub line: usize,
     /// First column.
+    #[schemars(range(min = 1))]
     pub column: usize,
     /// Last line.
+    #[schemars(range(min = 1))]
     pub end_line: usize,
     /// One past the last column.
+    #[schemars(range(min = 1))]
     pub end_column: usize,
 }
 
-/// A further place of a finding.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+/// A related place of a finding.
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Label {
-    /// Where.
+    /// Place.
     pub span: Place,
-    /// A few words.
+    /// Short description, a few words.
     pub text: String,
 }
 
 impl Place {
-    /// The place of a span.
+    /// Returns the place of a span.
     pub fn of(sources: &SourceMap, span: Span) -> Self {
         let (start, end) = (sources.start(span), sources.end(span));
         Self {
@@ -66,7 +73,7 @@ impl Place {
     }
 }
 
-/// The findings as objects, sorted by file and place.
+/// Converts findings to objects, sorted by file and place.
 pub fn findings(sources: &SourceMap, findings: &[Diagnostic]) -> Vec<Finding> {
     render::sorted(sources, findings)
         .into_iter()

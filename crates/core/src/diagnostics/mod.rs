@@ -17,19 +17,19 @@ use crate::source::Span;
 pub use codes::Code;
 pub use nearest::{distance, nearest, related, words};
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Severity {
     /// The contract, machine or line cannot be used as it is.
     Error,
-    /// It can be used, but hardly means what its author meant.
+    /// It can be used, but probably does not mean what its author intended.
     Warning,
-    /// Worth knowing.
+    /// Information for the user.
     Note,
 }
 
 impl Severity {
-    /// The word of INTERFACE: `error`, `warning` or `note`.
+    /// Returns the severity's name in output: `error`, `warning` or `note`.
     pub fn word(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -39,40 +39,40 @@ impl Severity {
     }
 }
 
-/// One finding: what is wrong, where, and what to do about it.
+/// A finding: what is wrong, where, and what to do about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// The code, never reused for anything else.
+    /// Code; codes are never reused.
     pub code: Code,
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// One sentence in the user's words.
+    /// Message: one sentence in the user's terms.
     pub message: String,
-    /// Where; `None` for what has no place in a file (a missing compiler).
+    /// Place; `None` if the finding has no place in a file (a missing compiler).
     pub span: Option<Span>,
-    /// Further places that matter, each with a few words.
+    /// Related places, each with a few words.
     pub labels: Vec<(Span, String)>,
-    /// What else there is to say, each as a text of its own that may have several lines.
+    /// Additional information; each text may have several lines.
     pub notes: Vec<String>,
-    /// The next step.
+    /// Suggested next step.
     pub help: Option<String>,
-    /// Whether something was not decided because the command reached a limit that it was given: its
-    /// time or its memory, or Ctrl-C.
+    /// Whether something was left undecided because the command reached a limit: time, memory or
+    /// Ctrl-C.
     pub gave_up: bool,
 }
 
 impl Diagnostic {
-    /// An error.
+    /// Creates an error.
     pub fn error(code: Code, span: impl Into<Option<Span>>, message: impl Into<String>) -> Self {
         Self::new(Severity::Error, code, span.into(), message.into())
     }
 
-    /// A warning.
+    /// Creates a warning.
     pub fn warning(code: Code, span: impl Into<Option<Span>>, message: impl Into<String>) -> Self {
         Self::new(Severity::Warning, code, span.into(), message.into())
     }
 
-    /// A note.
+    /// Creates a note.
     pub fn note(code: Code, span: impl Into<Option<Span>>, message: impl Into<String>) -> Self {
         Self::new(Severity::Note, code, span.into(), message.into())
     }
@@ -90,28 +90,28 @@ impl Diagnostic {
         }
     }
 
-    /// Says whether it is there because the command reached a limit.
+    /// Sets whether the finding exists because the command reached a limit.
     #[must_use]
     pub fn giving_up(mut self, gave_up: bool) -> Self {
         self.gave_up = gave_up;
         self
     }
 
-    /// Adds the next step.
+    /// Adds a suggested next step.
     #[must_use]
     pub fn with_help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// Adds something to say.
+    /// Adds a note.
     #[must_use]
     pub fn with_note(mut self, note: impl Into<String>) -> Self {
         self.notes.push(note.into());
         self
     }
 
-    /// Adds a further place.
+    /// Adds a related place.
     #[must_use]
     pub fn with_label(mut self, span: Span, text: impl Into<String>) -> Self {
         self.labels.push((span, text.into()));
@@ -119,7 +119,7 @@ impl Diagnostic {
     }
 }
 
-/// Whether any of these findings is an error.
+/// Returns whether any of the findings is an error.
 pub fn has_errors(findings: &[Diagnostic]) -> bool {
     findings.iter().any(|d| d.severity == Severity::Error)
 }

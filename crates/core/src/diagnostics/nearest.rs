@@ -1,14 +1,14 @@
-//! "Did you mean ...?": the known word closest to one that nobody declared.
+//! "Did you mean ...?": the known word closest to an undeclared one.
 //!
-//! A name can be missed in three ways: by its spelling (`comand`), by the way its words are put
-//! together (`angleDesired`, `ANGLE_DESIRED`), and by its words (`desired` for `desired_angle`,
-//! `cmd` for `command`). The first two are slips; the third is a guess, so it is asked last, and
-//! only whole words and what engineers shorten them to count.
+//! A name can be wrong in three ways: in its spelling (`comand`), in how its words are joined
+//! (`angleDesired`, `ANGLE_DESIRED`), and in its words (`desired` for `desired_angle`, `cmd` for
+//! `command`). The first two are slips. The third is a guess, so it is tried last, and only whole
+//! words and common engineering abbreviations count.
 
-/// A longer name, in bytes, is not compared: nobody has mistyped it.
+/// Maximum length of a compared name, in bytes. Longer names are not typing mistakes.
 const LONGEST_NAME: usize = 256;
 
-/// The known name closest to one that is unknown, if any is close.
+/// Returns the known name closest to an unknown one, if any is close.
 pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     if name.len() > LONGEST_NAME {
         return None;
@@ -18,7 +18,7 @@ pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&
     ranked.min().map(|(_, k)| k)
 }
 
-/// How a known name differs: in which way, and by how much.
+/// Ranks a known name by how it differs: in which way, and by how much.
 fn rank(name: &str, own: &[String], known: &str) -> Option<(u8, usize)> {
     let words = words(known);
     if !own.is_empty() && own.concat() == words.concat() {
@@ -36,7 +36,7 @@ fn rank(name: &str, own: &[String], known: &str) -> Option<(u8, usize)> {
     Some((2, extra.words.len() * 100 + words.concat().len()))
 }
 
-/// Whether two names differ in their numbers alone: `h1` and `h2` are two things.
+/// Returns whether two names differ only in their numbers: `h1` and `h2` are different things.
 fn numbered_apart(a: &[String], b: &[String]) -> bool {
     let number = |w: &&String| w.starts_with(|c: char| c.is_numeric());
     let numbers = |words: &[String]| words.iter().filter(number).cloned().collect::<Vec<_>>();
@@ -51,20 +51,20 @@ fn numbered_apart(a: &[String], b: &[String]) -> bool {
     x != y && !x.is_empty() && !y.is_empty() && others(a) == others(b)
 }
 
-/// How two names of the same words, or of the same words and more, are related.
+/// How two names are related if they have the same words, or one has additional words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NameSimilarity {
-    /// The words that only one of the two has.
+    /// Words that only one of the two names has.
     pub words: Vec<String>,
-    /// Whether a word of one is an abbreviation of the other's.
+    /// Whether a word of one name abbreviates a word of the other.
     pub abbreviated: bool,
 }
 
-/// Whether two different names are related word by word, given their [`words`]: one begins or ends
-/// with the words of the other, or with what they are shortened to.
+/// Compares two different names word by word, given their [`words`]: they are related if one begins
+/// or ends with the words of the other, or with abbreviations of them.
 pub fn related(a: &[String], b: &[String]) -> Option<NameSimilarity> {
     let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
-    // A single letter, or a number, is too little to know anyone by.
+    // A single letter or a number is too little to identify a name.
     if short.iter().all(|w| w.len() < 3) {
         return None;
     }
@@ -96,15 +96,15 @@ fn same(a: &str, b: &str) -> bool {
     a == b || abbreviates(a, b) || abbreviates(b, a)
 }
 
-/// Whether a word is another one shortened: its beginning (`pos`, `req`), or its consonants (`cmd`,
-/// `cnt`).
+/// Returns whether `short` abbreviates `long`: as its beginning (`pos`, `req`) or its consonants
+/// (`cmd`, `cnt`).
 fn abbreviates(short: &str, long: &str) -> bool {
     if short.len() < 3 || long.len() < short.len() + 2 || short.as_bytes()[0] != long.as_bytes()[0]
     {
         return false;
     }
     if long.starts_with(short) {
-        // `part` is a word of its own, and no short form of `partition`.
+        // `part` is a full word, not an abbreviation of `partition`.
         return short.len() <= 3;
     }
     let vowel = |c: char| "aeiou".contains(c);
@@ -113,7 +113,7 @@ fn abbreviates(short: &str, long: &str) -> bool {
     within && !short.chars().skip(1).any(vowel)
 }
 
-/// The words of a name, in small letters: `turnDone_2` is `turn`, `done`, `2`.
+/// Splits a name into lower-case words: `turnDone_2` is `turn`, `done`, `2`.
 pub fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut before = '_';
@@ -132,8 +132,8 @@ pub fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// How many letters must be changed, added, left out or exchanged with their neighbour (optimal
-/// string alignment).
+/// Returns the edit distance of two names: letters changed, added, omitted or swapped with their
+/// neighbour (optimal string alignment).
 pub fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut before: Vec<usize> = Vec::new();

@@ -1,8 +1,8 @@
-//! Findings as text for a person: with the source lines ([`human`]) or one line each ([`short`]).
+//! Findings as text for people: with source lines ([`human`]) or one line each ([`short`]).
 //!
-//! The layout of `human` is that of rustc, by annotate-snippets: readers know it, and editors
-//! recognise its places. It is always coloured; whoever prints it strips the colours where they are
-//! not wanted (anstream). `short` is what a build log or an editor's problem matcher parses:
+//! `human` has the layout of rustc, by annotate-snippets: readers know it, and editors recognise
+//! its places. It is always coloured; the caller strips the colours where they are not wanted
+//! (anstream). `short` is for build logs and editors' problem matchers:
 //! `file:line:column: severity[code]: message`.
 
 use super::{Diagnostic, Severity};
@@ -11,13 +11,15 @@ use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer,
 use std::fmt::Write as _;
 use std::ops::Range;
 
-/// Wide enough for the contracts of the library; longer lines are cut around what is marked.
+/// Line width in columns, wide enough for the contracts of the library. Longer lines are cut around
+/// the marked part.
 const WIDTH: usize = 120;
-/// Lines of more bytes are not shown: each finding would be searched for in the whole of its line.
+/// Maximum length of a displayed line, in bytes. The renderer searches the whole line for each
+/// finding, so longer ones would be slow.
 const LONG_LINE: usize = 4_000;
 
-/// The findings by file name and place; those without a place come last, in the order they were
-/// found.
+/// Sorts findings by file name and place. Those without a place come last, in the order in which
+/// they were found.
 pub fn sorted<'a>(sources: &SourceMap, findings: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
     let mut sorted: Vec<&Diagnostic> = findings.iter().collect();
     sorted.sort_by_cached_key(|d| {
@@ -29,7 +31,7 @@ pub fn sorted<'a>(sources: &SourceMap, findings: &'a [Diagnostic]) -> Vec<&'a Di
     sorted
 }
 
-/// The findings with their source lines, labels and next steps, in colours, each followed by an
+/// Renders findings with their source lines, labels and next steps, in colour, each followed by an
 /// empty line.
 pub fn human(sources: &SourceMap, findings: &[Diagnostic]) -> String {
     let renderer = Renderer::styled().term_width(WIDTH);
@@ -42,7 +44,7 @@ pub fn human(sources: &SourceMap, findings: &[Diagnostic]) -> String {
     text
 }
 
-/// The findings, one line each: `file:line:column: error[LW101]: message`.
+/// Renders findings, one line each: `file:line:column: error[LW101]: message`.
 pub fn short(sources: &SourceMap, findings: &[Diagnostic]) -> String {
     let mut text = String::new();
     for finding in sorted(sources, findings) {
@@ -62,7 +64,7 @@ pub fn short(sources: &SourceMap, findings: &[Diagnostic]) -> String {
     text
 }
 
-/// One finding: title, one snippet a file, help.
+/// Renders one finding: title, one snippet per file, help.
 fn group<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Group<'a> {
     let level = match finding.severity {
         Severity::Error => Level::ERROR,
@@ -82,8 +84,8 @@ fn group<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Group<'a> {
     group
 }
 
-/// One snippet a file: that of the finding's own place first, those of its labels in the order they
-/// come. Where a line is very long, its place alone.
+/// Returns one snippet per file: first the file of the finding's own place, then those of its
+/// labels in their order. If a line is too long, only its place is shown.
 fn snippets<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Vec<Element<'a>> {
     let mut files: Vec<FileId> = Vec::new();
     let places = finding
@@ -132,13 +134,13 @@ fn snippets<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Vec<Element<
         .collect()
 }
 
-/// The length of the longest line, in bytes.
+/// Returns the length of the longest line, in bytes.
 fn longest(text: &str) -> usize {
     text.lines().map(str::len).max().unwrap_or_default()
 }
 
-/// A span as a range that lies within the text, on character boundaries: the renderer panics on any
-/// other. White space at its end (a rule of the grammar may take it along) is not marked.
+/// Returns a span as a range within the text, on character boundaries; the renderer panics on any
+/// other. Trailing white space, which a grammar rule may include, is not marked.
 fn range(text: &str, span: Span) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());
@@ -152,7 +154,7 @@ fn range(text: &str, span: Span) -> Range<usize> {
     start..start + text[start..end].trim_end().len()
 }
 
-/// A message in one line, for the formats that have a line a finding.
+/// Joins a message into one line, for the formats with one line per finding.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -162,7 +164,7 @@ mod tests {
     use super::super::{codes, sample};
     use super::*;
 
-    /// What `human` gives where there are no colours.
+    /// Renders findings with `human` and strips the colours.
     fn plain(sources: &SourceMap, findings: &[Diagnostic]) -> String {
         anstream::adapter::strip_str(&human(sources, findings)).to_string()
     }

@@ -1,4 +1,4 @@
-//! Findings for the renderers' tests: each kind of place, severity and length of message once.
+//! Findings for the renderers' tests: each kind of place, severity and message length once.
 
 use super::{Diagnostic, codes};
 use crate::source::{FileId, SourceMap, Span};
@@ -20,7 +20,7 @@ contract Turn(cells: 2..360 = 8) implements vdi:Drehen {
 const CELL: &str =
     "import \"turn.lw\"\nmachine Cell {\n    action turn: Turn(cells = 1) when true {}\n}\n";
 
-/// Two files and the findings on them, not in the order in which they are to be shown.
+/// Returns two files and findings in them, not in display order.
 pub fn findings() -> (SourceMap, Vec<Diagnostic>) {
     let mut sources = SourceMap::new();
     let turn = sources.add("contracts/turn.lw", TURN);
@@ -76,7 +76,7 @@ pub fn findings() -> (SourceMap, Vec<Diagnostic>) {
     (sources, findings)
 }
 
-/// Sources and rendering in one text, so that a snapshot shows both.
+/// Joins sources and rendering into one text, so that a snapshot shows both.
 pub fn with_sources(sources: &SourceMap, rendered: &str) -> String {
     let mut text = String::new();
     for (_, file) in sources.files() {

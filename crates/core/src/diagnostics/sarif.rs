@@ -1,9 +1,9 @@
 //! Findings as SARIF 2.1.0 (OASIS standard), which code hosts and editors read.
 //!
-//! One run; every code that occurs is a rule, with its page as the help. There is no `helpUri`: the
-//! pages are in the program. Regions carry the columns in characters (`unicodeCodePoints`), as
-//! everything else in this program does. A finding's further places are `relatedLocations`, its
-//! next step stands behind the message.
+//! There is one run. Every code that occurs is a rule with its page as the help. There is no
+//! `helpUri`, since the pages are in the program. Region columns count characters
+//! (`unicodeCodePoints`), as everywhere in this program. A finding's related places are
+//! `relatedLocations`; its next step is appended to the message.
 
 use super::json::Place;
 use super::{Code, Diagnostic, Severity, explanations, render};
@@ -11,7 +11,7 @@ use crate::source::{SourceMap, Span};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// The whole SARIF document, findings sorted by file and place.
+/// Returns the whole SARIF document, findings sorted by file and place.
 pub fn document(sources: &SourceMap, findings: &[Diagnostic]) -> Value {
     let findings = render::sorted(sources, findings);
     let mut rules: Vec<Code> = findings.iter().map(|d| d.code).collect();
@@ -24,7 +24,7 @@ pub fn document(sources: &SourceMap, findings: &[Diagnostic]) -> Value {
     run(&rules, &results)
 }
 
-/// A document of these codes without any finding.
+/// Returns a document with these codes and no findings.
 pub fn catalogue(codes: &[Code]) -> Value {
     run(codes, &[])
 }
@@ -105,7 +105,8 @@ fn location(sources: &SourceMap, span: Span) -> Value {
     }})
 }
 
-/// A file name as a URI reference (RFC 3986): what is not allowed in a path is percent-encoded.
+/// Converts a file name to a URI reference (RFC 3986): characters not allowed in a path are
+/// percent-encoded.
 fn uri(name: &str) -> String {
     let mut uri = String::new();
     if name.starts_with('/') {

@@ -3,7 +3,7 @@
 use super::{Graph, Region};
 use std::fmt::Write as _;
 
-/// The text of a graph.
+/// Renders a graph.
 pub fn of(name: &str, graph: &Graph) -> String {
     let mut text = head(name, "LR");
     text.push_str("  start [shape=point, label=\"\"];\n");
@@ -12,7 +12,7 @@ pub fn of(name: &str, graph: &Graph) -> String {
     text
 }
 
-/// The text of regions, each a cluster with its title.
+/// Renders regions, each as a cluster with its title.
 pub fn of_regions(name: &str, regions: &[Region]) -> String {
     let mut text = head(name, "TB");
     for (number, region) in regions.iter().enumerate() {
@@ -52,7 +52,7 @@ fn body(text: &mut String, graph: &Graph, prefix: &str, indent: &str) {
     }
 }
 
-/// A quoted label of several lines.
+/// Returns a quoted label of several lines.
 fn quoted(lines: &[String]) -> String {
     let lines = lines.iter();
     let escaped: Vec<String> = lines

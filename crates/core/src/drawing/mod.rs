@@ -1,34 +1,34 @@
-//! Graphs of states with labels, as Graphviz text and as pictures. What they show is the business
-//! of others.
+//! Graphs of states with labels, as Graphviz text and as pictures. The callers decide what the
+//! graphs show.
 
 pub mod dot;
 pub mod svg;
 
-/// States and edges with their labels, ready to be written down in any way.
+/// States and edges with their labels, independent of the output format.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Graph {
-    /// For each state: the lines of its label.
+    /// Label of each state, as lines.
     pub states: Vec<Vec<String>>,
-    /// The edges; `from` is `None` for the step before the first state.
+    /// Edges; `from` is `None` for the step before the first state.
     pub edges: Vec<Edge>,
 }
 
-/// One edge of a [`Graph`].
+/// An edge of a [`Graph`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Edge {
-    /// Where from; `None`: from before the start.
+    /// Source state; `None`: before the start.
     pub from: Option<usize>,
-    /// Where to.
+    /// Target state.
     pub to: usize,
-    /// The lines of its label.
+    /// Label, as lines.
     pub label: Vec<String>,
 }
 
-/// One of several graphs that are read side by side, as the parallel regions of a statechart are.
+/// One of several graphs shown side by side, such as the parallel regions of a statechart.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Region {
-    /// What it is about.
+    /// Title shown on the region.
     pub title: String,
-    /// What it shows.
+    /// Graph shown in the region.
     pub graph: Graph,
 }

@@ -1,7 +1,7 @@
-//! A graph as a picture: laid out by layout-rs, drawn by a backend of our own.
+//! A graph as a picture: laid out by layout-rs, drawn by our own backend.
 //!
-//! Our own backend because the package's writes its styles in the order of a hash map, draws edge
-//! labels without a ground of their own, and knows no other font than Times.
+//! layout-rs's own backend writes its styles in the order of a hash map, draws edge labels without
+//! a background, and supports only Times as its font.
 
 use super::{Graph, Region};
 use layout::core::base::Orientation;
@@ -16,17 +16,17 @@ use std::fmt::Write as _;
 const STATE_FONT: usize = 13;
 const EDGE_FONT: usize = 11;
 
-/// Between two regions, and around what is in one.
+/// Distance between regions, and padding inside a region, in SVG units.
 const GAP: f64 = 12.;
 
-/// The picture.
+/// Draws a graph.
 pub fn of(name: &str, graph: &Graph) -> String {
     let mut canvas = Canvas::default();
     place(graph).do_it(false, false, false, &mut canvas);
     canvas.finish(name)
 }
 
-/// The picture of regions that stand side by side, each in a frame with its title.
+/// Draws regions side by side, each in a frame with its title.
 pub fn of_regions(name: &str, regions: &[Region]) -> String {
     let mut whole = Canvas::default();
     let mut right = 0.;
@@ -54,7 +54,7 @@ pub fn of_regions(name: &str, regions: &[Region]) -> String {
     whole.finish(name)
 }
 
-/// The graph in the layout package's terms.
+/// Converts the graph to the layout package's type.
 fn place(graph: &Graph) -> VisualGraph {
     let mut visual = VisualGraph::new(Orientation::TopToBottom);
     let state = StyleAttr::new(
@@ -98,14 +98,14 @@ fn place(graph: &Graph) -> VisualGraph {
     visual
 }
 
-/// Room for some lines, with a margin.
+/// Returns the size of some lines of text, with a margin.
 fn text_size(lines: &[String], font: usize) -> Point {
     let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
     let (width, height) = (longest.max(2) as f64 * 0.58, lines.len() as f64 * 1.2);
     Point::new(width * font as f64 + 16., height * font as f64 + 12.)
 }
 
-/// Collects what is drawn: lines below, boxes and texts above them.
+/// Collects the drawing: lines below, boxes and texts above them.
 #[derive(Default)]
 struct Canvas {
     arrows: String,
@@ -198,7 +198,7 @@ impl RenderBackend for Canvas {
         if lines.is_empty() {
             return;
         }
-        // On a long edge the package does not hand the label's style on.
+        // On a long edge the package does not pass on the label's style.
         let state = look.font_size == STATE_FONT;
         let font_size = if state { STATE_FONT } else { EDGE_FONT };
         let font = font_size as f64;
@@ -206,7 +206,7 @@ impl RenderBackend for Canvas {
         let corner = Point::new(xy.x - size.x / 2., xy.y - size.y / 2.);
         self.cover(corner, corner.add(size));
         if !state {
-            // A ground of its own, so that lines behind it do not cross the text.
+            // A background, so that lines behind the text do not cross it.
             let _ = writeln!(
                 self.shapes,
                 "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"white\" fill-opacity=\"0.85\"/>",

@@ -2,10 +2,10 @@
 
 use super::{BinaryOp, Expr, Time, UnaryOp};
 
-/// The value of `expr` where variable `v` has the value `now[v]` and the next value `next[v]`.
+/// Evaluates `expr` where variable `v` has the value `now[v]` and the next value `next[v]`.
 ///
-/// An expression without next values may be given an empty `next`. Arithmetic is exact as long as
-/// the value fits an `i64`, which [`interval`](super::interval) checks beforehand.
+/// `next` may be empty if the expression has no next values. Arithmetic is exact as long as the
+/// value fits an `i64`, which [`interval`](super::interval) checks beforehand.
 pub fn eval(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
     match expr {
         Expr::Const(c) => *c,
@@ -32,12 +32,12 @@ pub fn eval(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
     }
 }
 
-/// Whether a boolean expression holds.
+/// Returns whether a boolean expression holds.
 pub fn holds(expr: &Expr, now: &[i64], next: &[i64]) -> bool {
     eval(expr, now, next) != 0
 }
 
-/// One operator applied to a value.
+/// Applies an operator to a value.
 pub fn unary(op: UnaryOp, a: i64) -> i64 {
     match op {
         UnaryOp::Not => i64::from(a == 0),
@@ -46,7 +46,7 @@ pub fn unary(op: UnaryOp, a: i64) -> i64 {
     }
 }
 
-/// One operator applied to two values.
+/// Applies an operator to two values.
 pub fn binary(op: BinaryOp, a: i64, b: i64) -> i64 {
     match op {
         BinaryOp::And => i64::from(a != 0 && b != 0),
@@ -68,7 +68,7 @@ pub fn binary(op: BinaryOp, a: i64, b: i64) -> i64 {
     }
 }
 
-/// The same; `None` where the result would leave an `i64`, or the divisor is 0.
+/// Like [`binary`]; returns `None` if the result would leave an `i64`, or the divisor is 0.
 pub fn checked(op: BinaryOp, a: i64, b: i64) -> Option<i64> {
     match op {
         BinaryOp::Add => a.checked_add(b),
@@ -80,7 +80,7 @@ pub fn checked(op: BinaryOp, a: i64, b: i64) -> Option<i64> {
     }
 }
 
-/// Division rounded towards minus infinity.
+/// Divides and rounds towards minus infinity.
 pub fn floor_div(a: i64, b: i64) -> i64 {
     let q = a / b;
     if a % b != 0 && (a < 0) != (b < 0) {

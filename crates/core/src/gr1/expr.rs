@@ -3,12 +3,12 @@
 use super::VarId;
 use serde::{Deserialize, Serialize};
 
-/// Which value of a variable is meant.
+/// Selects the current or the next value of a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Time {
-    /// Of this step.
+    /// Value in this step.
     Now,
-    /// Of the step after it.
+    /// Value in the next step.
     Next,
 }
 
@@ -53,25 +53,25 @@ pub enum BinaryOp {
     /// Division rounded towards minus infinity. The divisor is never 0 (checked when a file is
     /// resolved).
     Div,
-    /// The rest of that division; it has the divisor's sign, so it is never negative for a positive
-    /// divisor.
+    /// Remainder of that division. It has the divisor's sign, so it is never negative for a
+    /// positive divisor.
     Mod,
-    /// The smaller one.
+    /// Minimum.
     Min,
-    /// The larger one.
+    /// Maximum.
     Max,
 }
 
 /// An expression over the variables of one specification (or over the wires of one machine).
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Expr {
-    /// A value; `true` is 1.
+    /// A constant; `true` is 1.
     Const(i64),
     /// A variable.
     Var(VarId, Time),
-    /// One operand.
+    /// An operator with one operand.
     Unary(UnaryOp, Box<Expr>),
-    /// Two operands.
+    /// An operator with two operands.
     Binary(BinaryOp, Box<Expr>, Box<Expr>),
     /// `if c then a else b`
     If(Box<Expr>, Box<Expr>, Box<Expr>),
@@ -83,53 +83,53 @@ impl Expr {
     /// `false`
     pub const FALSE: Self = Self::Const(0);
 
-    /// The current value of a variable.
+    /// Returns the current value of a variable.
     pub fn now(var: VarId) -> Self {
         Self::Var(var, Time::Now)
     }
 
-    /// The next value of a variable.
+    /// Returns the next value of a variable.
     pub fn next(var: VarId) -> Self {
         Self::Var(var, Time::Next)
     }
 
-    /// Boolean negation.
+    /// Returns the boolean negation.
     #[must_use]
     #[expect(clippy::should_implement_trait, reason = "the logic's own word")]
     pub fn not(self) -> Self {
         Self::Unary(UnaryOp::Not, Box::new(self))
     }
 
-    /// Two operands.
+    /// Applies an operator with two operands.
     pub fn binary(op: BinaryOp, a: Self, b: Self) -> Self {
         Self::Binary(op, Box::new(a), Box::new(b))
     }
 
-    /// Boolean and.
+    /// Returns the boolean and.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self::binary(BinaryOp::And, self, other)
     }
 
-    /// Boolean or.
+    /// Returns the boolean or.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self::binary(BinaryOp::Or, self, other)
     }
 
-    /// Boolean implication.
+    /// Returns the boolean implication.
     #[must_use]
     pub fn implies(self, other: Self) -> Self {
         Self::binary(BinaryOp::Implies, self, other)
     }
 
-    /// Equality.
+    /// Returns the equality.
     #[must_use]
     pub fn equals(self, other: Self) -> Self {
         Self::binary(BinaryOp::Eq, self, other)
     }
 
-    /// Calls `visit` for every variable that occurs, once an occurrence.
+    /// Calls `visit` once for every occurrence of a variable.
     pub fn for_each_var(&self, visit: &mut impl FnMut(VarId, Time)) {
         match self {
             Self::Const(_) => {}
@@ -147,7 +147,7 @@ impl Expr {
         }
     }
 
-    /// The formulas that conjunctions at its top hold together, from left to right.
+    /// Returns the operands of the conjunctions at the top, from left to right.
     pub fn conjuncts(&self) -> Vec<&Self> {
         let mut found = Vec::new();
         let mut left = vec![self];
@@ -160,14 +160,14 @@ impl Expr {
         found
     }
 
-    /// Whether a next value occurs.
+    /// Returns whether a next value occurs.
     pub fn mentions_next(&self) -> bool {
         let mut found = false;
         self.for_each_var(&mut |_, t| found |= t == Time::Next);
         found
     }
 
-    /// The same expression with every variable replaced.
+    /// Returns the same expression with every variable replaced.
     #[must_use]
     pub fn substitute(&self, replace: &mut impl FnMut(VarId, Time) -> Self) -> Self {
         match self {
@@ -187,9 +187,9 @@ impl Expr {
         }
     }
 
-    /// The same value with constants folded: operators whose operands are known, connectives and
-    /// choices that are decided by one of them. Arithmetic that would leave an `i64` or divide by
-    /// zero is left as it is.
+    /// Folds constants without changing the value: operators with known operands, and connectives
+    /// and choices decided by one operand. Arithmetic that would leave an `i64` or divide by zero
+    /// is kept.
     #[must_use]
     pub fn simplify(&self) -> Self {
         use BinaryOp as B;

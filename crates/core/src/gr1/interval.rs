@@ -1,6 +1,6 @@
 //! The smallest and largest value an expression can take, by interval arithmetic.
 //!
-//! Sound, not exact: the true range lies within. Used to choose bit widths, to refuse arithmetic
+//! Sound, not exact: the true range lies within. Used to choose bit widths, to reject arithmetic
 //! that could leave an `i64` or divide by zero, and to find next values that can leave their
 //! domain.
 
@@ -19,7 +19,7 @@ impl Interval {
     /// Both truth values.
     pub const BOOL: Self = Self { low: 0, high: 1 };
 
-    /// The interval of a domain.
+    /// Returns the interval of a domain.
     pub fn of(domain: &Domain) -> Self {
         Self {
             low: domain.low(),
@@ -27,13 +27,13 @@ impl Interval {
         }
     }
 
-    /// Whether `value` lies within.
+    /// Returns whether `value` lies within the interval.
     pub fn contains(self, value: i64) -> bool {
         self.low <= value && value <= self.high
     }
 }
 
-/// What is wrong with an expression.
+/// Problem of an expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Problem {
     /// A value could leave ±2^62.
@@ -44,8 +44,8 @@ pub enum Problem {
 
 const LIMIT: i128 = 1 << 62;
 
-/// The interval of `expr`, where `domain` gives that of each variable (current and next values
-/// alike).
+/// Computes the interval of `expr`, where `domain` gives that of each variable (current and next
+/// values alike).
 pub fn interval(expr: &Expr, domain: &impl Fn(VarId) -> Interval) -> Result<Interval, Problem> {
     let make = |low: i128, high: i128| {
         if low < -LIMIT || high > LIMIT {

@@ -16,10 +16,10 @@
 //! - `justice` formulas hold infinitely often (current values, and next values where a format
 //!   allows it).
 //!
-//! Safety comes first, strictly (Bloem et al., Synthesis of Reactive(1) Designs, 2012): the machine
-//! must keep its initial conditions, invariants and safety for as long as the environment has kept
-//! its own, and its justice whenever the environment's justice holds. It must have an answer for
-//! every initial choice the environment may make.
+//! Safety is strict and comes first (Bloem et al., Synthesis of Reactive(1) Designs, 2012): the
+//! machine must keep its initial conditions, invariants and safety for as long as the environment
+//! has kept its own, and its justice whenever the environment's justice holds. It must have an
+//! answer for every initial choice the environment may make.
 
 pub mod eval;
 mod expr;
@@ -38,7 +38,7 @@ use serde::{Deserialize, Serialize};
 pub struct VarId(pub u32);
 
 impl VarId {
-    /// As an index into slices of values.
+    /// Returns the index into slices of values.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -58,9 +58,9 @@ pub enum Domain {
     },
     /// Labels, numbered from 0.
     Enum {
-        /// The declared name of the type, or `None` for one written in place.
+        /// Declared name of the type, or `None` for one written in place.
         name: Option<String>,
-        /// The labels in order.
+        /// Labels in order.
         labels: Vec<String>,
     },
 }
@@ -83,24 +83,24 @@ impl Domain {
         }
     }
 
-    /// How many values there are; at least 1.
+    /// Returns the number of values; at least 1.
     pub fn size(&self) -> u64 {
         (self.high() - self.low() + 1) as u64
     }
 
-    /// Whether `value` is one of them.
+    /// Returns whether `value` is in the domain.
     pub fn contains(&self, value: i64) -> bool {
         (self.low()..=self.high()).contains(&value)
     }
 
-    /// Whether a real number is one of its values.
+    /// Returns whether a real number is one of the values.
     pub fn contains_real(&self, value: f64) -> bool {
         #[expect(clippy::float_cmp, reason = "a whole number is its own floor")]
         let whole = value == value.floor();
         whole && self.low() as f64 <= value && value <= self.high() as f64
     }
 
-    /// The value as a person writes it: `true`, `17` or `turn`.
+    /// Formats a value for the user: `true`, `17` or `turn`.
     pub fn show(&self, value: i64) -> String {
         match self {
             Self::Bool => (value != 0).to_string(),
@@ -112,7 +112,7 @@ impl Domain {
         }
     }
 
-    /// The domain as a person writes it: `bool`, `0..4` or `{none, turn}`.
+    /// Formats the domain for the user: `bool`, `0..4` or `{none, turn}`.
     pub fn describe(&self) -> String {
         match self {
             Self::Bool => "bool".to_owned(),
@@ -122,7 +122,7 @@ impl Domain {
     }
 }
 
-/// Who chooses a variable's value.
+/// Side that chooses a variable's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Owner {
     /// An input.
@@ -131,37 +131,38 @@ pub enum Owner {
     System,
 }
 
-/// One scalar variable.
+/// A scalar variable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Variable {
-    /// The name; an array's element is called `h[2]`.
+    /// Name; an array's element is called `h[2]`.
     pub name: String,
-    /// Who chooses its value.
+    /// Side that chooses its value.
     pub owner: Owner,
-    /// Whether it is the machine's own business: checked like an output, not part of its interface.
+    /// Whether it is internal to the machine: checked like an output, but not part of its
+    /// interface.
     pub internal: bool,
-    /// Its values.
+    /// Set of its values.
     pub domain: Domain,
-    /// What its values count, `mm`; empty for bare numbers. It is shown and never computed with:
-    /// formulas are in one unit already.
+    /// Unit of its values, such as `mm`; empty for bare numbers. For display only: formulas are
+    /// already in one unit.
     pub unit: String,
-    /// Its declaration.
+    /// Place of its declaration.
     pub span: Span,
 }
 
 impl Variable {
-    /// A value as a person writes it, with its unit: `90 deg`.
+    /// Formats a value with its unit: `90 deg`.
     pub fn show(&self, value: i64) -> String {
         shown(&self.domain, value, &self.unit)
     }
 
-    /// The domain as a person writes it, with its unit: `0..359 deg`.
+    /// Formats the domain with its unit: `0..359 deg`.
     pub fn describe(&self) -> String {
         described(&self.domain, &self.unit)
     }
 }
 
-/// A domain with its unit.
+/// Formats a domain with its unit.
 pub fn described(domain: &Domain, unit: &str) -> String {
     let domain = domain.describe();
     if unit.is_empty() {
@@ -171,7 +172,7 @@ pub fn described(domain: &Domain, unit: &str) -> String {
     }
 }
 
-/// A value with its unit.
+/// Formats a value with its unit.
 pub fn shown(domain: &Domain, value: i64, unit: &str) -> String {
     let value = domain.show(value);
     if unit.is_empty() {
@@ -181,7 +182,7 @@ pub fn shown(domain: &Domain, value: i64, unit: &str) -> String {
     }
 }
 
-/// Who answers first in a step.
+/// Order of the two sides within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Timing {
     /// The machine sees the inputs of the step it answers.
@@ -190,25 +191,25 @@ pub enum Timing {
     Moore,
 }
 
-/// One formula, with all that is needed to point at it.
+/// A formula and its source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Formula {
-    /// The name the author gave, or one made up from its place: `guarantee 3`.
+    /// Name given by the author, or generated from its position: `guarantee 3`.
     pub name: String,
-    /// The requirement it comes from, `R-12`.
+    /// Requirement it comes from, such as `R-12`.
     pub requirement: Option<String>,
-    /// The formula, without the temporal operator that put it into its list; its value is 0 or 1.
+    /// Formula without the temporal operator that put it into its list; its value is 0 or 1.
     pub expr: Expr,
-    /// Where it stands.
+    /// Place in the source.
     pub span: Span,
-    /// Its source text, in one line.
+    /// Source text, in one line.
     pub text: String,
-    /// Whether it only says what a monitor remembers, so that it leaves the machine no choice: see
+    /// Whether it only defines the value of a monitor, and so leaves the machine no choice: see
     /// [`monitors`].
     pub defines: bool,
 }
 
-/// The formulas of one side, by kind. See the module's text for what each kind means.
+/// Formulas of one side, by kind. See the module's text for the meaning of each kind.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Side {
     /// Hold in step 0.
@@ -222,7 +223,7 @@ pub struct Side {
 }
 
 impl Side {
-    /// All formulas: initial, invariants, safety, justice.
+    /// Returns all formulas: initial, invariants, safety, justice.
     pub fn all(&self) -> impl Iterator<Item = &Formula> {
         self.initial
             .iter()
@@ -235,37 +236,37 @@ impl Side {
 /// A GR(1) specification. An empty justice list means the single goal `true`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Specification {
-    /// The contract's name.
+    /// Name of the contract.
     pub name: String,
-    /// Who answers first.
+    /// Which side answers first.
     pub timing: Timing,
-    /// All variables; inputs and outputs may be mixed, their order is the declaration's.
+    /// All variables in declaration order; inputs and outputs may be mixed.
     pub variables: Vec<Variable>,
-    /// What the environment promises. Invariants and initial conditions mention inputs only; safety
+    /// Promises of the environment. Invariants and initial conditions mention inputs only; safety
     /// mentions next values of inputs only.
     pub assumptions: Side,
-    /// What the machine promises.
+    /// Promises of the machine.
     pub guarantees: Side,
 }
 
 impl Specification {
-    /// The ids of the inputs, in order.
+    /// Returns the ids of the inputs, in order.
     pub fn inputs(&self) -> impl Iterator<Item = VarId> {
         self.owned_by(Owner::Environment)
     }
 
-    /// The ids of the outputs and internal variables, in order.
+    /// Returns the ids of the outputs and internal variables, in order.
     pub fn outputs(&self) -> impl Iterator<Item = VarId> {
         self.owned_by(Owner::System)
     }
 
-    /// The variable of an id.
+    /// Returns the variable with an id.
     pub fn variable(&self, id: VarId) -> &Variable {
         &self.variables[id.index()]
     }
 
-    /// Whether a variable was made up for a monitor: it stands where a formula does, not in a
-    /// declaration of its own.
+    /// Returns whether a variable was generated for a monitor: its span is that of a formula, not
+    /// of a declaration.
     pub fn is_auxiliary(&self, id: VarId) -> bool {
         let variable = self.variable(id);
         let mut formulas = self.assumptions.all().chain(self.guarantees.all());

@@ -2,33 +2,32 @@
 //! its range.
 //!
 //! All arithmetic is exact and nothing wraps around, so such a formula cannot be kept in such a
-//! step. Intervals alone would also blame `made < 9 -> next made = made + 1`; so the conditions
-//! under which an equation is asked for are kept, and the values of the variables in both are tried
-//! out. Where there are too many values, nothing is said: this is a hint beside the verdict, which
-//! the game decides exactly.
+//! step. Intervals alone would also report `made < 9 -> next made = made + 1`. So the conditions of
+//! an equation are kept, and the values of the variables in both are tried. If there are too many
+//! values, nothing is reported: this is only a hint; the game decides exactly.
 
 use super::interval::{Interval, interval};
 use super::{BinaryOp, Expr, Formula, Specification, Time, UnaryOp, VarId};
 use crate::gr1::eval::{eval, holds};
 
-/// So many valuations are tried for one equation.
+/// Maximum number of valuations tried per equation.
 const LIMIT: u64 = 1 << 16;
 
 /// An equation whose right side can leave the domain of the next value on its left side.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Overflow<'a> {
-    /// The formula it stands in.
+    /// Formula that contains the equation.
     pub formula: &'a Formula,
-    /// The variable whose next value it sets.
+    /// Variable whose next value it sets.
     pub variable: VarId,
-    /// The value that does not fit, ...
+    /// Value that does not fit.
     pub value: i64,
-    /// ... and current values of the variables that lead to it.
+    /// Current values of the variables that lead to it.
     pub example: Vec<(VarId, i64)>,
 }
 
-/// The formulas that can ask for a next value outside its domain, the guarantees first, at most one
-/// finding a formula.
+/// Returns an overflow for each formula that can require a next value outside its domain,
+/// guarantees first.
 pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
     let (g, a) = (&specification.guarantees, &specification.assumptions);
     let safety = g.safety.iter().chain(&a.safety);
@@ -47,12 +46,12 @@ pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
 struct Search<'a> {
     specification: &'a Specification,
     formula: &'a Formula,
-    /// Conditions that hold where the expression at hand is asked for.
+    /// Conditions under which the current expression must hold.
     conditions: Vec<Expr>,
 }
 
 impl<'a> Search<'a> {
-    /// Looks at an expression that has to hold.
+    /// Checks an expression that has to hold.
     fn demand(&mut self, expr: &Expr) -> Option<Overflow<'a>> {
         match expr {
             Expr::Binary(BinaryOp::And, a, b) => self.demand(a).or_else(|| self.demand(b)),
@@ -75,7 +74,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Looks at an expression that has to hold where `condition` does.
+    /// Checks an expression that has to hold where `condition` does.
     fn under(&mut self, condition: Expr, expr: &Expr) -> Option<Overflow<'a>> {
         self.conditions.push(condition);
         let found = self.demand(expr);
@@ -83,7 +82,7 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// Looks at `next variable = value`.
+    /// Checks `next variable = value`.
     fn assign(&mut self, variable: VarId, value: &Expr) -> Option<Overflow<'a>> {
         if let Expr::If(c, a, b) = value {
             self.conditions.push((**c).clone());
@@ -107,8 +106,8 @@ impl<'a> Search<'a> {
     }
 
     /// Tries the values of all variables that the equation and its conditions mention. Conditions
-    /// on next values are left out: the machine may choose those, so they say nothing about what it
-    /// is asked for.
+    /// on next values are skipped: the machine may choose those, so they do not restrict its
+    /// obligation.
     fn try_values(&self, variable: VarId, value: &Expr) -> Option<Overflow<'a>> {
         if value.mentions_next() {
             return None;
@@ -147,7 +146,7 @@ impl<'a> Search<'a> {
                     });
                 }
             }
-            // The next valuation, as an odometer counts.
+            // Advances to the next valuation, as an odometer counts.
             let mut turned = used.iter();
             loop {
                 let v = turned.next()?;

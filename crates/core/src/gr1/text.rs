@@ -1,9 +1,8 @@
-//! Expressions as their author would write them: the contract language's own words, labels by their
-//! names.
+//! Expressions in the syntax of the contract language, with labels by name.
 
 use super::{BinaryOp, Domain, Expr, Specification, Time, UnaryOp};
 
-/// How tightly something binds, from a whole formula to a name.
+/// Binding strength, from a whole formula to a name.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binds {
     Implication,
@@ -16,12 +15,14 @@ enum Binds {
     Name,
 }
 
-/// An expression as text. It parses to an equal one in a contract with the same variables.
+/// Formats an expression. The text parses to an equal expression in a contract with the same
+/// variables.
 pub fn text(specification: &Specification, expr: &Expr) -> String {
     print(specification, expr, None).0
 }
 
-/// The same where it is an operand: in parentheses unless it is a name, a comparison or a negation.
+/// Formats an expression as an operand: in parentheses unless it is a name, a comparison or a
+/// negation.
 pub fn operand(specification: &Specification, expr: &Expr) -> String {
     let (text, binds) = print(specification, expr, None);
     if binds >= Binds::Not {
@@ -31,7 +32,7 @@ pub fn operand(specification: &Specification, expr: &Expr) -> String {
     }
 }
 
-/// What a constant is written like.
+/// Notation of a constant.
 #[derive(Clone, Copy)]
 enum Like<'s> {
     /// A label or truth value of this domain.
@@ -145,7 +146,7 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
     }
 }
 
-/// What constants beside an expression are written like.
+/// Returns the notation of constants compared with an expression.
 fn labels<'s>(s: &'s Specification, expr: &Expr) -> Option<Like<'s>> {
     use BinaryOp as B;
     match expr {
@@ -165,7 +166,7 @@ fn labels<'s>(s: &'s Specification, expr: &Expr) -> Option<Like<'s>> {
     }
 }
 
-/// Whether an expression is a truth value by its form.
+/// Returns whether an expression is a truth value by its form.
 pub fn truth(s: &Specification, expr: &Expr) -> bool {
     use BinaryOp as B;
     match expr {

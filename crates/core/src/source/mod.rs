@@ -1,7 +1,7 @@
 //! Source files, spans and line numbers.
 //!
 //! A [`SourceMap`] owns the text of every file that was read; a [`Span`] is a byte range in one of
-//! them. Nothing here touches the disk: whoever reads a file hands its text over.
+//! them. This module does not access the disk: the caller reads the files.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ pub struct FileId(pub u32);
 /// A half-open byte range `start..end` of one file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct Span {
-    /// The file.
+    /// File that contains the range.
     pub file: FileId,
     /// First byte.
     pub start: u32,
@@ -22,7 +22,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// The span `start..end` of `file`.
+    /// Creates the span `start..end` of `file`.
     pub fn new(file: FileId, start: usize, end: usize) -> Self {
         Self {
             file,
@@ -31,12 +31,12 @@ impl Span {
         }
     }
 
-    /// Whether another span lies within this one, or is the same.
+    /// Returns whether another span lies within this one or equals it.
     pub fn holds(self, other: Self) -> bool {
         self.file == other.file && self.start <= other.start && other.end <= self.end
     }
 
-    /// The smallest span that holds both; the other one's file is taken to be the same.
+    /// Returns the smallest span that contains both, which must be in the same file.
     #[must_use]
     pub fn to(self, other: Self) -> Self {
         Self {
@@ -47,17 +47,17 @@ impl Span {
     }
 }
 
-/// One file: the name it is shown under, and its text.
+/// A file: display name and text.
 #[derive(Debug, Clone)]
 pub struct SourceFile {
-    /// The name as the user wrote it, or `std/...` for the bundled library.
+    /// Name as the user wrote it, or `std/...` for the bundled library.
     pub name: String,
     /// The whole text.
     pub text: Arc<str>,
     line_starts: Vec<u32>,
 }
 
-/// A place a person can find: line and column, both from 1; the column counts characters.
+/// A line and column for display, both from 1; the column counts characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Position {
     /// Line, from 1.
@@ -73,12 +73,12 @@ pub struct SourceMap {
 }
 
 impl SourceMap {
-    /// An empty map.
+    /// Creates an empty map.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a file and gives its id. The same name may be added twice; the two are different files.
+    /// Adds a file and returns its id. A name may be added twice; the two are different files.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
         let text = text.into();
         let line_starts = std::iter::once(0)
@@ -92,12 +92,12 @@ impl SourceMap {
         FileId(self.files.len() as u32 - 1)
     }
 
-    /// The file of an id that this map gave.
+    /// Returns the file with an id from this map.
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[id.0 as usize]
     }
 
-    /// All files in the order they were added.
+    /// Returns all files in the order in which they were added.
     pub fn files(&self) -> impl Iterator<Item = (FileId, &SourceFile)> {
         self.files
             .iter()
@@ -105,25 +105,25 @@ impl SourceMap {
             .map(|(i, f)| (FileId(i as u32), f))
     }
 
-    /// The text of a span.
+    /// Returns the text of a span.
     pub fn text(&self, span: Span) -> &str {
         let text = &self.file(span.file).text;
         text.get(span.start as usize..span.end as usize)
             .unwrap_or("")
     }
 
-    /// Line and column of a span's first character.
+    /// Returns line and column of a span's first character.
     pub fn start(&self, span: Span) -> Position {
         self.position(span.file, span.start)
     }
 
-    /// Line and column one past a span's last character.
+    /// Returns line and column one past a span's last character.
     pub fn end(&self, span: Span) -> Position {
         self.position(span.file, span.end)
     }
 
-    /// The whole lines, as a range of bytes, from the first of these places in one file to the
-    /// last.
+    /// Returns the whole lines, as a range of bytes, from the first to the last of these places in
+    /// one file.
     pub(crate) fn lines(&self, places: impl Iterator<Item = Span>) -> Range<usize> {
         let mut places = places.peekable();
         let Some(first) = places.peek() else {
@@ -139,7 +139,7 @@ impl SourceMap {
         start..end.map_or(file.text.len(), |end| *end as usize).max(start)
     }
 
-    /// Line and column of a byte of a file.
+    /// Returns line and column of a byte of a file.
     pub(crate) fn position(&self, file: FileId, offset: u32) -> Position {
         let file = self.file(file);
         let line = file.line_starts.partition_point(|&s| s <= offset).max(1);

@@ -1,10 +1,10 @@
 //! The taxonomies that contracts name in `implements`: DIN 8580 (manufacturing) and VDI 2860
 //! (handling).
 //!
-//! The data are two tables in `din8580/`, embedded in the program. A [`Taxonomy`] is their tree; a
-//! code carries its standard before the colon (`din:4.3.1`, `vdi:Drehen`), as in the language. How
-//! sure each entry is, and where it comes from, is data too: neither standard is freely available,
-//! and the sources disagree in places.
+//! The data are two tables in `din8580/`, embedded in the program. A [`Taxonomy`] is their tree. A
+//! code has its standard before the colon (`din:4.3.1`, `vdi:Drehen`), as in the language. Each
+//! entry also has its source and a confidence, since neither standard is freely available and the
+//! sources disagree in places.
 
 use crate::diagnostics::distance;
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 const DIN: &str = include_str!("../../../../din8580/din8580.csv");
 const VDI: &str = include_str!("../../../../din8580/vdi2860.csv");
 
-/// Where codes come from.
+/// Standard that a code comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Standard {
     /// DIN 8580, manufacturing processes.
@@ -23,7 +23,7 @@ pub enum Standard {
 }
 
 impl Standard {
-    /// What stands before the colon.
+    /// Returns the prefix before the colon of a code.
     pub fn prefix(self) -> &'static str {
         match self {
             Self::Din8580 => "din",
@@ -31,7 +31,7 @@ impl Standard {
         }
     }
 
-    /// The standard's own name.
+    /// Returns the title of the standard.
     pub fn title(self) -> &'static str {
         match self {
             Self::Din8580 => "DIN 8580",
@@ -40,42 +40,42 @@ impl Standard {
     }
 }
 
-/// One process or function.
+/// A process or function.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// The standard.
+    /// Standard of the entry.
     pub standard: Standard,
-    /// The code without prefix: `4.3.1` or `Drehen`.
+    /// Code without prefix: `4.3.1` or `Drehen`.
     pub code: String,
-    /// The German term.
+    /// German term.
     pub german: String,
-    /// The English term.
+    /// English term.
     pub english: String,
-    /// The code above, without prefix; `None` at the top.
+    /// Code of the parent, without prefix; `None` at the top.
     pub parent: Option<String>,
-    /// Where the entry was taken from.
+    /// Source of the entry.
     pub source: String,
-    /// The standard's edition; empty where the table has none.
+    /// Edition of the standard; empty if the table has none.
     pub edition: String,
-    /// `high` where several sources agree, `medium` where there is one.
+    /// Confidence: `high` if several sources agree, `medium` if there is one.
     pub confidence: String,
-    /// What else is known.
+    /// Remarks on the entry.
     pub note: String,
 }
 
 impl Entry {
-    /// The code as a contract writes it: `din:4.3.1`.
+    /// Returns the code as written in contracts: `din:4.3.1`.
     pub fn full_code(&self) -> String {
         format!("{}:{}", self.standard.prefix(), self.code)
     }
 
-    /// Code and terms: `din:4.3.1 Schrauben (Screwing)`.
+    /// Returns code and terms: `din:4.3.1 Schrauben (Screwing)`.
     pub fn describe(&self) -> String {
         format!("{} {} ({})", self.full_code(), self.german, self.english)
     }
 }
 
-/// A table that cannot be read.
+/// Error for a table that cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("{table}, record {record}: {message}")]
 pub struct TableError {
@@ -87,9 +87,9 @@ pub struct TableError {
 /// Both standards as trees.
 #[derive(Debug, Clone, Default)]
 pub struct Taxonomy {
-    /// In the order of the tables, DIN first.
+    /// Entries in the order of the tables, DIN first.
     entries: Vec<Entry>,
-    /// Folded full code to index.
+    /// Index of an entry by folded full code.
     by_code: BTreeMap<String, usize>,
 }
 
@@ -98,18 +98,18 @@ static TAXONOMY: LazyLock<Taxonomy> = LazyLock::new(|| {
         .unwrap_or_else(|e| panic!("the embedded taxonomy is damaged, please report this: {e}"))
 });
 
-/// The embedded taxonomy.
+/// Returns the embedded taxonomy.
 pub fn taxonomy() -> &'static Taxonomy {
     &TAXONOMY
 }
 
-/// The entry of a full code such as `din:4.3.1`, in the embedded taxonomy.
+/// Returns the entry of a full code such as `din:4.3.1`, in the embedded taxonomy.
 pub fn find(code: &str) -> Option<&'static Entry> {
     taxonomy().find(code)
 }
 
-/// The entry of a full code in the embedded taxonomy, or the next step for somebody who wrote one
-/// that is not there.
+/// Returns the entry of a full code in the embedded taxonomy, or a suggested next step if there is
+/// none.
 pub fn lookup(code: &str) -> Result<&'static Entry, String> {
     taxonomy().find(code).ok_or_else(|| {
         let near: Vec<String> = taxonomy()
@@ -177,20 +177,21 @@ impl Taxonomy {
         Ok(taxonomy)
     }
 
-    /// All entries, in the order of the tables.
+    /// Returns all entries, in the order of the tables.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// The entry of a full code. Case and the spelling of umlauts do not matter; the standard does.
+    /// Returns the entry of a full code. Case and the spelling of umlauts do not matter; the
+    /// standard does.
     pub fn find(&self, code: &str) -> Option<&Entry> {
         self.by_code
             .get(&fold(code.trim()))
             .map(|i| &self.entries[*i])
     }
 
-    /// The entries whose code or term, German or English, contains a word. Case does not matter,
-    /// and neither does the spelling of umlauts: `Fraesen` and `frasen` both find Fräsen.
+    /// Returns the entries whose code or term, German or English, contains a word. Case and the
+    /// spelling of umlauts do not matter: `Fraesen` and `frasen` both find Fräsen.
     pub fn search(&self, word: &str) -> Vec<&Entry> {
         let spellings = [fold(word.trim()), bare(word.trim())];
         self.entries
@@ -203,25 +204,25 @@ impl Taxonomy {
             .collect()
     }
 
-    /// The entry above.
+    /// Returns the parent of an entry.
     pub fn parent(&self, entry: &Entry) -> Option<&Entry> {
         let parent = entry.parent.as_ref()?;
         self.find(&format!("{}:{parent}", entry.standard.prefix()))
     }
 
-    /// The entries directly below, in the order of the table.
+    /// Returns the entries directly below, in the order of the table.
     pub fn children<'a>(&'a self, entry: &'a Entry) -> impl Iterator<Item = &'a Entry> {
         self.entries
             .iter()
             .filter(|e| e.standard == entry.standard && e.parent.as_ref() == Some(&entry.code))
     }
 
-    /// The entries at the top.
+    /// Returns the entries at the top.
     pub fn roots(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter().filter(|e| e.parent.is_none())
     }
 
-    /// The way from the top down to an entry, itself included.
+    /// Returns the path from the top down to an entry, itself included.
     pub fn path<'a>(&'a self, entry: &'a Entry) -> Vec<&'a Entry> {
         let mut path = vec![entry];
         let mut seen = BTreeSet::from([entry.code.as_str()]);
@@ -235,8 +236,9 @@ impl Taxonomy {
         path
     }
 
-    /// At most three entries near a code that does not exist, nearest first: the same code or term
-    /// with its standard missing or mixed up, a code above, or one that differs in a few letters.
+    /// Returns at most three entries similar to an unknown code, nearest first: the same code or
+    /// term with its standard missing or wrong, a parent code, or one that differs in a few
+    /// letters.
     pub fn suggestions(&self, code: &str) -> Vec<&Entry> {
         let wanted = fold(code.trim());
         let local = wanted.split_once(':').map_or(wanted.as_str(), |(_, l)| l);
@@ -282,7 +284,7 @@ impl Taxonomy {
     }
 }
 
-/// Lower case, umlauts written out: `Fräsen` and `Fraesen` fold to the same.
+/// Converts to lower case and writes out umlauts: `Fräsen` and `Fraesen` fold to the same.
 fn fold(text: &str) -> String {
     let mut folded = String::with_capacity(text.len());
     for c in text.chars().flat_map(char::to_lowercase) {
@@ -297,7 +299,7 @@ fn fold(text: &str) -> String {
     folded
 }
 
-/// Lower case, umlauts without their dots, as those type who do not have them: `frasen`.
+/// Converts to lower case and drops the dots of umlauts, as typed without an umlaut key: `frasen`.
 fn bare(text: &str) -> String {
     fold_with(text, |c| match c {
         'ä' => 'a',

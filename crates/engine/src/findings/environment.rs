@@ -1,12 +1,13 @@
-//! What is odd about the plant's side of a contract that is realizable: LW205 and LW206.
+//! Findings about the environment of a realizable contract: LW205 and LW206.
 
-use super::situation;
+use super::lost::percent;
+use super::shown;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Specification;
 use linewright_core::source::Span;
 use linewright_solver::game::EnvironmentFindings;
 
-/// What makes a realizable contract mean less than it seems to: LW205 and LW206.
+/// Returns what makes a realizable contract mean less than it seems to: LW205 and LW206.
 pub fn findings(
     specification: &Specification,
     span: Span,
@@ -14,7 +15,7 @@ pub fn findings(
 ) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     findings.extend(empty(specification, span, found));
-    // Whether the machine could break what no plant can keep does not matter.
+    // If no plant can keep the assumptions, whether the machine could break them does not matter.
     if !found.cannot_start && !found.unsatisfiable {
         findings.extend(forced(specification, span, found));
     }
@@ -48,10 +49,12 @@ fn empty(
     let values = found.stuck_at_start.as_ref().or(found.dead_end.as_ref())?;
     warning(
         format!("the assumptions of `{name}` leave the plant no next step in some situations"),
-        format!(
-            "one of them is {}; weaken an assumption there, or keep the machine from bringing the plant there",
-            situation(specification, values)
-        ),
+        match shown(specification, values) {
+            Some(values) => format!(
+                "one of them is {values}; weaken an assumption there, or keep the machine from bringing the plant there"
+            ),
+            None => "in fact in every situation that can occur: weaken an assumption".to_owned(),
+        },
     )
 }
 
@@ -67,7 +70,7 @@ fn forced(
         if from >= all {
             "every situation that can occur".to_owned()
         } else {
-            format!("{from} of the {all} situations that can occur")
+            format!("{} of the situations that can occur", percent(from / all))
         }
     };
     let mut note = format!("it can force that from {}", share(found.forced_states));
@@ -83,9 +86,12 @@ fn forced(
         let formula = assumption.formula(&specification.assumptions);
         finding = finding.with_label(formula.span, "the plant can be made to break this");
     }
+    let from = match shown(specification, values) {
+        Some(values) => format!("one such situation is {values}: from there"),
+        None => "from every situation that can occur,".to_owned(),
+    };
     Some(finding.with_help(format!(
-        "one such situation is {}: from there the machine can bring it about that the plant cannot keep {}; ask for that only as long as the machine lets the plant keep it",
-        situation(specification, values),
+        "{from} the machine can bring it about that the plant cannot keep {}; ask for that only as long as the machine lets the plant keep it",
         if found.broken.is_empty() { "all assumptions" } else { "the marked assumption" }
     )))
 }

@@ -1,7 +1,7 @@
-//! LW203: why there is no controller, the play that shows it, and what could be done.
+//! LW203: why there is no controller, a play that shows it, and possible repairs.
 
 use super::{list, play};
-use crate::pipeline::Explained;
+use crate::pipeline::Explanation;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::text::{operand, text};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Specification};
@@ -9,14 +9,15 @@ use linewright_core::source::Span;
 use linewright_solver::game::{
     Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening, negation,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The finding. `core` are the names of the guarantees that clash.
+/// Returns the finding. `core` holds the names of the guarantees that clash.
 pub fn finding(
     specification: &Specification,
     span: Span,
     core: &[String],
-    explained: Option<&Explained>,
+    explained: Option<&Explanation>,
 ) -> Diagnostic {
     let s = specification;
     let name = &s.name;
@@ -76,7 +77,7 @@ pub fn finding(
     finding.with_help(help)
 }
 
-/// That no assumption can mend it.
+/// States that no assumption can repair the contract.
 fn no_help(s: &Specification, advice: Option<&Advice>) -> String {
     let refs = advice
         .map(|a| a.contradiction.as_slice())
@@ -100,14 +101,14 @@ fn no_help(s: &Specification, advice: Option<&Advice>) -> String {
     }
 }
 
-/// The names of the assumptions that matter.
+/// Names of the assumptions that matter.
 fn matters(s: &Specification, advice: Option<&Advice>) -> Vec<String> {
     let refs = advice.map(|a| a.matters.as_slice()).unwrap_or_default();
     let names = refs.iter().map(|a| a.formula(&s.assumptions).name.clone());
     names.collect()
 }
 
-/// Where formulas of these names stand; of places within one another the outer ones.
+/// Places of the formulas with these names; of nested places only the outer ones.
 fn spans(side: &Side, names: &[String]) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     for formula in side.all().filter(|f| names.contains(&f.name)) {
@@ -120,8 +121,9 @@ fn spans(side: &Side, names: &[String]) -> Vec<Span> {
 }
 
 /// What a suggestion changes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "SuggestionKind")]
 pub enum Change {
     /// An assumption is added.
     Assume,
@@ -130,23 +132,24 @@ pub enum Change {
 }
 
 /// A change that makes the contract realizable.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, JsonSchema, Serialize)]
 pub struct Suggestion {
-    /// What it changes.
+    /// Kind of change.
     pub kind: Change,
-    /// The line to be written.
+    /// The line to write.
     pub text: String,
-    /// The guarantee that it takes the place of.
+    /// The guarantee that it replaces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replaces: Option<String>,
-    /// The share of steps that it forbids the plant, or in which the guarantee need not hold.
+    /// Share of steps (0 to 1) that it forbids the plant, or in which the guarantee need not hold.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub share: f64,
-    /// The same in words.
+    /// The same share in words.
     #[serde(skip)]
     pub cost: String,
 }
 
-/// All changes, the assumptions first.
+/// All suggested changes, assumptions first.
 pub fn suggestions(s: &Specification, advice: &Advice) -> Vec<Suggestion> {
     let assumed = advice.assumptions.iter().map(|a| assumption(s, a));
     let left_out = (!advice.leave_out.is_empty()).then(|| leave_out(s, &advice.leave_out));
@@ -225,18 +228,18 @@ fn weakening(s: &Specification, weaker: &Weakening) -> Suggestion {
     }
 }
 
-/// A name that can stand before a formula's colon.
+/// Whether a name can be used as the label of a formula.
 fn is_label(name: &str) -> bool {
     name.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_alphanumeric() || c == '_')
 }
 
-/// The formula where `unless` does not hold.
+/// Weakens a formula to where `unless` does not hold.
 fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
     let not = |unless: &Expr| negation(unless.clone());
     match expr {
         Expr::Binary(BinaryOp::Implies, a, b) => {
-            // What the guarantee's own condition says already need not be said again.
+            // Conditions that the guarantee already states are not repeated.
             let known = a.conjuncts();
             let rest = unless
                 .conjuncts()
@@ -252,12 +255,12 @@ fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
     }
 }
 
-/// A formula with the words that put it into its list.
+/// A formula with the keywords of its kind.
 fn temporal(s: &Specification, kind: GuaranteeKind, expr: &Expr) -> String {
     match kind {
         GuaranteeKind::Initial => text(s, expr),
         GuaranteeKind::Justice => format!("always eventually {}", operand(s, expr)),
-        // About two steps, also where it does not say so.
+        // A safety formula covers two steps, even if it mentions only one.
         GuaranteeKind::Safety if !expr.mentions_next() => {
             format!("always (next true -> {})", operand(s, expr))
         }
@@ -265,7 +268,7 @@ fn temporal(s: &Specification, kind: GuaranteeKind, expr: &Expr) -> String {
     }
 }
 
-/// `always` takes everything to its right, but is easier to read with parentheses.
+/// `always` extends to the end of the formula, but is easier to read with parentheses.
 fn operand_of_always(s: &Specification, expr: &Expr) -> String {
     match expr {
         Expr::Var(..) | Expr::Unary(..) => text(s, expr),
@@ -274,7 +277,7 @@ fn operand_of_always(s: &Specification, expr: &Expr) -> String {
 }
 
 /// `25 %`, `0.3 %`
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent >= 10.0 {
         format!("{percent:.0} %")
@@ -285,8 +288,8 @@ fn percent(share: f64) -> String {
     }
 }
 
-/// The names of assumptions that matter, for a document.
-pub fn matter_names(s: &Specification, explained: &Explained) -> Vec<String> {
+/// Names of the assumptions that matter, for JSON documents.
+pub fn matter_names(s: &Specification, explained: &Explanation) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in matters(s, explained.advice.as_ref()) {
         if !names.contains(&name) {

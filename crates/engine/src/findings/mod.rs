@@ -1,4 +1,4 @@
-//! What was found out about a contract, in words.
+//! Findings about a contract, in words.
 
 pub mod environment;
 pub mod lost;
@@ -6,17 +6,18 @@ pub mod play;
 pub mod shape;
 
 use linewright_core::gr1::Specification;
+use linewright_solver::game::Situation;
 
-/// A valuation in words: what the variables are that any formula mentions.
-fn situation(specification: &Specification, values: &[i64]) -> String {
-    let shown: Vec<String> = specification
+/// A valuation in words: the values of all variables that some formula mentions.
+fn shown(specification: &Specification, situation: &Situation) -> Option<String> {
+    let values: Vec<String> = specification
         .variables
         .iter()
-        .zip(values)
+        .zip(situation)
         .filter(|(v, _)| !v.internal)
-        .map(|(v, x)| format!("{} = {}", v.name, v.show(*x)))
+        .filter_map(|(v, x)| x.map(|x| format!("{} = {}", v.name, v.show(x))))
         .collect();
-    shown.join(", ")
+    (!values.is_empty()).then(|| values.join(", "))
 }
 
 /// `a`, `a` and `b`, `a`, `b` and `c`

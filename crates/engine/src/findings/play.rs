@@ -1,4 +1,4 @@
-//! A play as a table: a row a variable, a column a step.
+//! A play as a table: a row per variable, a column per step.
 
 use super::list;
 use super::shape::sets;
@@ -6,23 +6,23 @@ use linewright_core::gr1::{Formula, Owner, Specification, Timing, VarId};
 use linewright_solver::game::{Ending, GuaranteeRef, Play};
 use std::fmt::Write as _;
 
-/// The table is no wider than this.
+/// Maximum width of the table in columns.
 const WIDTH: usize = 96;
 
-/// Of a play that is not shorter than this, only the beginning and the end are shown.
+/// Minimum number of steps of a play of which only the beginning and the end are shown.
 const MOST_STEPS: usize = 40;
 
-/// One row of a table: whose variable it is, its name, and its value in every step.
+/// One row of a table: the owner and name of a variable, and its value in every step.
 pub struct Row {
     /// `plant`, `machine`, or a component's name.
     pub side: String,
     /// The variable's name.
     pub name: String,
-    /// A value a step.
+    /// One value per step.
     pub cells: Vec<String>,
 }
 
-/// The table, and a sentence on how the play ends.
+/// Returns the table and a sentence on how the play ends.
 pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> String {
     let s = specification;
     let last = play.steps.len() - 1;
@@ -30,7 +30,7 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
     let rows = shown.iter().map(|v| {
         let variable = s.variable(*v);
         let cell = |(step, values): (usize, &Vec<i64>)| -> String {
-            // No answer is possible there.
+            // No answer is possible in this step.
             let unknown = clash
                 && step == last
                 && variable.owner == Owner::System
@@ -54,7 +54,7 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
     grid(&rows, last) + &ending(s, play)
 }
 
-/// Rows over steps, broken into pieces that are not too wide.
+/// A table of rows over steps, split into pieces of limited width.
 pub fn grid(rows: &[Row], last: usize) -> String {
     let widest = |texts: &mut dyn Iterator<Item = &String>| texts.map(|t| t.chars().count()).max();
     let sides = widest(&mut rows.iter().map(|r| &r.side))
@@ -104,7 +104,7 @@ pub fn grid(rows: &[Row], last: usize) -> String {
     text
 }
 
-/// The steps that are shown: of a long play the first and the last ones, with a gap between.
+/// The steps shown: of a long play the first and last ones, with a gap (`None`) between.
 fn columns(last: usize) -> Vec<Option<usize>> {
     if last < MOST_STEPS {
         return (0..=last).map(Some).collect();
@@ -114,14 +114,14 @@ fn columns(last: usize) -> Vec<Option<usize>> {
     first.chain([None]).chain(rest).collect()
 }
 
-/// How the play ends, in a sentence.
+/// How the play ends, as a sentence.
 fn ending(s: &Specification, play: &Play) -> String {
     let last = play.steps.len() - 1;
     let name = |g: &GuaranteeRef| format!("`{}`", g.formula(&s.guarantees).name);
     match &play.ending {
         Ending::Clash(rules) => {
             let mut names: Vec<String> = Vec::new();
-            // Definitions never clash by themselves: what reads them does.
+            // Definitions never clash by themselves; the formulas that read them do.
             let asking = |rule: &&GuaranteeRef| !rule.formula(&s.guarantees).defines;
             for rule in rules.iter().filter(asking) {
                 if !names.contains(&name(rule)) {
@@ -150,8 +150,7 @@ fn ending(s: &Specification, play: &Play) -> String {
     }
 }
 
-/// The variables that these formulas mention, and those that the monitors among these remember, in
-/// the order of their declaration.
+/// Variables that these formulas, or the monitors among them, mention, in declaration order.
 pub fn mentioned<'f>(
     specification: &'f Specification,
     formulas: impl Iterator<Item = &'f Formula>,
@@ -169,7 +168,7 @@ pub fn mentioned<'f>(
     let ids = (0..found.len() as u32).map(VarId);
     let own = |v: &VarId| found[v.index()] && !specification.is_auxiliary(*v);
     let mut shown: Vec<VarId> = ids.filter(own).collect();
-    // What the plant gives first, then what the machine answers.
+    // Values set by the plant come first, then the machine's answers.
     shown.sort_by_key(|v| specification.variable(*v).owner == Owner::System);
     shown
 }

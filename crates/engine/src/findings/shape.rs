@@ -1,12 +1,12 @@
-//! Where a realizable contract asks for less than it seems to: LW212 to LW219.
+//! Findings where a realizable contract demands less than it seems to: LW212 to LW219.
 
-use super::situation;
+use super::shown;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::text::{operand, text};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
 use linewright_solver::game::{GuaranteeRef, Shape, negation};
 
-/// The findings.
+/// Returns the findings.
 pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic> {
     let s = specification;
     let mut findings = Vec::new();
@@ -106,14 +106,14 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 codes::UNFRAMED,
                 span,
                 format!(
-                    "in some situations nothing says what becomes of `{name}`: the machine may give it any value"
+                    "in some situations nothing restricts the next value of `{name}`: the machine may give it any value"
                 ),
             )
             .with_label(fixer.span, "elsewhere this fixes its next value")
-            .with_note(format!(
-                "one such situation is {}",
-                situation(s, &unframed.situation)
-            ))
+            .with_note(match shown(s, &unframed.situation) {
+                Some(values) => format!("one such situation is {values}"),
+                None => "this is so in every situation that can occur".to_owned(),
+            })
             .with_help(frame(s, unframed.variable)),
         );
     }
@@ -166,8 +166,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
     findings
 }
 
-/// A frame for an output: it stays unless one of the conditions holds under which a guarantee sets
-/// it.
+/// A frame for an output: its value stays unless a condition holds under which a guarantee sets it.
 fn frame(s: &Specification, v: VarId) -> String {
     let name = &s.variable(v).name;
     let mut conditions: Vec<String> = Vec::new();
@@ -203,7 +202,7 @@ fn frame(s: &Specification, v: VarId) -> String {
     format!("say that it stays: `guarantee frame: always (not {moves} -> next {name} = {name})`")
 }
 
-/// Whether the next value of a variable occurs.
+/// Whether the next value of a variable occurs in a formula.
 pub(super) fn sets(expr: &Expr, v: VarId) -> bool {
     let mut found = false;
     expr.for_each_var(&mut |w, t| found |= w == v && t == Time::Next);

@@ -1,5 +1,5 @@
-//! Why a contract is unrealizable: the counterstrategy of its core, verified, the play that shows
-//! it, and what could be done.
+//! Explains why a contract is unrealizable: the verified counterstrategy of its core, the play that
+//! shows it, and possible repairs.
 
 use super::InternalError;
 use linewright_core::gr1::Specification;
@@ -7,36 +7,36 @@ use linewright_solver::game::{self, Advice, GuaranteeRef, Limit, Limits, Play};
 use linewright_solver::mealy::{self, Machine};
 use serde::{Deserialize, Serialize};
 
-/// Playing against the core, and looking for repairs, ends at so many nodes.
+/// Maximum node count while playing against the core and searching for repairs.
 const MOST_NODES: u64 = 2_000_000;
 
-/// Why a contract is unrealizable.
+/// Explanation of an unrealizable contract.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Explained {
+pub struct Explanation {
     /// The play that shows it.
     pub play: Option<Play>,
     /// A machine of the plant that beats every controller, verified; see [`mealy::counter`].
     pub counterstrategy: Option<Machine>,
-    /// What could be done.
+    /// Possible repairs.
     pub advice: Option<Advice>,
-    /// Whether no limit of time or memory had a part in it.
+    /// Whether no time or memory limit affected the result.
     pub complete: bool,
 }
 
-/// Explains it as far as the limits allow. What is known already is given to `report`.
+/// Explains the contract as far as the limits allow. Intermediate results are passed to `report`.
 pub(super) fn explain(
     specification: &Specification,
     core: &[GuaranteeRef],
     limits: &Limits,
-    report: &mut dyn FnMut(&Explained),
-) -> Result<Explained, InternalError> {
+    report: &mut dyn FnMut(&Explanation),
+) -> Result<Explanation, InternalError> {
     let limits = Limits {
         most_nodes: Some(MOST_NODES),
         ..*limits
     };
-    let mut explained = Explained {
+    let mut explained = Explanation {
         complete: true,
-        ..Explained::default()
+        ..Explanation::default()
     };
     let small = game::reduced(specification, core);
     let attack = match game::attack(&small, &specification.guarantees.initial, &limits) {
@@ -67,8 +67,8 @@ pub(super) fn explain(
     Ok(explained)
 }
 
-impl Explained {
-    /// A limit of the clock is not the same tomorrow.
+impl Explanation {
+    /// A time limit may give another result in another run.
     fn stopped(mut self, limit: Limit) -> Self {
         self.complete &= !matches!(limit, Limit::Late(_));
         self

@@ -1,8 +1,8 @@
-//! What is known of a contract, and what is said of it.
+//! Intermediate results of a contract, and their conversion to findings.
 
-use super::Explained;
+use super::Explanation;
 use super::{CheckedContract, Goal, Job, Verdict};
-use crate::cache::Examined;
+use crate::cache::ExaminationDepth;
 use crate::controller::Controller;
 use crate::findings::{environment, lost, shape};
 use crate::statistics::Statistics;
@@ -12,30 +12,30 @@ use linewright_core::source::Span;
 use linewright_solver::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking, Shape};
 use linewright_solver::mealy;
 
-/// What is known of a contract, before it is put into words.
+/// Results about a contract before they are put into words.
 #[derive(Debug, Clone)]
-pub(super) struct Known {
+pub(super) struct Analysis {
     pub(super) realizable: bool,
     pub(super) core: Option<Vec<GuaranteeRef>>,
-    pub(super) examined: Examined,
+    pub(super) examined: ExaminationDepth,
     pub(super) environment: Option<EnvironmentFindings>,
     pub(super) shape: Option<Shape>,
-    pub(super) lost: Option<Box<Explained>>,
+    pub(super) lost: Option<Box<Explanation>>,
     pub(super) controller: Controller,
     pub(super) ranking: Option<Ranking>,
-    /// For every inquiry the answers to its questions; `None` where a limit was reached first.
+    /// For each inquiry, the answers to its questions; `None` if a limit was reached first.
     pub(super) answers: Vec<Option<Vec<bool>>>,
     pub(super) peak_nodes: u64,
     pub(super) statistics: Statistics,
 }
 
-impl Known {
-    /// Nothing yet but what it took: an unrealizable contract without a core.
+impl Analysis {
+    /// Only the statistics so far: an unrealizable contract without a core.
     pub(super) fn new(statistics: Statistics) -> Self {
         Self {
             realizable: false,
             core: None,
-            examined: Examined::Nothing,
+            examined: ExaminationDepth::Nothing,
             environment: None,
             shape: None,
             lost: None,
@@ -47,12 +47,12 @@ impl Known {
         }
     }
 
-    /// What is known while the guarantees that clash are looked for.
+    /// What is known while the core is being searched.
     pub(super) fn lost(solve: &Progress, specification: &Specification) -> Self {
         Self::new(Statistics::of_solver(&solve.statistics(), specification))
     }
 
-    /// The same, when what was still to be done is not waited for.
+    /// The same, if the remaining work is abandoned.
     pub(super) fn stopped(mut self, limit: Limit, job: &Job) -> Self {
         let asked = self.realizable && job.goal.extracts(self.statistics.large);
         if asked && matches!(self.controller, Controller::NotRequested) {
@@ -61,17 +61,17 @@ impl Known {
         self
     }
 
-    /// Whether it is told where it demands less than it seems to: not where no plant keeps the
-    /// assumptions, since then nothing has a meaning.
+    /// Whether to report that the contract demands less than it seems to. Not if no plant keeps the
+    /// assumptions, since then every guarantee is vacuous.
     pub(super) fn tells_shape(&self, job: &Job) -> bool {
         let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
         let means_nothing = self.environment.as_ref().is_some_and(empty);
-        // The lines that mend these are of our own language.
+        // The suggested lines are in Linewright's own language.
         job.goal >= Goal::Small && !job.foreign && !means_nothing
     }
 
-    /// The same in words.
-    pub(super) fn told(self, job: &Job, examine: bool) -> CheckedContract {
+    /// Puts the results into words.
+    pub(super) fn into_contract(self, job: &Job, examine: bool) -> CheckedContract {
         let specification = &*job.specification;
         let mut findings = Vec::new();
         let mut core = Vec::new();
@@ -138,7 +138,7 @@ impl Known {
     }
 }
 
-/// What helps a contract that came to a limit.
+/// Help text for a contract that reached a limit.
 fn help(limit: Limit) -> String {
     match limit.remedy() {
         Some(remedy) => format!("{remedy}, or make its domains smaller"),
@@ -165,7 +165,7 @@ pub(super) fn gave_up(job: &Job, limit: Limit, solve: &Progress) -> CheckedContr
     }
 }
 
-/// A contract that this program failed at.
+/// A contract on which an internal error occurred.
 pub(super) fn failed(job: &Job, finding: Diagnostic) -> CheckedContract {
     let statistics = Progress::default().statistics();
     let statistics = Statistics::of_solver(&statistics, &job.specification);
@@ -175,7 +175,7 @@ pub(super) fn failed(job: &Job, finding: Diagnostic) -> CheckedContract {
     }
 }
 
-/// LW208, for each guarantee that can ask for a next value outside its domain.
+/// LW208, for each guarantee that can demand a next value outside its domain.
 fn overflows(specification: &Specification) -> Vec<Diagnostic> {
     let found = overflow::overflows(specification).into_iter();
     found
@@ -204,7 +204,7 @@ fn overflows(specification: &Specification) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// A note, since the verdict stands; who needs the controller makes an error of it.
+/// A note, since the verdict stands; commands that need the controller turn it into an error.
 fn no_machine(specification: &Specification, span: Span, limit: Limit) -> Diagnostic {
     let name = &specification.name;
     let message =

@@ -1,25 +1,25 @@
-//! What was found out in the run before, for a program that checks again and again.
+//! Results of the previous run, for a program that checks repeatedly.
 //!
-//! A result is taken over when the whole job is the same, with all its places in the files, so that
-//! its findings still point where they should. Jobs that have moved are left to the
-//! [cache](crate::cache). Unlike there, also what was given up is remembered.
+//! A result is reused if the whole job is the same, including all source positions, so that its
+//! findings still point to the right place. Jobs that have moved are left to the
+//! [cache](crate::cache). Unlike the cache, this also remembers jobs that were given up.
 
 use super::{CheckedContract, Job};
 
-/// The jobs of the last run, with their results.
+/// Jobs of the last run with their results.
 #[derive(Debug, Default)]
 pub struct Memory {
     known: Vec<(Job, CheckedContract)>,
 }
 
 impl Memory {
-    /// The result of a job.
+    /// Returns the remembered result of a job.
     pub(super) fn find(&self, job: &Job) -> Option<CheckedContract> {
         let same = |known: &&(Job, CheckedContract)| known.0 == *job;
         self.known.iter().find(same).map(|known| known.1.clone())
     }
 
-    /// Remembers a run, and forgets the one before.
+    /// Remembers a run and forgets the previous one.
     pub(super) fn keep(&mut self, jobs: &[Job], results: &[CheckedContract]) {
         self.known = jobs.iter().cloned().zip(results.iter().cloned()).collect();
     }

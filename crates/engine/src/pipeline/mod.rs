@@ -1,16 +1,16 @@
-//! From a specification to a verified controller: solve → extract → verify, many at once.
+//! From a specification to a verified controller: solve → extract → verify, with many contracts in
+//! parallel.
 //!
-//! A controller that the verifier refuses is a fault of this program, and is never written out.
-//! What was solved before comes from the [cache](super::cache): results, from which the findings
-//! are made anew. A task finds out what is to be known of a contract, and that is then put into
-//! words.
+//! A controller that the verifier rejects is a fault of this program and is never written. Results
+//! of earlier solves come from the [cache](super::cache); findings are made anew from them. A task
+//! collects the results for a contract, which are then put into words.
 
 mod explain;
 mod known;
 mod memory;
 mod task;
 
-pub use explain::Explained;
+pub use explain::Explanation;
 pub use memory::Memory;
 
 use super::cache::Cache;
@@ -25,13 +25,14 @@ use linewright_interchange::{Inquiry, Reading, inquiries};
 use linewright_solver::game::{EnvironmentFindings, Heuristics, KernelChoice, Limits, Ranking};
 use linewright_solver::mealy;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt;
 use std::sync::Arc;
 use task::Task;
 
-/// What is known of a contract.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+/// Verdict on a contract.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// There is a controller.
@@ -40,13 +41,13 @@ pub enum Verdict {
     Unrealizable,
     /// A limit was reached.
     GaveUp,
-    /// It could not be understood.
+    /// The contract is invalid.
     Invalid,
-    /// This program failed while it looked at it: nothing is known.
+    /// An internal error occurred: nothing is known.
     InternalError,
 }
 
-/// The word of the JSON documents.
+/// The name used in JSON documents.
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.serialize(f)
@@ -54,7 +55,7 @@ impl fmt::Display for Verdict {
 }
 
 impl Verdict {
-    /// The verdict on two things together: the worse one.
+    /// Combined verdict on two contracts: the worse one.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let rank = |verdict: Self| match verdict {
@@ -72,36 +73,35 @@ impl Verdict {
     }
 }
 
-/// A contract after the pipeline.
+/// Result of the pipeline for a contract.
 #[derive(Debug, Clone)]
 pub struct CheckedContract {
     /// The verdict.
     pub verdict: Verdict,
-    /// What was found on the way.
+    /// Findings of all stages.
     pub findings: Vec<Diagnostic>,
-    /// Names of guarantees and assumptions that clash, for an unrealizable one.
+    /// For an unrealizable contract, names of the guarantees and assumptions that clash.
     pub core: Vec<String>,
-    /// What was found about the plant's side of a realizable one.
+    /// Findings about the environment of a realizable contract.
     pub environment: Option<EnvironmentFindings>,
-    /// Why there is none.
-    pub lost: Option<Box<Explained>>,
-    /// The verified controller. A realizable contract has none when nobody asked for it, or when a
-    /// limit was reached after the verdict; the findings say so.
+    /// Why there is no controller.
+    pub lost: Option<Box<Explanation>>,
+    /// The verified controller. A realizable contract has none if it was not requested or a limit
+    /// was reached after the verdict; the findings say so.
     pub controller: Option<mealy::Controller>,
-    /// Why it is realizable, where that was asked for.
+    /// Why the contract is realizable, if requested.
     pub ranking: Option<Ranking>,
-    /// Seconds of the clock for all stages.
+    /// Wall-clock seconds for all stages.
     pub seconds: f64,
-    /// The largest number of BDD nodes, where the solver counts them.
+    /// Peak number of BDD nodes, if the solver counts them.
     pub peak_nodes: Option<u64>,
-    /// What it took, by phase.
+    /// Effort and times by phase.
     pub statistics: Statistics,
-    /// Whether its controller and its plant were left unexamined because the game is too large for
-    /// that.
+    /// Whether its controller and environment were not examined because the game is too large.
     pub left_out: bool,
 }
 
-/// A fault of this program.
+/// An internal error.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "the controller synthesized for `{contract}` was refused by the verifier ({rule}); nothing was written"
@@ -112,7 +112,7 @@ pub struct InternalError {
 }
 
 impl InternalError {
-    /// The controller of a contract breaks a rule.
+    /// Reports that the controller of a contract breaks a rule.
     pub fn new(specification: &Specification, rule: String) -> Self {
         Self {
             contract: specification.name.clone(),
@@ -121,21 +121,21 @@ impl InternalError {
     }
 }
 
-/// How to solve.
+/// Settings of the solver.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// When to give up.
+    /// Time and memory limits.
     pub limits: Limits,
-    /// Which BDD package.
+    /// BDD package.
     pub kernel: KernelChoice,
-    /// Which heuristics are on.
+    /// Enabled heuristics.
     pub heuristics: Heuristics,
-    /// What is known of contracts that were solved before.
+    /// Cache of solved contracts, if one is used.
     pub cache: Option<Cache>,
 }
 
 impl Default for Settings {
-    /// Without limits, and remembering nothing.
+    /// No limits and no cache.
     fn default() -> Self {
         Self {
             limits: Limits::default(),
@@ -146,46 +146,47 @@ impl Default for Settings {
     }
 }
 
-/// One specification to be solved, and where its findings point.
+/// A specification to solve, and where its findings point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Job {
-    /// What to solve.
+    /// The specification to solve.
     pub specification: Arc<Specification>,
-    /// The contract's name, or the component that gives it other arguments.
+    /// Place of the contract's name, or of the component that gives it other arguments.
     pub span: Span,
     /// How far to go.
     pub goal: Goal,
-    /// Whether the controller has to be a machine, whatever its size, although functions were
-    /// wished for.
+    /// Whether the controller must be a machine, whatever its size, even if functions were
+    /// requested.
     pub explicit: bool,
-    /// Whether another tool's file says it: then nothing is said about formulas that could be left
-    /// out.
+    /// Whether the specification comes from another tool's file; then superfluous formulas are not
+    /// reported.
     foreign: bool,
-    /// The specification with the assumptions that stand in the file only, where others were added;
-    /// findings about assumptions are about it.
+    /// The specification with only the assumptions in the file, if others were added; findings
+    /// about assumptions refer to it.
     own: Option<Arc<Specification>>,
-    /// For a specification of another tool: what to find out beside, to say what that tool answers.
+    /// For another tool's specification: further questions whose answers show what that tool would
+    /// answer.
     pub inquiries: Vec<Inquiry>,
 }
 
-/// How far a job goes.
+/// How far to take a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Goal {
-    /// Only whether there is a controller.
+    /// Only decide whether there is a controller.
     Answer,
-    /// The same; and if there is none, which guarantees clash. Nothing is extracted or verified,
-    /// and only small games are examined: for specifications whose controller nobody asked for, and
-    /// which may be far larger than a contract.
+    /// Also find the guarantees that clash if there is none. Nothing is extracted or verified, and
+    /// only small games are examined: for specifications whose controller was not requested, which
+    /// may be far larger than a contract.
     Verdict,
-    /// The same; and if the game is small, a verified controller. What is small is the solver's
-    /// business; the clock has no part in it.
+    /// Also extract and verify a controller if the game is small. The solver defines what is small,
+    /// independently of time.
     Small,
-    /// A verified controller, whatever it costs.
+    /// Extract and verify a controller at any cost.
     Controller,
 }
 
 impl Goal {
-    /// Whether a controller is asked for.
+    /// Whether a controller is requested.
     fn extracts(self, large: bool) -> bool {
         match self {
             Self::Answer | Self::Verdict => false,
@@ -195,7 +196,7 @@ impl Goal {
     }
 }
 
-/// Jobs without repetition: equal contracts are synthesized once, however many machines use them.
+/// Jobs without duplicates: equal contracts are synthesized once, however many machines use them.
 #[derive(Debug, Default)]
 pub struct Jobs {
     list: Vec<Job>,
@@ -205,8 +206,9 @@ pub struct Jobs {
 }
 
 impl Jobs {
-    /// No jobs yet; those that come also look for what makes a realizable contract mean less than
-    /// it seems to (LW205, LW206, LW208). `build` and `run` do without: it changes no controller.
+    /// Creates an empty list. Its jobs also search for what makes a realizable contract mean less
+    /// than it seems to (LW205, LW206, LW208). `build` and `run` skip this, since it changes no
+    /// controller.
     pub fn examining() -> Self {
         Self {
             examine: true,
@@ -214,31 +216,31 @@ impl Jobs {
         }
     }
 
-    /// The same, with controllers as they are wished for.
+    /// Sets the requested properties of controllers.
     #[must_use]
     pub fn wishing(self, wish: ExtractionOptions) -> Self {
         Self { wish, ..self }
     }
 
-    /// The same, and asks why each realizable contract is realizable.
+    /// Sets whether to find out why each realizable contract is realizable.
     #[must_use]
     pub fn ranking(self, rank: bool) -> Self {
         Self { rank, ..self }
     }
 
-    /// Adds a job whose controller is needed, or finds an equal one, and gives its index.
+    /// Adds a job whose controller is needed, or finds an equal one; returns its index.
     pub fn add(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
         self.add_for(Goal::Controller, specification, span)
     }
 
-    /// The same for a controller that has to be a machine, state by state.
+    /// Like `add`, for a controller that must be a machine (state by state).
     pub fn add_explicit(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
         let index = self.add(specification, span);
         self.list[index].explicit = true;
         index
     }
 
-    /// Adds a job, or finds an equal one, and gives its index.
+    /// Adds a job, or finds an equal one; returns its index.
     pub fn add_for(&mut self, goal: Goal, specification: &Arc<Specification>, span: Span) -> usize {
         let equal = |job: &Job| {
             job.goal >= Goal::Small
@@ -283,29 +285,29 @@ impl Jobs {
         self.list.len() - 1
     }
 
-    /// The job of an index.
+    /// Returns the job at an index.
     pub fn get(&self, index: usize) -> &Job {
         &self.list[index]
     }
 
-    /// How many there are.
+    /// Number of jobs.
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no jobs.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
-    /// Does them all, in parallel; the results are in the order of the jobs. It ends shortly
-    /// after the deadline, whatever is being done then.
+    /// Runs all jobs in parallel; results are in job order. Ends shortly after the deadline,
+    /// whatever is running then.
     pub fn run(&self, settings: &Settings, progress: &ProgressBar) -> Vec<CheckedContract> {
         self.run_with(None, settings, progress)
     }
 
-    /// The same without the jobs that a run before has done, if it asked for the same of them; this
-    /// run is remembered instead.
+    /// Like `run`, but reuses results that a previous run obtained for the same jobs; then
+    /// remembers this run instead.
     pub fn run_with(
         &self,
         memory: Option<&mut Memory>,
@@ -332,8 +334,7 @@ impl Jobs {
         results
     }
 
-    /// Does one of them. A fault of this program is told where the contract stands, and leaves the
-    /// others alone.
+    /// Runs one job. An internal error is reported at the contract and does not affect other jobs.
     fn done(&self, job: &Job, settings: &Settings) -> CheckedContract {
         let name = &job.specification.name;
         let doing = || format!("checking the contract `{name}`");
@@ -355,7 +356,7 @@ impl Jobs {
 }
 
 impl CheckedContract {
-    /// One with that verdict, and nothing else of it known yet.
+    /// A result with this verdict and nothing else yet.
     pub(super) fn new(verdict: Verdict, statistics: Statistics) -> Self {
         Self {
             verdict,
@@ -372,7 +373,7 @@ impl CheckedContract {
         }
     }
 
-    /// The findings for a command that needs the controller: that there is none is an error then.
+    /// The findings for a command that needs the controller: a missing one is an error.
     pub fn findings_where_needed(&self) -> Vec<Diagnostic> {
         let mut findings = self.findings.clone();
         if self.controller.is_none() {

@@ -1,13 +1,13 @@
-//! One contract through the pipeline, from the cache or by solving it.
+//! Takes one contract through the pipeline, from the cache or by solving it.
 
 use super::explain::explain;
-use super::known::{Known, gave_up};
+use super::known::{Analysis, gave_up};
 use super::{CheckedContract, Goal, InternalError, Job, Settings};
-use crate::cache::{self, Cache, Entry, Examined, Hints, Key, Version};
+use crate::cache::{self, Cache, Entry, ExaminationDepth, Hints, Key, Version};
 use crate::controller::{Controller, ExtractionOptions, controller};
 use crate::internal::within;
 use crate::statistics::Statistics;
-use crate::worker::{self, Ended};
+use crate::worker::{self, Completion};
 use linewright_core::gr1::Specification;
 use linewright_solver::game::{self, Heuristic, Limit, Limits, Outcome, Phase, Progress};
 use linewright_solver::mealy;
@@ -15,10 +15,10 @@ use linewright_solver::mealy::functions::Functions;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Examining the plant's side of a small game ends at so many nodes.
+/// Maximum node count for examining the environment of a small game.
 const MOST_EXAMINED_NODES: u64 = 400_000;
 
-/// A job, and all that it depends on.
+/// A job and everything that it depends on.
 pub(super) struct Task {
     pub(super) job: Job,
     pub(super) examine: bool,
@@ -29,7 +29,7 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// Does the job on a thread of its own, and leaves it there when it does not end in time.
+    /// Runs the job on its own thread, and abandons the thread if it does not end in time.
     pub(super) fn in_time(self) -> Result<CheckedContract, InternalError> {
         let start = Instant::now();
         let deadline = self.settings.limits.deadline;
@@ -39,17 +39,19 @@ impl Task {
             gave_up(&job, late.into(), &solve)
         } else {
             match worker::run(deadline, move |report| self.check(report)) {
-                Ended::Done(Err(error)) => return Err(error),
-                Ended::Done(Ok(Ok(known))) => known.told(&job, examine),
-                Ended::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
-                // What is looked for then are the guarantees that clash.
-                Ended::Left(_, None) if solve.phase() == Phase::Core => {
-                    Known::lost(&solve, &job.specification).told(&job, examine)
+                Completion::Done(Err(error)) => return Err(error),
+                Completion::Done(Ok(Ok(known))) => known.into_contract(&job, examine),
+                Completion::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
+                // In this phase the guarantees that clash are being searched.
+                Completion::Left(_, None) if solve.phase() == Phase::Core => {
+                    Analysis::lost(&solve, &job.specification).into_contract(&job, examine)
                 }
-                Ended::Left(late, None) => gave_up(&job, late.into(), &solve),
-                Ended::Left(late, Some(known)) => {
-                    let known: Known = known;
-                    known.stopped(late.into(), &job).told(&job, examine)
+                Completion::Left(late, None) => gave_up(&job, late.into(), &solve),
+                Completion::Left(late, Some(known)) => {
+                    let known: Analysis = known;
+                    known
+                        .stopped(late.into(), &job)
+                        .into_contract(&job, examine)
                 }
             }
         };
@@ -59,10 +61,10 @@ impl Task {
         })
     }
 
-    /// Solves the specification, extracts its controller, and verifies that; also looks for what
-    /// makes a realizable contract mean less than it seems to. As soon as there is a verdict, it is
-    /// given to `report`.
-    fn check(&self, report: &dyn Fn(Known)) -> Result<Result<Known, Limit>, InternalError> {
+    /// Solves the specification, extracts its controller, and verifies it; also searches for what
+    /// makes a realizable contract mean less than it seems to. The verdict is passed to `report` as
+    /// soon as it is known.
+    fn check(&self, report: &dyn Fn(Analysis)) -> Result<Result<Analysis, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let heuristics: Vec<Heuristic> = Heuristic::ALL
             .into_iter()
@@ -101,7 +103,7 @@ impl Task {
         Ok(known)
     }
 
-    /// The answers to the questions about another tool.
+    /// Answers the questions about another tool.
     fn answers(&self) -> Result<Vec<Option<Vec<bool>>>, InternalError> {
         let answer = |question: &Specification| -> Result<Option<bool>, InternalError> {
             let task = Self {
@@ -128,13 +130,13 @@ impl Task {
             .collect()
     }
 
-    /// Whether a controller is asked for.
+    /// Whether a controller is requested.
     fn extracts(&self, large: bool) -> bool {
         self.job.goal.extracts(large)
     }
 
-    /// What it shall be like. Where only a small game has one at all, a machine may still be large;
-    /// functions show as well that there is a right controller.
+    /// Requested properties of the controller. If only small games get a controller, its machine
+    /// may still be large; functions equally show that a correct controller exists.
     fn wish(&self) -> ExtractionOptions {
         ExtractionOptions {
             functions: !self.job.explicit && (self.wish.functions || self.job.goal == Goal::Small),
@@ -142,7 +144,7 @@ impl Task {
         }
     }
 
-    /// Whether the plant's side is examined.
+    /// Whether the environment is examined.
     fn examines(&self, large: bool) -> bool {
         self.examine && self.job.goal >= Goal::Verdict && !large
     }
@@ -150,12 +152,12 @@ impl Task {
     fn solve(
         &self,
         cache: Option<&Cache>,
-        report: &dyn Fn(Known),
-    ) -> Result<Result<Known, Limit>, InternalError> {
+        report: &dyn Fn(Analysis),
+    ) -> Result<Result<Analysis, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let limits = &self.settings.limits;
-        // What a written controller looks like may depend on the order. So only where none is
-        // written may the search begin with what earlier runs have left.
+        // The form of a written controller may depend on the order. So a search may start from
+        // earlier results only if no controller is written.
         let version = cache.filter(|_| self.job.goal != Goal::Controller);
         let hints = version
             .and_then(|c| c.version(specification))
@@ -169,7 +171,7 @@ impl Task {
             statistics.known_region = hints.region.is_some();
         }
         let last_order = solved.statistics.last_order;
-        let mut known = Known::new(statistics);
+        let mut known = Analysis::new(statistics);
         let won = match solved.outcome {
             Outcome::GaveUp(limit) => return Ok(Err(limit)),
             Outcome::Unrealizable(lost) => {
@@ -186,7 +188,7 @@ impl Task {
         report(known.clone());
         if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
             let names = &known.statistics.order_after;
-            let region = won.as_ref().map(game::Won::region);
+            let region = won.as_ref().map(game::WonGame::region);
             cache.keep_version(
                 specification,
                 &Version::new(specification, order, names, region),
@@ -199,7 +201,7 @@ impl Task {
                 let lost = within("saying why it is unrealizable", || {
                     explain(specification, &core, limits, &mut |lost| {
                         let lost = Some(Box::new(lost.clone()));
-                        report(Known {
+                        report(Analysis {
                             lost,
                             ..known.clone()
                         });
@@ -230,7 +232,8 @@ impl Task {
         }
         report(known.clone());
         if self.examines(large) {
-            // A game that is small may still be large here: then this gives up by itself.
+            // A game below the solver's limit for small games may still be large for this step,
+            // which then gives up by itself.
             let limits = Limits {
                 most_nodes: Some(MOST_EXAMINED_NODES),
                 ..*limits
@@ -242,7 +245,7 @@ impl Task {
             let is_late = matches!(environment, Err(Limit::Late(_)));
             known.environment = environment.ok();
             if !is_late {
-                known.examined = Examined::Plant;
+                known.examined = ExaminationDepth::Plant;
             }
             if known.tells_shape(&self.job) {
                 report(known.clone());
@@ -250,7 +253,7 @@ impl Task {
                     won.shape(specification, &limits)
                 });
                 if !is_late && !matches!(shape, Err(Limit::Late(_))) {
-                    known.examined = Examined::Whole;
+                    known.examined = ExaminationDepth::Whole;
                 }
                 known.shape = shape.ok();
             }
@@ -258,7 +261,7 @@ impl Task {
         Ok(Ok(known))
     }
 
-    fn play(&self, hints: &Hints) -> game::Solved {
+    fn play(&self, hints: &Hints) -> game::Solution {
         let heuristics = self.settings.heuristics;
         let options = game::Options {
             limits: self.settings.limits,
@@ -276,20 +279,19 @@ impl Task {
         game::solve_with(&self.job.specification, &options)
     }
 
-    /// What an entry says, cut down to what would be known without it. `None` when it does not say
-    /// enough.
-    fn recall(&self, entry: Entry) -> Option<Known> {
+    /// Restores an entry, reduced to what would be known without it. `None` if the entry is
+    /// incomplete.
+    fn recall(&self, entry: Entry) -> Option<Analysis> {
         let large = entry.statistics.large;
         let extracts = entry.realizable && self.extracts(large);
         let examines = entry.realizable && self.examines(large);
         let explains = !entry.realizable && self.job.goal > Goal::Answer;
         let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
-        // An entry is about the specification itself, and so would be what it says of the
-        // assumptions.
+        // An entry describes the specification itself, including findings about its assumptions.
         let other = examines && self.job.own.is_some();
         if other
             || extracts && !entry.extracted
-            || examines && entry.examined == Examined::Nothing
+            || examines && entry.examined == ExaminationDepth::Nothing
             || explains && (entry.core.is_none() || !explained)
         {
             return None;
@@ -300,13 +302,13 @@ impl Task {
         if !extracts && let Some(seconds) = &mut statistics.seconds {
             (seconds.extract, seconds.verify) = (None, None);
         }
-        let known = Known {
+        let known = Analysis {
             realizable: entry.realizable,
             core: entry.core,
             examined: if examines {
                 entry.examined
             } else {
-                Examined::Nothing
+                ExaminationDepth::Nothing
             },
             environment: entry.environment.filter(|_| examines),
             shape: entry.shape.filter(|_| examines),
@@ -324,13 +326,14 @@ impl Task {
             peak_nodes: entry.peak_nodes,
             statistics,
         };
-        // The entry may be one of another tool's file, of which less was asked.
-        let says_enough = known.examined == Examined::Whole || !known.tells_shape(&self.job);
+        // The entry may come from another tool's file, for which less was examined.
+        let says_enough =
+            known.examined == ExaminationDepth::Whole || !known.tells_shape(&self.job);
         (says_enough || !examines).then_some(known)
     }
 
-    /// What there is to remember. `None` when a limit of time or memory had a part in it.
-    fn entry(&self, known: &Known) -> Option<Entry> {
+    /// The entry to store. `None` if a time or memory limit affected the result.
+    fn entry(&self, known: &Analysis) -> Option<Entry> {
         let (extracted, machine, functions) = match &known.controller {
             Controller::NotRequested => (false, None, None),
             Controller::Stopped(Limit::Size) => (true, None, None),
@@ -341,7 +344,7 @@ impl Task {
         let examines = known.realizable && self.examines(known.statistics.large);
         let explains = !known.realizable && self.job.goal > Goal::Answer;
         let explained = known.lost.as_ref().is_some_and(|l| l.complete);
-        if examines && (known.examined == Examined::Nothing || self.job.own.is_some())
+        if examines && (known.examined == ExaminationDepth::Nothing || self.job.own.is_some())
             || explains && (known.core.is_none() || !explained)
         {
             return None;

@@ -1,60 +1,60 @@
-//! A line as a command. What is no command's word is a move: `name = value, name = value`, or
-//! values alone.
+//! Parses an input line as a command. A line that does not begin with a command word is a move:
+//! `name = value, name = value`, or values alone.
 
-/// What a person can ask for.
+/// A command of the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Command {
     /// An empty line, or a comment.
     Nothing,
     /// A move.
     Move(Vec<Part>),
-    /// Which moves are legal.
+    /// Lists the legal moves.
     Moves,
-    /// Which rules limit the moves, or why the last move was refused.
+    /// Explains which rules limit the moves, or why the last move was refused.
     Why,
-    /// Which rules forbid a move.
+    /// Explains which rules forbid a move.
     WhyNot(Vec<Part>),
-    /// The values of the last steps.
+    /// Shows the values of the last steps.
     State,
-    /// Takes steps back.
+    /// Takes back a number of steps.
     Undo(usize),
-    /// Begins anew.
+    /// Starts again.
     Reset,
-    /// Makes legal moves by chance.
+    /// Makes a number of random legal moves.
     Random(usize),
     /// Runs the commands of a file.
     Replay(String),
-    /// Writes the moves to a file, as a test with the values that came of them or without.
+    /// Writes the moves to a file, either as a test with the resulting values or without them.
     Save {
-        /// Whether values are expected.
+        /// Whether the resulting values are included as expectations.
         test: bool,
-        /// The file.
+        /// File to write.
         file: String,
     },
-    /// Says which values the last step has.
+    /// Checks the values of the last step.
     Expect(Vec<Part>),
-    /// What there is.
+    /// Lists the commands.
     Help,
-    /// The end.
+    /// Ends the session.
     Quit,
 }
 
 /// One value of a move.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Part {
-    /// Whose; none for a value alone.
+    /// Variable name; `None` for a value alone.
     pub name: Option<String>,
-    /// The value.
+    /// The value as text.
     pub value: String,
 }
 
-/// The words that begin a command.
+/// Words that begin a command.
 pub(super) const WORDS: [&str; 12] = [
     "moves", "why", "state", "undo", "reset", "random", "replay", "save", "expect", "help", "quit",
     "exit",
 ];
 
-/// What `help` prints.
+/// Output of `help`.
 pub(super) const HELP: &str = "\
 name = value, name = value  a move; what is left out keeps its value where it may
 value, value                the same by values alone, in the order of the declarations
@@ -74,14 +74,14 @@ quit                        the end
 # ...                       a comment
 ";
 
-/// Reads a line.
+/// Parses a line.
 pub(super) fn parse(line: &str) -> Result<Command, String> {
     let line = without_comment(line).trim();
     let (word, rest) = match line.split_once(char::is_whitespace) {
         Some((word, rest)) => (word, rest.trim()),
         None => (line, ""),
     };
-    // A variable may have such a name.
+    // A variable may have the same name as a command.
     if !WORDS.contains(&word) || rest.starts_with('=') {
         return match line {
             "" => Ok(Command::Nothing),
@@ -135,7 +135,7 @@ pub(super) fn parse(line: &str) -> Result<Command, String> {
     }
 }
 
-/// A `#` begins a comment at the beginning of a line, and behind a blank.
+/// Removes a comment: `#` starts one at the beginning of a line and after a space.
 fn without_comment(line: &str) -> &str {
     let mut blank = true;
     for (at, c) in line.char_indices() {

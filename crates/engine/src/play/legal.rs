@@ -1,51 +1,51 @@
-//! What the rules of a side still say about the step to come, and which moves they leave.
+//! What the rules of a side demand of the upcoming step, and which moves they allow.
 //!
-//! The formulas of the specification themselves are asked, never a controller. What is known of the
-//! step is put into them; moves are then looked for variable by variable, and left as soon as a
-//! formula can only be false, by interval arithmetic. Looking ends after so many tries: then it is
-//! not known whether there is a move, and that is said.
+//! Evaluates the specification's own formulas, never a controller. Known values of the step are
+//! substituted into them. Moves are then searched variable by variable; a branch is cut as soon as
+//! interval arithmetic shows that a formula can only be false. The search is bounded by a number of
+//! tries, beyond which the result is reported as unknown.
 
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Owner, Specification, Time, VarId};
 use std::ops::ControlFlow;
 
-/// So many values are tried for an answer.
+/// Maximum number of values tried for one answer.
 const MOST_TRIES: u32 = 100_000;
 
-/// A rule as it is in the step to come.
+/// A rule in the upcoming step.
 #[derive(Debug, Clone)]
 pub(super) struct Rule<'a> {
-    /// The rule.
+    /// The original rule.
     pub formula: &'a Formula,
-    /// What it still says: a formula about next values that are not known yet.
+    /// What remains of it: a formula about next values that are not known yet.
     pub left: Expr,
 }
 
-/// The moves of a side in the step to come.
+/// Moves of a side in the upcoming step.
 #[derive(Debug)]
 pub(super) struct Moves<'a> {
     specification: &'a Specification,
-    /// What holds for them.
+    /// Rules that a move must satisfy.
     pub rules: Vec<Rule<'a>>,
-    /// What has to hold of the step once it is left. A move that breaks it is legal, and no step
-    /// can follow it.
+    /// Conditions for leaving the step. A move that violates them is legal, but no step can follow
+    /// it.
     pub leaving: Vec<Rule<'a>>,
-    /// The variables that are not known yet, and for each the value that is tried first.
+    /// Variables without a known value, each with the value to try first.
     open: Vec<(VarId, i64)>,
 }
 
-/// Too many values were tried.
+/// The maximum number of tries was exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooMany;
+pub(super) struct EnumerationLimit;
 
 /// Values of variables.
 pub(super) type Values = Vec<(VarId, i64)>;
 
-/// Looks at a move; may break off.
+/// Visits a move; may stop the search.
 type Visit<'v> = dyn FnMut(&[(VarId, i64)]) -> ControlFlow<()> + 'v;
 
 impl<'a> Moves<'a> {
-    /// The moves of `side` after a step, or in step 0, where these values of the step are known
+    /// The moves of `side` after a step, or in step 0, given the values of the step that are known
     /// already.
     pub fn new(
         specification: &'a Specification,
@@ -61,7 +61,8 @@ impl<'a> Moves<'a> {
             Some(value) => Expr::Const(value),
             None => Expr::next(v),
         };
-        // Initial conditions and invariants speak of the current step, which is the one to come.
+        // Initial conditions and invariants refer to the current step, which here is the upcoming
+        // one.
         let within = |f: &'a Formula| Rule {
             formula: f,
             left: f.expr.substitute(&mut |v, _| to_come(v)).simplify(),
@@ -91,7 +92,7 @@ impl<'a> Moves<'a> {
             })
         });
         let leaving: Vec<Rule<'a>> = leaving.filter(|r| r.left != Expr::TRUE).collect();
-        // Those of the side first: what the other one gives afterwards only has to be possible.
+        // Variables of the side come first: the other side's later values only have to be possible.
         let all = (0..specification.variables.len() as u32).map(VarId);
         let (own, other): (Vec<VarId>, Vec<VarId>) =
             all.partition(|v| specification.variable(*v).owner == side);
@@ -111,8 +112,7 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// Whether a variable's value matters to any rule, also to one that counts once the step is
-    /// left.
+    /// Whether a variable's value matters to any rule, including those for leaving the step.
     pub fn matters(&self, variable: VarId) -> bool {
         let mut rules = self.rules.iter().chain(&self.leaving);
         rules.any(|r| mentions(&r.left, variable))
@@ -131,34 +131,34 @@ impl<'a> Moves<'a> {
             .collect()
     }
 
-    /// A legal move with these values that a step can follow, as far as the rules of the step alone
-    /// tell; if there is none, any legal move.
-    pub fn find_lasting(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, TooMany> {
+    /// A legal move with these values that a step can follow, as far as the rules of this step
+    /// alone show; otherwise any legal move.
+    pub fn find_lasting(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, EnumerationLimit> {
         let all = self.rules.iter().chain(&self.leaving);
         match self.find_under(all, fixed) {
             Ok(Some(values)) => Ok(Some(values)),
-            Ok(None) | Err(TooMany) => self.find(fixed),
+            Ok(None) | Err(EnumerationLimit) => self.find(fixed),
         }
     }
 
-    /// Tries these values first.
+    /// Sets the values to try first.
     pub fn prefer(&mut self, values: impl Fn(VarId) -> i64) {
         for (variable, first) in &mut self.open {
             *first = values(*variable);
         }
     }
 
-    /// A legal move with these values: those of all open variables.
-    pub fn find(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, TooMany> {
+    /// A legal move with these values, as values of all open variables.
+    pub fn find(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, EnumerationLimit> {
         self.find_under(self.rules.iter(), fixed)
     }
 
-    /// The same when only some rules hold.
+    /// Like `find`, but only some rules apply.
     pub fn find_under<'r>(
         &self,
         rules: impl Iterator<Item = &'r Rule<'a>>,
         fixed: &[(VarId, i64)],
-    ) -> Result<Option<Values>, TooMany>
+    ) -> Result<Option<Values>, EnumerationLimit>
     where
         'a: 'r,
     {
@@ -171,8 +171,8 @@ impl<'a> Moves<'a> {
         Ok(found)
     }
 
-    /// All legal moves, as values of the variables that matter. `visit` may break off.
-    pub fn each(&self, visit: &mut Visit<'_>) -> Result<(), TooMany> {
+    /// All legal moves, as values of the variables that matter. `visit` may stop the search.
+    pub fn each(&self, visit: &mut Visit<'_>) -> Result<(), EnumerationLimit> {
         let open = self.open.iter().copied();
         let matter: Values = open.filter(|(v, _)| self.matters(*v)).collect();
         let mut search = Search::new(self, true);
@@ -190,7 +190,7 @@ impl<'a> Moves<'a> {
     }
 }
 
-/// What rules say once these values are known.
+/// What remains of rules once these values are known.
 fn left_by<'a: 'r, 'r>(
     rules: impl Iterator<Item = &'r Rule<'a>>,
     fixed: &[(VarId, i64)],
@@ -204,10 +204,10 @@ fn left_by<'a: 'r, 'r>(
     rules.map(|r| fix(&r.left)).collect()
 }
 
-/// A search in depth.
+/// A depth-first search.
 struct Search<'a> {
     specification: &'a Specification,
-    /// Whether values that make no difference any more are tried too.
+    /// Whether to also try values that no longer make a difference.
     every: bool,
     values: Values,
     tries: u32,
@@ -228,7 +228,7 @@ impl<'a> Search<'a> {
         mut left: Vec<Expr>,
         open: &[(VarId, i64)],
         visit: &mut Visit<'_>,
-    ) -> Result<ControlFlow<()>, TooMany> {
+    ) -> Result<ControlFlow<()>, EnumerationLimit> {
         let domain = |v: VarId| Interval::of(&self.specification.variable(v).domain);
         let bounds = |e: &Expr| interval(e, &domain).unwrap_or(Interval::BOOL);
         if left.iter().any(|e| bounds(e).high == 0) {
@@ -245,7 +245,7 @@ impl<'a> Search<'a> {
         for value in std::iter::once(*first).chain(others) {
             self.tries += 1;
             if self.tries > MOST_TRIES {
-                return Err(TooMany);
+                return Err(EnumerationLimit);
             }
             let with = |e: &Expr| put(e, *variable, value).unwrap_or_else(|| e.clone());
             let left: Vec<Expr> = left.iter().map(with).collect();
@@ -260,8 +260,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The conjuncts of a rule from step to step that only speak of the step that is left. The
-/// recursion is as deep as the formula.
+/// Conjuncts of a step rule that mention only the step being left. The recursion is as deep as the
+/// formula.
 fn lasting(expr: &Expr) -> Vec<&Expr> {
     match expr {
         Expr::Binary(BinaryOp::And, a, b) => [lasting(a), lasting(b)].concat(),
@@ -270,7 +270,7 @@ fn lasting(expr: &Expr) -> Vec<&Expr> {
     }
 }
 
-/// The formula with a next value known; none if that is not in it.
+/// The formula with a next value substituted; `None` if it does not occur in it.
 fn put(left: &Expr, variable: VarId, value: i64) -> Option<Expr> {
     mentions(left, variable).then(|| {
         let known = left.substitute(&mut |v, time| {
@@ -346,7 +346,7 @@ mod tests {
         }
     }
 
-    /// What is found is what direct evaluation says, from every step.
+    /// The search agrees with direct evaluation, from every step.
     #[test]
     fn moves_are_those_that_keep_every_rule() {
         let specification = specification();

@@ -1,10 +1,10 @@
-//! A contract played step by step: a person has one side, a verified machine the other.
+//! Plays a contract step by step: a person has one side, a verified machine the other.
 //!
-//! Of a realizable contract the person is the plant, and its controller answers. Of one that is
-//! not, the person is the machine, and the counterstrategy plays the plant. What a person may do is
-//! decided by the contract's rules alone.
+//! In a realizable contract the person is the plant, and the controller answers. In an unrealizable
+//! one the person is the machine, and the counterstrategy plays the plant. The contract's rules
+//! alone decide which moves are legal.
 //!
-//! [`Session`] takes commands as lines and gives texts; it knows neither files nor terminals.
+//! [`Session`] takes commands as lines and returns texts; it uses neither files nor terminals.
 
 mod command;
 mod legal;
@@ -16,3 +16,4 @@ mod why;
 
 pub use opponent::Opponent;
 pub use session::{Effect, Reply, Session};
+pub use show::LINE_SCHEMA;

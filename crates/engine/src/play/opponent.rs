@@ -5,26 +5,26 @@ use linewright_core::gr1::{Owner, Timing};
 use linewright_solver::mealy::functions::State;
 use linewright_solver::mealy::{Controller, Machine};
 
-/// Who answers the person.
+/// The machine that plays against the person.
 #[derive(Debug, Clone)]
 pub enum Opponent {
     /// The person is the plant.
     Controller(Controller),
-    /// The person is the machine. Inputs and outputs are the other way round.
+    /// The person is the machine. Inputs and outputs are swapped.
     Counterstrategy(Machine),
 }
 
-/// Where the other player is between two steps.
+/// Position of the opponent between two steps.
 #[derive(Debug, Clone)]
 pub(super) enum Place {
-    /// A state, or none before step 0.
+    /// State of the machine; `None` before step 0.
     Machine(Option<usize>),
-    /// The state of functions.
+    /// State of the functions.
     Functions(State),
 }
 
 impl Opponent {
-    /// Whose values the person gives.
+    /// The side that the person plays.
     pub fn person(&self) -> Owner {
         match self {
             Self::Controller(_) => Owner::Environment,
@@ -32,7 +32,7 @@ impl Opponent {
         }
     }
 
-    /// Whether it gives its values before it sees the person's.
+    /// Whether the opponent moves first in a step.
     pub(super) fn begins(&self) -> bool {
         let timing = match self {
             Self::Controller(controller) => controller.timing(),
@@ -50,7 +50,8 @@ impl Opponent {
         }
     }
 
-    /// What it gives in the step to come, where it begins; nothing where the person has no way on.
+    /// The opponent's values for the upcoming step, if it moves first; `None` if the person has no
+    /// way to go on.
     pub(super) fn given(&self, place: &Place) -> Option<Vec<i64>> {
         if let (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) =
             (self, place)
@@ -61,8 +62,8 @@ impl Opponent {
         Some(first.output.clone())
     }
 
-    /// What it gives in a step in which the person gives these values, and where it is then. None
-    /// where they break a rule.
+    /// The opponent's values in a step with the person's values `moved`, and its next position.
+    /// `None` if they break a rule.
     pub(super) fn answer(&self, place: &Place, moved: &[i64]) -> Option<(Vec<i64>, Place)> {
         if let (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) =
             (self, place)

@@ -1,11 +1,11 @@
-//! A play with its history, and the commands that a person gives.
+//! A play with its history and the commands of the person.
 
 use super::command::{self, Command, HELP, Part};
-use super::legal::{Moves, Rule, TooMany, Values};
+use super::legal::{EnumerationLimit, Moves, Rule, Values};
 use super::opponent::{Opponent, Place};
 use super::show;
 use super::values::{listed, resolve, shown};
-use super::why::{Book, Verdict, verdict, verdict_of_leaving};
+use super::why::{RulePrinter, Verdict, verdict, verdict_of_leaving};
 use linewright_core::gr1::{Owner, Specification, VarId};
 use linewright_core::source::SourceMap;
 use serde_json::{Value, json};
@@ -14,43 +14,43 @@ use serde_json::{Value, json};
 #[derive(Debug)]
 pub struct Session<'a> {
     pub(super) specification: &'a Specification,
-    pub(super) book: Book<'a>,
+    pub(super) book: RulePrinter<'a>,
     opponent: Opponent,
-    /// The values of all variables in every step so far.
+    /// Values of all variables in each step so far.
     pub(super) steps: Vec<Vec<i64>>,
-    /// Where the other player was before every step, and where it is now.
+    /// Positions of the opponent before each step, and the current one.
     places: Vec<Place>,
-    /// The values of the last move that was refused, until the next one is made.
+    /// Values of the last refused move, until the next move.
     refused: Option<Values>,
     chance: u64,
 }
 
-/// What comes of a command.
+/// Result of a command.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reply {
-    /// For a person.
+    /// Text for a person.
     pub text: String,
-    /// For a program: one object a step that was made, or one for what was said.
+    /// JSON for a program: one object per step made, or one for a message.
     pub lines: Vec<Value>,
-    /// What is left to do.
+    /// Action left to the caller.
     pub effect: Effect,
 }
 
-/// What a session asks for, since it does not do it itself.
+/// An action that the caller has to perform, since the session does not.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Effect {
     /// Nothing.
     Nothing,
-    /// The commands of this file are to be run.
+    /// Run the commands of this file.
     Replay(String),
-    /// This text is to be written to this file.
+    /// Write a text to a file: file name, then text.
     Save(String, String),
-    /// The end.
+    /// End the session.
     Quit,
 }
 
 impl<'a> Session<'a> {
-    /// A play before its first step. Whoever gives the same seed gets the same moves by chance.
+    /// Starts a play before its first step. The same seed gives the same random moves.
     pub fn new(
         specification: &'a Specification,
         sources: &'a SourceMap,
@@ -60,7 +60,7 @@ impl<'a> Session<'a> {
         let places = vec![opponent.start()];
         Self {
             specification,
-            book: Book {
+            book: RulePrinter {
                 specification,
                 sources,
             },
@@ -72,27 +72,27 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Whose values the person gives.
+    /// The side that the person plays.
     pub fn person(&self) -> Owner {
         self.opponent.person()
     }
 
-    /// `plant` or `machine`: what the person is.
+    /// The person's role: `plant` or `machine`.
     pub fn role(&self) -> &'static str {
         show::role(self.person())
     }
 
-    /// Who is who, and what the first step begins with.
+    /// Introduction: the roles, and known values of the first step.
     pub fn opening(&self) -> String {
         show::opening(self) + &self.begun()
     }
 
-    /// The same for a program.
+    /// The introduction as JSON.
     pub fn opening_line(&self) -> Value {
         show::opening_object(self)
     }
 
-    /// Does what a line says. What is wrong with it is told as an error, and changes nothing.
+    /// Executes a line. An error is returned as text and changes nothing.
     pub fn run(&mut self, line: &str) -> Result<Reply, String> {
         let said = |text: String| {
             Ok(Reply {
@@ -141,7 +141,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The values of the step to come that are known already.
+    /// Values of the upcoming step that are known already.
     pub(super) fn known(&self) -> Vec<Option<i64>> {
         let mut known = vec![None; self.specification.variables.len()];
         if let Some(values) = self.given() {
@@ -152,14 +152,14 @@ impl<'a> Session<'a> {
         known
     }
 
-    /// What the other player has given in the step to come, where it begins.
+    /// The opponent's values in the upcoming step, if it moves first.
     pub(super) fn given(&self) -> Option<Values> {
         let place = self.places.last().filter(|_| self.opponent.begins())?;
         let values = self.opponent.given(place)?;
         Some(self.of(show::other(self.person())).zip(values).collect())
     }
 
-    /// The person's moves in the step to come.
+    /// The person's moves in the upcoming step.
     pub(super) fn legal(&self) -> Moves<'a> {
         let before = self.steps.last().map(Vec::as_slice);
         Moves::new(self.specification, self.person(), before, &self.known())
@@ -191,7 +191,7 @@ impl<'a> Session<'a> {
                     self.role()
                 ))
             }
-            Ok(Verdict::Legal(_)) | Err(TooMany) => None,
+            Ok(Verdict::Legal(_)) | Err(EnumerationLimit) => None,
         }
     }
 
@@ -213,7 +213,7 @@ impl<'a> Session<'a> {
                 self.refused = Some(fixed.to_vec());
                 Err(format!("this move is not legal; {why}"))
             }
-            Err(TooMany) => {
+            Err(EnumerationLimit) => {
                 Err("it takes too long to complete this move: give more of its values".to_owned())
             }
         }
@@ -260,7 +260,7 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// What is known of the step to come.
+    /// Known values of the upcoming step.
     fn begun(&self) -> String {
         let given = self.given().unwrap_or_default();
         if given.is_empty() {
@@ -269,7 +269,7 @@ impl<'a> Session<'a> {
         show::begun(self, &given)
     }
 
-    /// Where the play is after steps were taken back.
+    /// Position after steps were taken back.
     fn now(&self) -> String {
         match self.steps.len() {
             0 => format!("before step 0\n{}", self.begun()),
@@ -294,7 +294,7 @@ impl<'a> Session<'a> {
                 if made == 0 {
                     return Err(over);
                 }
-                // The step before has said so.
+                // The previous step already reported it.
                 break;
             }
             let mut moves = self.legal();
@@ -307,7 +307,7 @@ impl<'a> Session<'a> {
             let values = match moves.find_lasting(&[]) {
                 Ok(Some(values)) => values,
                 Ok(None) => return Err("there is no legal move".to_owned()),
-                Err(TooMany) => return Err("it takes too long to find a move".to_owned()),
+                Err(EnumerationLimit) => return Err("it takes too long to find a move".to_owned()),
             };
             let reply = self.make(&values)?;
             all.text += &reply.text;
@@ -347,13 +347,13 @@ impl<'a> Session<'a> {
         let rules = |rules: &[&Rule<'_>]| self.book.rules(rules, before, &known);
         match verdict(&moves, fixed) {
             Ok(Verdict::Legal(values)) => {
-                // Of those that are legal, one that goes on.
+                // Prefers a legal move after which the play can go on.
                 let values = match verdict_of_leaving(&moves, fixed) {
                     Ok(Verdict::Each(rules) | Verdict::Together(rules)) => {
                         return self.last(&moves, fixed, &rules);
                     }
                     Ok(Verdict::Legal(values)) => values,
-                    Err(TooMany) => values,
+                    Err(EnumerationLimit) => values,
                 };
                 let own = shown(self.specification, self.person());
                 let values: Values = values
@@ -370,12 +370,12 @@ impl<'a> Session<'a> {
             Ok(Verdict::Together(found)) => {
                 format!("these forbid it together:\n{}", rules(&found))
             }
-            Err(TooMany) => "it takes too long to find out: give more values\n".to_owned(),
+            Err(EnumerationLimit) => "it takes too long to find out: give more values\n".to_owned(),
         }
     }
 
-    /// That a legal move is the last one, because of these rules, of which some count once the step
-    /// is left.
+    /// Message that a legal move is the last one because of these rules, some of which apply on
+    /// leaving the step.
     fn last(&self, moves: &Moves<'_>, fixed: &[(VarId, i64)], rules: &[&Rule<'_>]) -> String {
         let mut known = self.known();
         for (variable, value) in fixed {
@@ -393,7 +393,7 @@ impl<'a> Session<'a> {
         )
     }
 
-    /// What comes of a move that no step can follow.
+    /// Consequence of a move that no step can follow.
     pub(super) fn end_of_last_move(&self) -> &'static str {
         match self.person() {
             Owner::System => "loses",
@@ -425,7 +425,7 @@ impl<'a> Session<'a> {
         ))
     }
 
-    /// The moves that led here, as a script.
+    /// The moves so far as a script.
     fn script(&self, test: bool) -> String {
         let own: Vec<VarId> = self.of(self.person()).collect();
         let others = shown(self.specification, show::other(self.person()));
@@ -448,7 +448,7 @@ impl<'a> Session<'a> {
     }
 }
 
-/// The next number by chance (Steele, Lea and Flood, "Fast splittable pseudorandom number
+/// The next pseudorandom number (Steele, Lea and Flood, "Fast splittable pseudorandom number
 /// generators", 2014).
 fn draw(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);

@@ -1,4 +1,4 @@
-//! A play as text and as JSON.
+//! Formats a play as text and as JSON.
 
 use super::legal::Values;
 use super::session::Session;
@@ -8,16 +8,20 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
+/// The JSON Schema of a line.
+pub const LINE_SCHEMA: &str = include_str!("step.schema.json");
+
 /// The schema of a line.
 pub(super) const SCHEMA: &str = "linewright/step/1";
 
-/// `state` shows so many steps.
+/// Maximum number of steps shown by `state`.
 const COLUMNS: usize = 8;
 
-/// `moves` lists so many moves one by one; where there are more, the values of each variable.
+/// Maximum number of moves that `moves` lists one by one; beyond it, the values of each variable
+/// are listed.
 const LISTED: usize = 12;
 
-/// `moves` tries every value of a domain that is no larger.
+/// Maximum domain size of which `moves` tries every value.
 const TRIED: u64 = 400;
 
 pub(super) fn role(side: Owner) -> &'static str {
@@ -34,7 +38,7 @@ pub(super) fn other(side: Owner) -> Owner {
     }
 }
 
-/// Who is who.
+/// Introduction with the roles.
 pub(super) fn opening(session: &Session<'_>) -> String {
     let name = &session.specification.name;
     let mut text = match session.person() {
@@ -75,7 +79,7 @@ fn line(session: &Session<'_>, side: Owner, values: impl Fn(VarId) -> Option<i64
     )
 }
 
-/// The step that was just made. Where the other player began it, its values were shown already.
+/// Shows the step that was just made. If the opponent moved first, its values were already shown.
 pub(super) fn step(session: &Session<'_>, began: bool) -> String {
     let Some(step) = session.steps.last() else {
         return String::new();
@@ -89,14 +93,14 @@ pub(super) fn step(session: &Session<'_>, began: bool) -> String {
     format!("step {number}\n{}{}", line(person), line(other(person)))
 }
 
-/// The values that a step begins with.
+/// Shows the values that a step begins with.
 pub(super) fn begun(session: &Session<'_>, given: &[(VarId, i64)]) -> String {
     let of = |v: VarId| given.iter().find(|(g, _)| *g == v).map(|(_, value)| *value);
     let line = line(session, other(session.person()), of);
     format!("step {}\n{line}", session.steps.len())
 }
 
-/// The last step for a program, with what the next one begins with.
+/// The last step as JSON, with the values that the next one begins with.
 pub(super) fn step_object(session: &Session<'_>, over: Option<&str>) -> Value {
     let step = session.steps.last().map_or(&[][..], Vec::as_slice);
     let side = |side: Owner| {
@@ -119,7 +123,7 @@ pub(super) fn step_object(session: &Session<'_>, over: Option<&str>) -> Value {
     line
 }
 
-/// Values by name.
+/// Values as an object, keyed by name.
 fn object(session: &Session<'_>, values: &[(VarId, i64)]) -> Value {
     let mut object = Map::new();
     for (v, value) in values {
@@ -136,7 +140,7 @@ fn object(session: &Session<'_>, values: &[(VarId, i64)]) -> Value {
     Value::Object(object)
 }
 
-/// What the first step begins with, for a program.
+/// The known values of the first step as JSON.
 pub(super) fn opening_object(session: &Session<'_>) -> Value {
     let mut line = json!({
         "schema": SCHEMA,
@@ -222,7 +226,7 @@ fn aligned(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// The legal moves, one by one or, where they are many, variable by variable.
+/// The legal moves: one by one, or variable by variable if there are many.
 pub(super) fn moves(session: &Session<'_>) -> String {
     if let Some(over) = session.over() {
         return over;
@@ -326,7 +330,7 @@ fn values_of(session: &Session<'_>, v: VarId) -> String {
     }
     let mut ranges: Vec<(i64, i64)> = Vec::new();
     for value in domain.low()..=domain.high() {
-        // What takes too long to find out is not left out.
+        // A value is kept if its check takes too long.
         if matches!(moves.find(&[(v, value)]), Ok(None)) {
             continue;
         }

@@ -1,11 +1,11 @@
-//! Names and values as a person writes them, with what was probably meant.
+//! Parses and prints names and values; suggests similar ones.
 
 use super::command::{Part, WORDS};
 use super::legal::Values;
 use linewright_core::diagnostics::nearest;
 use linewright_core::gr1::{Domain, Owner, Specification, VarId, Variable};
 
-/// The variables of a side, those that the machine keeps to itself left out.
+/// The variables of a side, without the machine's internal ones.
 pub(super) fn shown(specification: &Specification, side: Owner) -> Vec<VarId> {
     let all = (0..specification.variables.len() as u32).map(VarId);
     all.filter(|v| {
@@ -15,7 +15,7 @@ pub(super) fn shown(specification: &Specification, side: Owner) -> Vec<VarId> {
     .collect()
 }
 
-/// The values of a move of `side`; of anybody, where that is none.
+/// Resolves the values of a move of `side`, or of either side if that is `None`.
 pub(super) fn resolve(
     specification: &Specification,
     side: Option<Owner>,
@@ -64,14 +64,15 @@ pub(super) fn resolve(
     Ok(values)
 }
 
-/// A word alone is no value of a move with one variable: a command with a slip, or too few values.
+/// Error for a single word where the move needs another number of values: it is a misspelled
+/// command, or values are missing.
 fn unknown_word(word: &str, names: &[&str]) -> String {
     let meant = match nearest(word, WORDS.into_iter()) {
         Some(command) => format!("did you mean `{command}`?"),
         None => "`help` lists the commands".to_owned(),
     };
     format!(
-        "`{word}` is no command, and a move needs values for {}; {meant}",
+        "`{word}` is not a command, and a move needs values for {}; {meant}",
         names.join(", ")
     )
 }

@@ -1,41 +1,41 @@
-//! Which rules forbid a move, in the words of the contract.
+//! Finds the rules that forbid a move, in the words of the contract.
 
-use super::legal::{Moves, Rule, TooMany, Values};
+use super::legal::{EnumerationLimit, Moves, Rule, Values};
 use super::values::listed;
 use linewright_core::gr1::{Expr, Formula, Owner, Specification, Time, VarId};
 use linewright_core::source::SourceMap;
 
-/// What to say about rules.
+/// Formats rules.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Book<'a> {
+pub(super) struct RulePrinter<'a> {
     pub specification: &'a Specification,
     pub sources: &'a SourceMap,
 }
 
-/// Why a move is not legal.
+/// Whether and why a move is not legal.
 #[derive(Debug)]
 pub(super) enum Verdict<'a, 'm> {
-    /// It is: for instance with these values.
+    /// Legal, for instance with these values.
     Legal(Values),
-    /// Each of these rules forbids it.
+    /// Each of these rules alone forbids it.
     Each(Vec<&'m Rule<'a>>),
-    /// None of these rules forbids it, but all of them together do, and no fewer.
+    /// No single rule forbids it, but all of these together do, and no subset of them.
     Together(Vec<&'m Rule<'a>>),
 }
 
-/// Why a move with these values is not legal, if it is not.
+/// Explains why a move with these values is not legal, if so.
 pub(super) fn verdict<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
-) -> Result<Verdict<'a, 'm>, TooMany> {
+) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
     among(moves, moves.rules.iter(), fixed)
 }
 
-/// The same with the rules that count once the step is left: why no step can follow.
+/// Like `verdict`, with the rules that apply on leaving the step: why no step can follow.
 pub(super) fn verdict_of_leaving<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
-) -> Result<Verdict<'a, 'm>, TooMany> {
+) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
     among(moves, moves.rules.iter().chain(&moves.leaving), fixed)
 }
 
@@ -43,8 +43,8 @@ fn among<'a, 'm>(
     moves: &'m Moves<'a>,
     rules: impl Iterator<Item = &'m Rule<'a>>,
     fixed: &[(VarId, i64)],
-) -> Result<Verdict<'a, 'm>, TooMany> {
-    let possible = |rules: &[&'m Rule<'a>]| -> Result<Option<Values>, TooMany> {
+) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
+    let possible = |rules: &[&'m Rule<'a>]| -> Result<Option<Values>, EnumerationLimit> {
         moves.find_under(rules.iter().copied(), fixed)
     };
     let all: Vec<&Rule<'a>> = rules.filter(|r| r.left != Expr::TRUE).collect();
@@ -74,8 +74,8 @@ fn among<'a, 'm>(
     Ok(Verdict::Together(together))
 }
 
-impl<'a> Book<'a> {
-    /// Rules, one below the other, each with its place and the values that it looks at.
+impl<'a> RulePrinter<'a> {
+    /// Lists rules, one per line, with the place and relevant values of each.
     pub fn rules(
         &self,
         rules: &[&Rule<'_>],
@@ -92,7 +92,7 @@ impl<'a> Book<'a> {
         texts.concat()
     }
 
-    /// The same of rules that count once the step to come is left.
+    /// Like `rules`, for rules that apply on leaving the upcoming step.
     pub fn leaving(&self, rules: &[&Rule<'_>], known: &[Option<i64>]) -> String {
         let mut texts: Vec<String> = Vec::new();
         for rule in rules {
@@ -110,7 +110,7 @@ impl<'a> Book<'a> {
         texts.concat()
     }
 
-    /// `  assume held: always (a -> next a)` and, below it, where it stands and what it looks at.
+    /// `  assume held: always (a -> next a)`, followed by its place and the relevant values.
     fn rule(&self, formula: &Formula, before: Option<&[i64]>, known: &[Option<i64>]) -> String {
         let mut now = Values::new();
         let mut given = Values::new();
@@ -137,8 +137,8 @@ impl<'a> Book<'a> {
         line + "\n"
     }
 
-    /// A rule as its author wrote it, `assume held: always (a -> next a)`; from where that cannot
-    /// be seen, its name and its formula.
+    /// A rule as its author wrote it, `assume held: always (a -> next a)`; if the source is not
+    /// available, its name and formula.
     pub fn title(&self, formula: &Formula) -> String {
         let file = self.sources.file(formula.span.file);
         let (start, end) = (
@@ -162,7 +162,7 @@ impl<'a> Book<'a> {
         } else {
             "guarantee"
         };
-        // A rule without a name of its own is called by its place: `guarantee 3`.
+        // A rule without a name is identified by its position: `guarantee 3`.
         if name.contains(' ') {
             format!("{name}: {}", formula.text)
         } else {
@@ -175,7 +175,7 @@ impl<'a> Book<'a> {
         format!("{file}:{}", self.sources.start(formula.span).line)
     }
 
-    /// Rules of a side that a whole step breaks.
+    /// Rules of a side that a complete step violates.
     pub fn broken(&self, side: Owner, before: Option<&[i64]>, step: &[i64]) -> Vec<Rule<'a>> {
         let known: Vec<Option<i64>> = step.iter().copied().map(Some).collect();
         let moves = Moves::new(self.specification, side, before, &known);

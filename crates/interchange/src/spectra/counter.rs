@@ -16,7 +16,7 @@
 
 use super::reader::Reader;
 use super::scope::Cells;
-use super::syntax::{Counter, Node, Overflow, When};
+use super::syntax::{Counter, Node, Overflow, TemporalForm};
 use super::value::{Kind, Value};
 use linewright_core::gr1::{BinaryOp, Expr, Owner};
 
@@ -25,7 +25,7 @@ impl Reader {
         let (low, high) = (cells.domain.low(), cells.domain.high());
         for node in &counter.initial {
             if let Some(value) = self.truth(node) {
-                self.add(Owner::System, When::Initially, value);
+                self.add(Owner::System, TemporalForm::Initially, value);
             }
         }
         let sections = [
@@ -58,17 +58,17 @@ impl Reader {
                 }
             };
             let step = Value::binary(BinaryOp::Implies, asked, allowed);
-            self.add(Owner::System, When::Transition, step);
+            self.add(Owner::System, TemporalForm::Transition, step);
         }
         if let Some(asked) = self.any(&counter.reset) {
             idle.push(asked.clone().not());
             let step = Value::binary(BinaryOp::Implies, asked, is(&next, low));
-            self.add(Owner::System, When::Transition, step);
+            self.add(Owner::System, TemporalForm::Transition, step);
         }
         let still = Value::binary(BinaryOp::Eq, next, now);
         let idle = Value::chain(BinaryOp::And, idle);
         let step = Value::binary(BinaryOp::Implies, idle, still);
-        self.add(Owner::System, When::Transition, step);
+        self.add(Owner::System, TemporalForm::Transition, step);
     }
 
     /// Whether one of the formulas holds; `None` if there is none or one has a mistake.

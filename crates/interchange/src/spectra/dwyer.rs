@@ -15,7 +15,7 @@ pub(super) const FILE: &str = "DwyerPatterns.spectra";
 
 /// A pattern of the published file.
 #[derive(Debug, PartialEq, Eq)]
-pub struct Published {
+pub struct PublishedPattern {
     /// Its name in the file.
     pub name: &'static str,
     /// Its parameters, a letter each, in order.
@@ -28,8 +28,8 @@ const fn published(
     name: &'static str,
     parameters: &'static str,
     formula: &'static str,
-) -> Published {
-    Published {
+) -> PublishedPattern {
+    PublishedPattern {
         name,
         parameters,
         formula,
@@ -37,7 +37,7 @@ const fn published(
 }
 
 /// All of them, also under the names of older files.
-pub static PATTERNS: [Published; 56] = [
+pub static PATTERNS: [PublishedPattern; 56] = [
     published("P_is_false_globally", "p", "G !p"),
     published("P_is_false_before_R", "pr", "F r -> (!p U r)"),
     published("P_is_false_after_Q", "pq", "G (q -> G !p)"),
@@ -253,7 +253,7 @@ pub static PATTERNS: [Published; 56] = [
     published("pRespondsToS", "ps", "G (p -> F s)"),
 ];
 
-impl Published {
+impl PublishedPattern {
     /// The automaton over its parameters, unless it is too large; none of the table is.
     pub(super) fn automaton(&self) -> Option<Automaton> {
         let mut reader = Letters {

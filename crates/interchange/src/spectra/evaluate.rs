@@ -196,7 +196,7 @@ impl Reader {
         self.error(
             codes::TYPE_MISMATCH,
             span,
-            format!("`{name}` is no array"),
+            format!("`{name}` is not an array"),
             "leave the index out",
         );
         None

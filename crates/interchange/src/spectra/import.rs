@@ -15,9 +15,9 @@ use linewright_core::source::{FileId, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A file may import so many others, theirs counted.
+/// Maximum number of imported files, including indirect imports.
 const MAX_FILES: usize = 64;
-/// And name so many files in vain; later ones are not looked for.
+/// Maximum number of missing imports; later ones are not searched.
 const MAX_MISSED: usize = 64;
 /// Files of the language end so.
 const ENDING: &str = ".spectra";
@@ -109,7 +109,7 @@ impl Sources {
         if !path.ends_with(ENDING) {
             self.refuse(
                 span,
-                format!("`{path}` is no file of Spectra's language"),
+                format!("`{path}` is not a Spectra file"),
                 format!("name a file that ends with `{ENDING}`"),
             );
             return None;

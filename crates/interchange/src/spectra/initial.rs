@@ -15,7 +15,7 @@ use linewright_core::gr1::{BinaryOp, Expr, Owner, Time, VarId};
 use linewright_core::source::Span;
 use std::collections::BTreeSet;
 
-/// A variable may have so many values to be left out of an assumption.
+/// Maximum number of values of a variable that is eliminated from an assumption.
 const MAX_VALUES: u64 = 1 << 12;
 
 impl Reader {

@@ -8,7 +8,7 @@
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;
-use super::syntax::{Name, Node, Pattern, When};
+use super::syntax::{Name, Node, Pattern, TemporalForm};
 use super::value::Value;
 use linewright_core::gr1::Owner;
 use linewright_core::source::Span;
@@ -79,7 +79,7 @@ impl Reader {
             }
             for clause in &pattern.clauses {
                 let side = match clause.when {
-                    When::Repeatedly => side,
+                    TemporalForm::Repeatedly => side,
                     _ => Owner::System,
                 };
                 if let Some(value) = reader.truth(&clause.node) {

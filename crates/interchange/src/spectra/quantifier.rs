@@ -8,7 +8,7 @@ use super::value::Value;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::BinaryOp;
 
-/// A quantifier may have so many values.
+/// Maximum number of values of a quantifier.
 const MAX_VALUES: u64 = 1 << 12;
 
 impl Reader {
@@ -35,7 +35,7 @@ impl Reader {
             self.error(
                 codes::DOMAIN_EMPTY,
                 of.span,
-                "a name cannot run through so many values",
+                "a quantifier cannot range over this many values",
                 format!("use a type of at most {MAX_VALUES} values that is no array"),
             );
             return None;

@@ -14,19 +14,19 @@ use std::rc::Rc;
 
 /// Monitors of past formulas are numbered from here until all variables are known.
 const FIRST_MONITOR: u32 = 1 << 28;
-/// A formula may have so many operators and operands, written out.
+/// Maximum number of operators and operands of an expanded formula.
 const MAX_SIZE: u64 = 1 << 18;
 /// And be so deep.
 const MAX_DEPTH: u32 = 400;
-/// All formulas of a file may have so many operators and operands, whatever its length.
+/// Maximum number of operators and operands of all formulas of a file.
 const MIN_BUDGET: u64 = 4 << 20;
 /// What a formula takes beside them.
 const FORMULA: u64 = 16;
 /// Defines and predicates may use one another so deeply, all their formulas counted.
 const MAX_EXPANSION: u32 = 400;
-/// So many variables a file may have, the elements of its arrays counted.
+/// Maximum number of variables of a file, including elements of arrays.
 pub(super) const MAX_VARIABLES: usize = 1 << 14;
-/// For so many unknown names a similar one is looked for.
+/// Maximum number of unknown names for which a similar name is searched.
 const MAX_GUESSES: usize = 50;
 
 /// What a define came to, with what it mentions.

@@ -8,7 +8,7 @@ use linewright_automata::derivative::ExtendedRegex as Re;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::Expr;
 
-/// Repetitions written out may have so many parts.
+/// Maximum number of parts of expanded repetitions.
 const MAX_PARTS: u64 = 4000;
 
 impl Reader {

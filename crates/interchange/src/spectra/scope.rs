@@ -1,6 +1,6 @@
 //! The names of a file, and what they stand for.
 
-use super::dwyer::{self, Published};
+use super::dwyer::{self, PublishedPattern};
 use super::import::Target;
 use super::syntax::{Define, Pattern, Predicate, Regexp, TypeName};
 use linewright_core::gr1::{Domain, VarId};
@@ -24,7 +24,7 @@ pub(super) enum Symbol {
     Predicate(Rc<Predicate>),
     Pattern(Rc<Pattern>),
     /// A pattern that every file may import.
-    Published(&'static Published),
+    Published(&'static PublishedPattern),
     Regexp(Rc<Regexp>),
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Scope {
 
 /// The published patterns by their names.
 pub(super) fn published() -> Scope {
-    let symbol = |p: &'static Published| (Symbol::Published(p), Span::default());
+    let symbol = |p: &'static PublishedPattern| (Symbol::Published(p), Span::default());
     let symbols = dwyer::PATTERNS
         .iter()
         .map(|p| (p.name.to_owned(), symbol(p)));

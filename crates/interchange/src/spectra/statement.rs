@@ -13,14 +13,14 @@
 use super::parser::one_line;
 use super::reader::Reader;
 use super::scope::Symbol;
-use super::syntax::{Body, Clause, Monitor, Name, Node, Shape, Statement, When};
+use super::syntax::{Body, Clause, Monitor, Name, Node, Shape, Statement, TemporalForm};
 use super::value::Value;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
 use linewright_core::gr1::{Expr, Owner, Time, VarId};
 use linewright_core::source::Span;
 
-/// A parametrised assumption or guarantee may come to so many.
+/// Maximum number of instances of a parametrised assumption or guarantee.
 const MAX_INSTANCES: usize = 1 << 12;
 
 impl Reader {
@@ -108,7 +108,8 @@ impl Reader {
     /// A formula, a pattern or a regular expression, also below `forall`. A pattern says itself
     /// when it has to hold: `G` before it adds nothing.
     fn lowered(&mut self, side: Owner, clause: &Clause, node: &Node) -> Option<()> {
-        let plain = !clause.explicit || matches!(clause.when, When::Transition | When::Always);
+        let plain = !clause.explicit
+            || matches!(clause.when, TemporalForm::Transition | TemporalForm::Always);
         match &node.shape {
             Shape::Call(name, arguments) if plain && self.is_pattern(name) => {
                 self.pattern(side, name, arguments, node.span)
@@ -164,7 +165,7 @@ impl Reader {
         for clause in &monitor.clauses {
             let line = one_line(text_of(text, clause.span));
             self.begin(monitor.variable.name.text.clone(), clause.span, line);
-            if clause.when == When::Repeatedly {
+            if clause.when == TemporalForm::Repeatedly {
                 self.error(
                     codes::NOT_GR1,
                     clause.span,
@@ -192,17 +193,19 @@ impl Reader {
     }
 
     /// Adds a formula to the list that it belongs to.
-    pub fn add(&mut self, side: Owner, when: When, value: Value) {
+    pub fn add(&mut self, side: Owner, when: TemporalForm, value: Value) {
         let Value { mut expr, size, .. } = value;
         let next = expr.mentions_next();
-        if when == When::Initially && next {
+        if when == TemporalForm::Initially && next {
             expr = self.first_transition(expr);
         }
         let kind = match when {
-            When::Initially if !next => Kind::Initial,
-            When::Always if !next => Kind::Invariant,
-            When::Initially | When::Transition | When::Always => Kind::Safety,
-            When::Repeatedly => Kind::Justice,
+            TemporalForm::Initially if !next => Kind::Initial,
+            TemporalForm::Always if !next => Kind::Invariant,
+            TemporalForm::Initially | TemporalForm::Transition | TemporalForm::Always => {
+                Kind::Safety
+            }
+            TemporalForm::Repeatedly => Kind::Justice,
         };
         let obligations = if side == Owner::System {
             vec![Obligation { kind, expr }]

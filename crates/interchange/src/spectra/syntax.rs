@@ -121,7 +121,7 @@ pub(super) enum RegexpShape {
 
 /// When a formula has to hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum When {
+pub(super) enum TemporalForm {
     Initially,
     /// `G`: from each step to the next.
     Transition,
@@ -134,7 +134,7 @@ pub(super) enum When {
 /// What is assumed or guaranteed, or belongs to a monitor or a pattern.
 #[derive(Debug, Clone)]
 pub(super) struct Clause {
-    pub when: When,
+    pub when: TemporalForm,
     /// Whether the operator was written.
     pub explicit: bool,
     pub node: Node,

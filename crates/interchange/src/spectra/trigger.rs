@@ -13,7 +13,7 @@
 //! `trig true* |=> r`: the run is cut into pieces that match r.
 
 use super::reader::Reader;
-use super::syntax::{Regexp, When};
+use super::syntax::{Regexp, TemporalForm};
 use super::value::Value;
 use linewright_automata::derivative::ExtendedRegex as Re;
 use linewright_automata::symbolic::{Automaton, Decision};
@@ -30,13 +30,19 @@ impl Reader {
     }
 
     /// `G regexp(r)`, `GF regexp(r)`
-    pub fn matched(&mut self, side: Owner, when: When, regexp: &Regexp, span: Span) -> Option<()> {
+    pub fn matched(
+        &mut self,
+        side: Owner,
+        when: TemporalForm,
+        regexp: &Regexp,
+        span: Span,
+    ) -> Option<()> {
         let mut atoms = Vec::new();
         let r = self.regexp(regexp, &mut atoms)?;
         let any = Re::Any.star();
         let effect = match when {
-            When::Transition => r,
-            When::Repeatedly => any.clone().then(r),
+            TemporalForm::Transition => r,
+            TemporalForm::Repeatedly => any.clone().then(r),
             _ => {
                 self.error(
                     codes::NOT_GR1,

@@ -7,7 +7,7 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
 
-/// A domain may have so many values, as in the language's own contracts.
+/// Maximum number of values of a domain, as in contracts.
 const MAX_DOMAIN: i64 = 1 << 20;
 /// Types may be declared by one another so deeply.
 const MAX_ALIASES: usize = 64;
@@ -114,7 +114,7 @@ impl Reader {
         self.error(
             codes::NOT_CONSTANT,
             node.span,
-            "this is no number that is known when the file is read",
+            "this is not a number that is known when the file is read",
             "write a number, or a define of one",
         );
         None

@@ -30,7 +30,7 @@ pub(super) enum Kind {
     /// `X[n]`, `G[n:m]`, `F[n:m]`
     Bounded(Unary, Box<Tree>, Box<Tree>),
     /// `&&[0 <= i < n, j IN S]`
-    Big(Big, Vec<Tree>, Box<Tree>),
+    Big(BigOperator, Vec<Tree>, Box<Tree>),
     /// A chain of `&&`.
     And(Vec<Tree>),
     /// A chain of `||`.
@@ -51,7 +51,7 @@ pub(super) enum Unary {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Big {
+pub(super) enum BigOperator {
     And,
     Or,
     Sum,

@@ -4,23 +4,23 @@
 //! some values make are looked at, and the others do not matter to what the automaton is written
 //! as.
 
-use super::ltl::{F, Formulas, Op};
+use super::ltl::{FormulaId, Formulas, Op};
 use linewright_automata::dfa::Dfa;
 use linewright_automata::ltl::{self, Formula, Limits, Node};
 use linewright_core::gr1::eval::holds;
 use linewright_core::gr1::{Expr, UnaryOp};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// So many states are worth having in a monitor.
+/// Maximum number of states of a monitor.
 const MAX_STATES: usize = 48;
 /// How far an automaton is looked into before it is made minimal.
 const LIMITS: Limits = Limits {
     states: 4 * MAX_STATES,
     alternatives: 48,
 };
-/// So many different conditions on a step may occur.
+/// Maximum number of different conditions on a step.
 const MAX_LETTERS: usize = 8;
-/// Conditions are tried on all values of so many variables at most.
+/// Maximum number of variables whose values are enumerated for a condition.
 const MAX_VARIABLES: usize = 12;
 
 /// A deterministic automaton that refuses the steps that break its formula.
@@ -37,15 +37,15 @@ struct Builder {
     made: ltl::Formulas,
     letters: Vec<Expr>,
     /// Formulas and their negations as nodes: `a <-> b` asks for both of both.
-    known: BTreeMap<(F, bool), Node>,
+    known: BTreeMap<(FormulaId, bool), Node>,
 }
 
 /// The automaton of a safety formula; `None` where it would become too large. `state` gives the
 /// expression of a formula about one step.
 pub(super) fn of(
     formulas: &Formulas,
-    f: F,
-    state: &dyn Fn(F) -> Option<Expr>,
+    f: FormulaId,
+    state: &dyn Fn(FormulaId) -> Option<Expr>,
 ) -> Option<Automaton> {
     let mut builder = Builder {
         made: ltl::Formulas::default(),
@@ -67,9 +67,9 @@ impl Builder {
     fn node(
         &mut self,
         formulas: &Formulas,
-        f: F,
+        f: FormulaId,
         negated: bool,
-        state: &dyn Fn(F) -> Option<Expr>,
+        state: &dyn Fn(FormulaId) -> Option<Expr>,
     ) -> Option<Node> {
         if let Some(known) = self.known.get(&(f, negated)) {
             return Some(*known);
@@ -82,9 +82,9 @@ impl Builder {
     fn node_of(
         &mut self,
         formulas: &Formulas,
-        f: F,
+        f: FormulaId,
         negated: bool,
-        state: &dyn Fn(F) -> Option<Expr>,
+        state: &dyn Fn(FormulaId) -> Option<Expr>,
     ) -> Option<Node> {
         if formulas.is_state(f) {
             let expr = state(f)?.simplify();
@@ -106,7 +106,7 @@ impl Builder {
             return Some(self.made.node(Formula::Atom(letter, !negated)));
         }
         let op = formulas.op(f).clone();
-        let mut inner = |g: F, negated: bool| self.node(formulas, g, negated, state);
+        let mut inner = |g: FormulaId, negated: bool| self.node(formulas, g, negated, state);
         let found = match op {
             Op::Not(a) => return inner(a, !negated),
             Op::And(list) | Op::Or(list) => {

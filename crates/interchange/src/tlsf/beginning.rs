@@ -2,8 +2,8 @@
 
 use super::ast::Section;
 use super::classify::{Piece, Refusal};
-use super::found::{Conjunct, Found, formula};
-use super::ltl::{F, Formulas, Op};
+use super::found::{Conjunct, LocatedPiece, formula};
+use super::ltl::{FormulaId, Formulas, Op};
 use super::meaning::{Meaning, Sides};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Owner, Time, VarId};
@@ -12,8 +12,8 @@ impl Meaning<'_, '_, '_> {
     /// INITIALLY and PRESET.
     pub(super) fn beginnings(
         &mut self,
-        initially: &[Found],
-        preset: &[Found],
+        initially: &[LocatedPiece],
+        preset: &[LocatedPiece],
         required: bool,
         sides: &mut Sides,
     ) {
@@ -76,7 +76,7 @@ impl Meaning<'_, '_, '_> {
             .iter()
             .any(|w| w.section == Section::Initially && !ordinary(w, formulas));
         if moved && !(self.strict && has(&wishes, Section::Assert)) {
-            let given: Vec<F> = wishes
+            let given: Vec<FormulaId> = wishes
                 .iter()
                 .filter(|w| w.section == Section::Initially)
                 .map(|w| w.formula)
@@ -101,7 +101,7 @@ impl Meaning<'_, '_, '_> {
         wishes
     }
 
-    pub(super) fn misplaced(&mut self, found: &Found, here: &str, there: &str) {
+    pub(super) fn misplaced(&mut self, found: &LocatedPiece, here: &str, there: &str) {
         let refusal = Refusal {
             at: found.at,
             why: format!("{here} is about the first step, and this formula about all of them"),

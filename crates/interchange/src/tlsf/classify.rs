@@ -13,7 +13,7 @@
 //! | `F G a` | persistence, which only some places can take |
 //! | a disjunction of these | what holds in the long run: `G F p` or `F G q` |
 
-use super::ltl::{F, Formulas, Op};
+use super::ltl::{FormulaId, Formulas, Op};
 use crate::terms::{balanced, negated};
 use linewright_core::gr1::monitors::{Monitors, Origin, Pattern, Scope};
 use linewright_core::gr1::{BinaryOp, Expr, VarId};
@@ -34,13 +34,13 @@ pub(super) enum Piece {
     Persistent(Expr),
     /// If the first ones hold again and again, then so does the last. The formulas are those that
     /// the first ones deny.
-    Pair(Vec<(F, Expr)>, Expr),
+    Pair(Vec<(FormulaId, Expr)>, Expr),
 }
 
 /// Why a formula is none of GR(1).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Refusal {
-    pub at: F,
+    pub at: FormulaId,
     pub why: String,
     pub help: String,
 }
@@ -60,7 +60,7 @@ pub(super) struct Classifier<'f> {
 }
 
 /// `X X F b`: how many `X`, and `b`.
-fn answered(formulas: &Formulas, f: F) -> Option<(u32, F)> {
+fn answered(formulas: &Formulas, f: FormulaId) -> Option<(u32, FormulaId)> {
     let (mut f, mut steps) = (f, 0);
     loop {
         match formulas.op(f) {
@@ -85,14 +85,14 @@ impl<'f> Classifier<'f> {
     }
 
     /// What one part comes to; see [`Formulas::parts`].
-    pub fn piece(&mut self, f: F) -> Result<Piece, Refusal> {
+    pub fn piece(&mut self, f: FormulaId) -> Result<Piece, Refusal> {
         match self.direct(f) {
             Err(refusal) => (self.reached(f)).or_else(|| self.denied(f)).ok_or(refusal),
             found => found,
         }
     }
 
-    fn direct(&mut self, f: F) -> Result<Piece, Refusal> {
+    fn direct(&mut self, f: FormulaId) -> Result<Piece, Refusal> {
         if let Some(ahead) = self.formulas.ahead(f)
             && let Some(e) = self.seen(f, i64::from(ahead.max(1)) - 1)
         {
@@ -164,14 +164,14 @@ impl<'f> Classifier<'f> {
 
     /// A formula about finitely many steps, once all of them are over; its value in the first ones
     /// does not matter.
-    fn looked_back(&mut self, f: F) -> Option<Expr> {
+    fn looked_back(&mut self, f: FormulaId) -> Option<Expr> {
         // Of a step and the next one, justice speaks as it is.
         let ahead = self.formulas.ahead(f)?.max(1) - 1;
         Some(self.seen(f, i64::from(ahead))?.simplify())
     }
 
     /// `G (a | X X F b)`: what is not a is answered by b two steps later or still later.
-    fn response(&mut self, body: F, from: u32) -> Result<Piece, Refusal> {
+    fn response(&mut self, body: FormulaId, from: u32) -> Result<Piece, Refusal> {
         let list = match self.formulas.op(body).clone() {
             Op::Or(list) => list,
             _ => vec![body],
@@ -224,7 +224,7 @@ impl<'f> Classifier<'f> {
 
     /// A formula that a run keeps by a finite beginning: its denial is safety, which breaks some
     /// day.
-    fn reached(&mut self, f: F) -> Option<Piece> {
+    fn reached(&mut self, f: FormulaId) -> Option<Piece> {
         let denial = self.formulas.positive(f, true);
         if !self.formulas.is_safety(denial) {
             return None;
@@ -241,7 +241,7 @@ impl<'f> Classifier<'f> {
 
     /// A formula whose denial is made of parts about the long run: `F (a & X G !b)` denies
     /// `G (a -> X F b)`.
-    fn denied(&mut self, f: F) -> Option<Piece> {
+    fn denied(&mut self, f: FormulaId) -> Option<Piece> {
         if self.denying {
             return None;
         }
@@ -251,7 +251,7 @@ impl<'f> Classifier<'f> {
         found
     }
 
-    fn denied_once(&mut self, f: F) -> Option<Piece> {
+    fn denied_once(&mut self, f: FormulaId) -> Option<Piece> {
         let denial = self.formulas.positive(f, true);
         let (mut when, mut then) = (Vec::new(), Vec::new());
         for part in self.formulas.parts(denial) {
@@ -272,8 +272,8 @@ impl<'f> Classifier<'f> {
     }
 
     /// What a disjunction comes to in the long run.
-    fn disjunction(&mut self, list: &[F]) -> Result<Piece, Refusal> {
-        let (finite, other): (Vec<F>, Vec<F>) = list
+    fn disjunction(&mut self, list: &[FormulaId]) -> Result<Piece, Refusal> {
+        let (finite, other): (Vec<FormulaId>, Vec<FormulaId>) = list
             .iter()
             .partition(|g| self.formulas.ahead(**g).is_some());
         let mut all = other;
@@ -303,7 +303,7 @@ impl<'f> Classifier<'f> {
 }
 
 /// If all of the first ones hold again and again, then so does one of the others.
-fn long_run(when: Vec<(F, Expr)>, then: Vec<Expr>) -> Piece {
+fn long_run(when: Vec<(FormulaId, Expr)>, then: Vec<Expr>) -> Piece {
     let then = balanced(BinaryOp::Or, then).simplify();
     if when.is_empty() {
         Piece::Recurrent(then)

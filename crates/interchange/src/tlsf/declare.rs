@@ -12,7 +12,7 @@ use linewright_core::gr1::{Domain, Owner, VarId, Variable};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// So many signals may be declared, buses counted by their elements.
+/// Maximum number of declared signals; a bus counts as its elements.
 const MAX_SIGNALS: usize = 4096;
 
 /// Definitions, enumerations and labels by their names.

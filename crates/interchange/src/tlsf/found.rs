@@ -2,7 +2,7 @@
 
 use super::ast::Section;
 use super::classify::Piece;
-use super::ltl::F;
+use super::ltl::FormulaId;
 use linewright_core::gr1::monitors::Origin;
 use linewright_core::gr1::{Expr, Formula};
 use std::ops::Range;
@@ -14,13 +14,13 @@ pub(super) struct Conjunct {
     pub name: String,
     /// Where the name of its section stands.
     pub heading: Range<usize>,
-    pub formula: F,
+    pub formula: FormulaId,
 }
 
 /// A piece and where it comes from.
-pub(super) struct Found {
+pub(super) struct LocatedPiece {
     pub piece: Piece,
-    pub at: F,
+    pub at: FormulaId,
     pub origin: Origin,
     /// Where the name of its section stands.
     pub heading: Range<usize>,
@@ -35,7 +35,7 @@ pub(super) fn is_safety(piece: &Piece) -> bool {
 }
 
 /// A formula of a piece, with its name and its place.
-pub(super) fn formula(found: &Found, expr: &Expr) -> Formula {
+pub(super) fn formula(found: &LocatedPiece, expr: &Expr) -> Formula {
     Formula {
         defines: false,
         name: found.origin.name.clone(),
@@ -48,8 +48,8 @@ pub(super) fn formula(found: &Found, expr: &Expr) -> Formula {
 
 /// Constants among what is assumed or promised: what says nothing is left out, and what nothing can
 /// keep is as well asked again and again.
-pub(super) fn only_in_vain(list: &mut Vec<Found>) {
-    let constant = |f: &Found| match f.piece {
+pub(super) fn only_in_vain(list: &mut Vec<LocatedPiece>) {
+    let constant = |f: &LocatedPiece| match f.piece {
         Piece::Initial(Expr::Const(value)) | Piece::Invariant(Expr::Const(value)) => Some(value),
         _ => None,
     };
@@ -62,7 +62,11 @@ pub(super) fn only_in_vain(list: &mut Vec<Found>) {
 }
 
 /// "If again and again c, then" says nothing where c is assumed to happen again and again.
-pub(super) fn under_assumptions(require: &[Found], assume: &[Found], promises: &mut [Found]) {
+pub(super) fn under_assumptions(
+    require: &[LocatedPiece],
+    assume: &[LocatedPiece],
+    promises: &mut [LocatedPiece],
+) {
     let known: Vec<&Expr> = require
         .iter()
         .chain(assume)

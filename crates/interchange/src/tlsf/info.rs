@@ -70,7 +70,7 @@ impl Parser<'_, '_> {
                         } else {
                             self.report.syntax(
                                 range,
-                                "this is no semantics of the format",
+                                "this is not a semantics of the format",
                                 "it is Mealy or Moore, or one of them with `,Strict` behind it",
                             );
                         }
@@ -104,7 +104,7 @@ impl Parser<'_, '_> {
                 Some(word) => {
                     self.report.syntax(
                         place,
-                        format!("`{}` is no entry of INFO", quoted(word)),
+                        format!("`{}` is not an entry of INFO", quoted(word)),
                         "INFO has TITLE, DESCRIPTION, SEMANTICS, TARGET and TAGS, each followed by `:`",
                     );
                     self.at += 1;

@@ -26,11 +26,11 @@
 //! F X a = X F a                             G X a = X G a
 //! ```
 
-use super::ltl::{F, Formulas, Op, Place};
+use super::ltl::{FormulaId, Formulas, Op, Place};
 
 impl Formulas {
     /// Whether it holds in a step exactly if it holds in any later one, by its operators.
-    pub fn is_long_run(&self, f: F) -> bool {
+    pub fn is_long_run(&self, f: FormulaId) -> bool {
         match self.op(f) {
             Op::Globally(a) => matches!(self.op(*a), Op::Finally(_)),
             Op::Finally(a) => matches!(self.op(*a), Op::Globally(_)),
@@ -40,14 +40,15 @@ impl Formulas {
     }
 
     /// Operands about the long run, and the others; `None` where there are none of the first.
-    fn pulled(&self, list: &[F]) -> Option<(Vec<F>, Vec<F>)> {
-        let (long, rest): (Vec<F>, Vec<F>) = list.iter().partition(|g| self.is_long_run(**g));
+    fn pulled(&self, list: &[FormulaId]) -> Option<(Vec<FormulaId>, Vec<FormulaId>)> {
+        let (long, rest): (Vec<FormulaId>, Vec<FormulaId>) =
+            list.iter().partition(|g| self.is_long_run(**g));
         (!long.is_empty()).then_some((long, rest))
     }
 
     /// The operands of a conjunction or a disjunction with some about the long run: these, and what
     /// is left of the others.
-    fn divided(&mut self, f: F) -> Option<(bool, Vec<F>, F)> {
+    fn divided(&mut self, f: FormulaId) -> Option<(bool, Vec<FormulaId>, FormulaId)> {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::And(list) => {
@@ -63,7 +64,7 @@ impl Formulas {
     }
 
     /// `X a`
-    pub fn next(&mut self, a: F, place: Place) -> F {
+    pub fn next(&mut self, a: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(a) {
             return a;
         }
@@ -83,7 +84,7 @@ impl Formulas {
     }
 
     /// `G a`
-    pub fn globally(&mut self, a: F, place: Place) -> F {
+    pub fn globally(&mut self, a: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(a) {
             return a;
         }
@@ -112,7 +113,7 @@ impl Formulas {
     }
 
     /// `F a`
-    pub fn finally(&mut self, a: F, place: Place) -> F {
+    pub fn finally(&mut self, a: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(a) {
             return a;
         }
@@ -145,14 +146,14 @@ impl Formulas {
     }
 
     /// `G F a`
-    fn recurrent(&mut self, a: F, place: Place) -> F {
+    fn recurrent(&mut self, a: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(a) {
             return a;
         }
         match self.op(a).clone() {
             _ if self.ahead(a).is_some() => {}
             Op::Or(list) => {
-                let (near, far): (Vec<F>, Vec<F>) =
+                let (near, far): (Vec<FormulaId>, Vec<FormulaId>) =
                     list.into_iter().partition(|g| self.ahead(*g).is_some());
                 let near = self.or(near, place);
                 let list = std::iter::once(near)
@@ -162,8 +163,10 @@ impl Formulas {
                 return self.or(list, place);
             }
             Op::And(list) => {
-                let free = |s: &Self, g: F| s.is_long_run(g) || matches!(s.op(g), Op::Finally(_));
-                let (far, rest): (Vec<F>, Vec<F>) = list.into_iter().partition(|g| free(self, *g));
+                let free =
+                    |s: &Self, g: FormulaId| s.is_long_run(g) || matches!(s.op(g), Op::Finally(_));
+                let (far, rest): (Vec<FormulaId>, Vec<FormulaId>) =
+                    list.into_iter().partition(|g| free(self, *g));
                 if !far.is_empty() {
                     let rest = self.and(rest, place);
                     let list = far
@@ -192,14 +195,14 @@ impl Formulas {
     }
 
     /// `F G a`
-    fn persistent(&mut self, a: F, place: Place) -> F {
+    fn persistent(&mut self, a: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(a) {
             return a;
         }
         match self.op(a).clone() {
             _ if self.ahead(a).is_some() => {}
             Op::And(list) => {
-                let (near, far): (Vec<F>, Vec<F>) =
+                let (near, far): (Vec<FormulaId>, Vec<FormulaId>) =
                     list.into_iter().partition(|g| self.ahead(*g).is_some());
                 let near = self.and(near, place);
                 let list = std::iter::once(near)
@@ -209,8 +212,10 @@ impl Formulas {
                 return self.and(list, place);
             }
             Op::Or(list) => {
-                let free = |s: &Self, g: F| s.is_long_run(g) || matches!(s.op(g), Op::Globally(_));
-                let (far, rest): (Vec<F>, Vec<F>) = list.into_iter().partition(|g| free(self, *g));
+                let free =
+                    |s: &Self, g: FormulaId| s.is_long_run(g) || matches!(s.op(g), Op::Globally(_));
+                let (far, rest): (Vec<FormulaId>, Vec<FormulaId>) =
+                    list.into_iter().partition(|g| free(self, *g));
                 if !far.is_empty() {
                     let rest = self.or(rest, place);
                     let list = far
@@ -239,7 +244,7 @@ impl Formulas {
     }
 
     /// `a U b`
-    pub fn until(&mut self, a: F, b: F, place: Place) -> F {
+    pub fn until(&mut self, a: FormulaId, b: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(b) || matches!(self.op(b), Op::Finally(_)) {
             return b;
         }
@@ -261,7 +266,7 @@ impl Formulas {
     }
 
     /// `a W b`
-    pub fn weak(&mut self, a: F, b: F, place: Place) -> F {
+    pub fn weak(&mut self, a: FormulaId, b: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(b) {
             let always = self.globally(a, place);
             return self.or(vec![always, b], place);
@@ -289,7 +294,7 @@ impl Formulas {
     }
 
     /// `a R b`
-    pub fn release(&mut self, a: F, b: F, place: Place) -> F {
+    pub fn release(&mut self, a: FormulaId, b: FormulaId, place: Place) -> FormulaId {
         if self.is_long_run(b) {
             return b;
         }
@@ -312,7 +317,7 @@ impl Formulas {
     }
 
     /// As [`divided`](Self::divided), where the whole formula may be about the long run, too.
-    fn first(&mut self, a: F) -> Option<(bool, Vec<F>, F)> {
+    fn first(&mut self, a: FormulaId) -> Option<(bool, Vec<FormulaId>, FormulaId)> {
         if self.is_long_run(a) {
             let place = self.place(a);
             return Some((true, vec![a], self.constant(true, place)));
@@ -320,7 +325,7 @@ impl Formulas {
         self.divided(a)
     }
 
-    fn joined(&mut self, and: bool, list: Vec<F>, place: Place) -> F {
+    fn joined(&mut self, and: bool, list: Vec<FormulaId>, place: Place) -> FormulaId {
         if and {
             self.and(list, place)
         } else {

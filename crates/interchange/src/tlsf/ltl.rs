@@ -8,33 +8,33 @@ use linewright_core::gr1::VarId;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// A formula may have so many operators and operands, written out.
+/// Maximum number of operators and operands of an expanded formula.
 const MAX_SIZE: u64 = 1 << 16;
 /// Formulas may nest so deep.
 const MAX_DEPTH: u32 = 400;
-/// So many nodes may be made for a file.
+/// Maximum number of nodes for a file.
 const MAX_NODES: usize = 1 << 21;
 
 /// A node of [`Formulas`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) struct F(u32);
+pub(super) struct FormulaId(u32);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum Op {
     True,
     False,
     Atom(VarId),
-    Not(F),
-    And(Vec<F>),
-    Or(Vec<F>),
-    Implies(F, F),
-    Iff(F, F),
-    Next(F),
-    Globally(F),
-    Finally(F),
-    Until(F, F),
-    Weak(F, F),
-    Release(F, F),
+    Not(FormulaId),
+    And(Vec<FormulaId>),
+    Or(Vec<FormulaId>),
+    Implies(FormulaId, FormulaId),
+    Iff(FormulaId, FormulaId),
+    Next(FormulaId),
+    Globally(FormulaId),
+    Finally(FormulaId),
+    Until(FormulaId, FormulaId),
+    Weak(FormulaId, FormulaId),
+    Release(FormulaId, FormulaId),
 }
 
 /// Where a formula was written, and in which call.
@@ -74,31 +74,31 @@ struct Node {
 pub(super) struct Formulas {
     nodes: Vec<Node>,
     /// What [`positive`](Self::positive) has made.
-    pub positives: BTreeMap<(F, bool), F>,
+    pub positives: BTreeMap<(FormulaId, bool), FormulaId>,
     /// A bound was passed: what was made since is worth nothing.
     pub too_large: bool,
 }
 
 impl Formulas {
-    pub fn op(&self, f: F) -> &Op {
+    pub fn op(&self, f: FormulaId) -> &Op {
         &self.nodes[f.0 as usize].op
     }
 
-    pub fn place(&self, f: F) -> Place {
+    pub fn place(&self, f: FormulaId) -> Place {
         self.nodes[f.0 as usize].place
     }
 
     /// How many steps ahead it looks, if no other temporal operator than `X` is in it.
-    pub fn ahead(&self, f: F) -> Option<u32> {
+    pub fn ahead(&self, f: FormulaId) -> Option<u32> {
         self.nodes[f.0 as usize].ahead
     }
 
     /// Whether it is about one step.
-    pub fn is_state(&self, f: F) -> bool {
+    pub fn is_state(&self, f: FormulaId) -> bool {
         self.ahead(f) == Some(0)
     }
 
-    pub fn truth(&self, f: F) -> Option<bool> {
+    pub fn truth(&self, f: FormulaId) -> Option<bool> {
         match self.op(f) {
             Op::True => Some(true),
             Op::False => Some(false),
@@ -106,25 +106,25 @@ impl Formulas {
         }
     }
 
-    pub fn constant(&mut self, value: bool, place: Place) -> F {
+    pub fn constant(&mut self, value: bool, place: Place) -> FormulaId {
         self.push(if value { Op::True } else { Op::False }, place)
     }
 
-    pub fn not(&mut self, a: F) -> F {
+    pub fn not(&mut self, a: FormulaId) -> FormulaId {
         let place = self.place(a);
         self.make(Op::Not(a), place)
     }
 
-    pub fn and(&mut self, list: Vec<F>, place: Place) -> F {
+    pub fn and(&mut self, list: Vec<FormulaId>, place: Place) -> FormulaId {
         self.make(Op::And(list), place)
     }
 
-    pub fn or(&mut self, list: Vec<F>, place: Place) -> F {
+    pub fn or(&mut self, list: Vec<FormulaId>, place: Place) -> FormulaId {
         self.make(Op::Or(list), place)
     }
 
     /// The operands.
-    pub fn children(op: &Op) -> Vec<F> {
+    pub fn children(op: &Op) -> Vec<FormulaId> {
         match op {
             Op::True | Op::False | Op::Atom(_) => Vec::new(),
             Op::Not(a) | Op::Next(a) | Op::Globally(a) | Op::Finally(a) => vec![*a],
@@ -138,8 +138,8 @@ impl Formulas {
     }
 
     /// A node, with constants folded and chains joined.
-    pub fn make(&mut self, op: Op, place: Place) -> F {
-        let t = |s: &Self, f: F| s.truth(f);
+    pub fn make(&mut self, op: Op, place: Place) -> FormulaId {
+        let t = |s: &Self, f: FormulaId| s.truth(f);
         match op {
             Op::Not(a) => match self.op(a).clone() {
                 Op::True => self.constant(false, place),
@@ -185,7 +185,7 @@ impl Formulas {
         }
     }
 
-    fn chain(&mut self, list: Vec<F>, place: Place, and: bool) -> F {
+    fn chain(&mut self, list: Vec<FormulaId>, place: Place, and: bool) -> FormulaId {
         let mut flat = Vec::new();
         for f in list {
             match (self.op(f), and) {
@@ -208,7 +208,7 @@ impl Formulas {
         }
     }
 
-    fn push(&mut self, op: Op, place: Place) -> F {
+    fn push(&mut self, op: Op, place: Place) -> FormulaId {
         let (mut size, mut depth) = (1_u64, 0);
         let step = u32::from(matches!(op, Op::Next(_)));
         let mut ahead = Some(0);
@@ -235,14 +235,14 @@ impl Formulas {
         self.too_large |= full;
         // Past the bound one node stands for all: memory is bounded.
         if self.nodes.len() > MAX_NODES {
-            return F(self.nodes.len() as u32 - 1);
+            return FormulaId(self.nodes.len() as u32 - 1);
         }
         self.nodes.push(node);
-        F(self.nodes.len() as u32 - 1)
+        FormulaId(self.nodes.len() as u32 - 1)
     }
 
     /// Whether all of its variables are chosen.
-    pub fn all_atoms(&self, f: F, chosen: &dyn Fn(VarId) -> bool) -> bool {
+    pub fn all_atoms(&self, f: FormulaId, chosen: &dyn Fn(VarId) -> bool) -> bool {
         match self.op(f) {
             Op::Atom(v) => chosen(*v),
             op => Self::children(op)
@@ -251,8 +251,12 @@ impl Formulas {
         }
     }
 
-    pub(super) fn mapped(&mut self, op: Op, map: &mut dyn FnMut(&mut Self, F) -> F) -> Op {
-        let mut m = |f: F| map(self, f);
+    pub(super) fn mapped(
+        &mut self,
+        op: Op,
+        map: &mut dyn FnMut(&mut Self, FormulaId) -> FormulaId,
+    ) -> Op {
+        let mut m = |f: FormulaId| map(self, f);
         match op {
             Op::True | Op::False | Op::Atom(_) => op,
             Op::Not(a) => Op::Not(m(a)),

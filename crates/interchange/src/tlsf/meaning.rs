@@ -34,7 +34,7 @@
 use super::ast::Section;
 use super::classify::{Classifier, Piece, Refusal};
 use super::expand::Site;
-use super::found::{Conjunct, Found, formula, is_safety, only_in_vain, under_assumptions};
+use super::found::{Conjunct, LocatedPiece, formula, is_safety, only_in_vain, under_assumptions};
 use super::report::Report;
 use crate::terms::negated;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -55,7 +55,7 @@ pub(super) struct Meaning<'c, 'f, 'r> {
 /// What is to be kept in the very step in which an assumption is broken, which therefore counts
 /// later.
 #[derive(Debug, Clone, Copy)]
-struct When {
+struct BreakingStep {
     /// Something about a step.
     pressing: bool,
     /// Something about a step and the next one.
@@ -128,12 +128,12 @@ impl Meaning<'_, '_, '_> {
         // What PRESET asks of more than the first step is asked without the assumptions, too.
         let strict = self.strict;
         let formulas = &*self.classifier.formulas;
-        let further = |f: &Found| formulas.ahead(f.at).is_none_or(|n| n > u32::from(strict));
+        let further = |f: &LocatedPiece| formulas.ahead(f.at).is_none_or(|n| n > u32::from(strict));
         let lasting_preset = self.kept_anyway || preset.iter().any(further);
         let required = !require.is_empty();
         self.beginnings(&initially, &preset, required, &mut sides);
 
-        let lasting = |f: &&Found| !matches!(f.piece, Piece::Initial(_));
+        let lasting = |f: &&LocatedPiece| !matches!(f.piece, Piece::Initial(_));
         let assumed = !require.is_empty() || { assume.iter() }
             // PRESET is kept in the very step in which an assumption about the first one is broken.
             .any(|f| !preset.is_empty() || lasting_preset || lasting(&f) || self.reads_output(f));
@@ -141,7 +141,7 @@ impl Meaning<'_, '_, '_> {
         if assumed && !strict {
             only_in_vain(&mut assert);
         }
-        let (hard, soft): (Vec<&Found>, Vec<&Found>) = match (self.strict, assumed) {
+        let (hard, soft): (Vec<&LocatedPiece>, Vec<&LocatedPiece>) = match (self.strict, assumed) {
             (_, false) => (assert.iter().chain(&guarantee).collect(), Vec::new()),
             (false, true) => (Vec::new(), assert.iter().chain(&guarantee).collect()),
             (true, true) => (assert.iter().collect(), guarantee.iter().collect()),
@@ -160,7 +160,7 @@ impl Meaning<'_, '_, '_> {
             // In a strict file only REQUIRE ends what ASSERT asks.
             let only_live =
                 lasting_preset || (self.strict && !assert.is_empty() && !is_in(&require, found));
-            let when = When {
+            let when = BreakingStep {
                 pressing,
                 moving,
                 only_live,
@@ -197,7 +197,7 @@ impl Meaning<'_, '_, '_> {
         sides
     }
 
-    fn reads_output(&self, found: &Found) -> bool {
+    fn reads_output(&self, found: &LocatedPiece) -> bool {
         match &found.piece {
             Piece::Initial(e) => self.mentions(e, &|s, v, _| s.is_output(v)),
             _ => false,
@@ -206,7 +206,7 @@ impl Meaning<'_, '_, '_> {
 
     /// In a strict file with assumptions, neither side of `S W !R` may look further than the next
     /// step.
-    fn check_strict(&mut self, require: &[Found], assert: &[Found]) {
+    fn check_strict(&mut self, require: &[LocatedPiece], assert: &[LocatedPiece]) {
         let mut wrong = Vec::new();
         for found in require.iter().chain(assert) {
             let remembers = match &found.piece {
@@ -230,8 +230,8 @@ impl Meaning<'_, '_, '_> {
 
     fn assumption(
         &mut self,
-        found: &Found,
-        when: When,
+        found: &LocatedPiece,
+        when: BreakingStep,
         sides: &mut Sides,
         excused: &mut Vec<Expr>,
     ) {
@@ -291,7 +291,7 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// Promises that an assumption excuses which is broken later.
-    fn soft(&mut self, soft: &[&Found], excused: &[Expr], sides: &mut Sides) {
+    fn soft(&mut self, soft: &[&LocatedPiece], excused: &[Expr], sides: &mut Sides) {
         let broken = self.classifier.broken;
         for found in soft {
             self.classifier.origin = found.origin.clone();
@@ -353,7 +353,7 @@ impl Meaning<'_, '_, '_> {
 }
 
 /// A promise that nothing excuses but what the environment has broken before.
-fn keep(found: &Found, late: bool, released: &[Expr], sides: &mut Sides) {
+fn keep(found: &LocatedPiece, late: bool, released: &[Expr], sides: &mut Sides) {
     let side = &mut sides.guarantees;
     let unless = |e: &Expr| excuse(e.clone(), released);
     match &found.piece {
@@ -371,7 +371,7 @@ fn keep(found: &Found, late: bool, released: &[Expr], sides: &mut Sides) {
     }
 }
 
-fn is_in(list: &[Found], found: &Found) -> bool {
+fn is_in(list: &[LocatedPiece], found: &LocatedPiece) -> bool {
     list.iter().any(|f| std::ptr::eq(f, found))
 }
 

@@ -10,7 +10,7 @@
 //!
 //! and those of [`long_run`](super::long_run).
 
-use super::ltl::{F, Formulas, Op};
+use super::ltl::{FormulaId, Formulas, Op};
 
 /// A conjunction is pulled out of a disjunction as long as that makes no more parts.
 const MAX_PARTS: usize = 1024;
@@ -18,7 +18,7 @@ const MAX_PARTS: usize = 1024;
 impl Formulas {
     /// The formula, or its negation, with negations only before formulas about finitely many steps.
     /// The recursion is as deep as the formula.
-    pub fn positive(&mut self, f: F, negated: bool) -> F {
+    pub fn positive(&mut self, f: FormulaId, negated: bool) -> FormulaId {
         if self.ahead(f).is_some() {
             return if negated { self.not(f) } else { f };
         }
@@ -31,7 +31,7 @@ impl Formulas {
         found
     }
 
-    fn positive_of(&mut self, f: F, negated: bool) -> F {
+    fn positive_of(&mut self, f: FormulaId, negated: bool) -> FormulaId {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::True | Op::False | Op::Atom(_) => f,
@@ -120,7 +120,7 @@ impl Formulas {
 
     /// The parts that hold together exactly if the formula holds. It has been made
     /// [`positive`](Self::positive).
-    pub fn parts(&mut self, f: F) -> Vec<F> {
+    pub fn parts(&mut self, f: FormulaId) -> Vec<FormulaId> {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::And(list) => list.into_iter().flat_map(|a| self.parts(a)).collect(),
@@ -161,7 +161,7 @@ impl Formulas {
                     .collect()
             }
             Op::Or(list) if self.ahead(f).is_none() => {
-                let mut product: Vec<Vec<F>> = vec![Vec::new()];
+                let mut product: Vec<Vec<FormulaId>> = vec![Vec::new()];
                 for a in list {
                     let parts = if self.ahead(a).is_some() {
                         vec![a]
@@ -190,7 +190,7 @@ impl Formulas {
     }
 
     /// Whether a run that breaks it does so after finitely many steps, by its operators.
-    pub fn is_safety(&self, f: F) -> bool {
+    pub fn is_safety(&self, f: FormulaId) -> bool {
         match self.op(f) {
             _ if self.ahead(f).is_some() => true,
             Op::Until(..) | Op::Finally(_) => false,

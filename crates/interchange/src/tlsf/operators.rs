@@ -4,7 +4,7 @@
 //! `*`, `/ %`, `+ -`, set operators, comparisons, `IN`, `! X G F &&[..] ||[..]`, `&&`, `||`,
 //! `-> <->`, `W`, `U`, `R`, `~`, `:`. So `a -> b W c` is `(a -> b) W c`.
 
-use super::ast::{Big, Binary, Unary};
+use super::ast::{BigOperator, Binary, Unary};
 
 /// How tightly prefix operators hold what follows.
 const NUMBER: u8 = 150;
@@ -43,14 +43,14 @@ pub(super) fn infix(word: &str) -> Option<(Binary, u8, bool)> {
     })
 }
 
-pub(super) fn big(word: &str) -> Option<(Big, u8)> {
+pub(super) fn big(word: &str) -> Option<(BigOperator, u8)> {
     Some(match word {
-        "+" | "SUM" => (Big::Sum, NUMBER),
-        "*" | "PROD" => (Big::Product, NUMBER),
-        "(+)" | "CUP" => (Big::Cup, SET),
-        "(*)" | "CAP" => (Big::Cap, SET),
-        "&&" | "AND" | "FORALL" => (Big::And, FORMULA),
-        "||" | "OR" | "EXISTS" => (Big::Or, FORMULA),
+        "+" | "SUM" => (BigOperator::Sum, NUMBER),
+        "*" | "PROD" => (BigOperator::Product, NUMBER),
+        "(+)" | "CUP" => (BigOperator::Cup, SET),
+        "(*)" | "CAP" => (BigOperator::Cap, SET),
+        "&&" | "AND" | "FORALL" => (BigOperator::And, FORMULA),
+        "||" | "OR" | "EXISTS" => (BigOperator::Or, FORMULA),
         _ => return None,
     })
 }

@@ -1,8 +1,8 @@
 //! Promises of the form "if again and again, then again and again": Streett pairs.
 
 use super::classify::{Piece, Refusal};
-use super::found::{Found, formula};
-use super::ltl::{F, Op};
+use super::found::{LocatedPiece, formula};
+use super::ltl::{FormulaId, Op};
 use super::meaning::Meaning;
 use linewright_core::gr1::{Expr, Formula};
 
@@ -11,12 +11,12 @@ impl Meaning<'_, '_, '_> {
     /// assume the same.
     pub(super) fn pairs(
         &mut self,
-        assert: &[Found],
-        guarantee: &[Found],
+        assert: &[LocatedPiece],
+        guarantee: &[LocatedPiece],
         soft_safety: bool,
     ) -> Vec<Formula> {
-        let mut first: Option<(&Found, &Vec<(F, Expr)>)> = None;
-        let same = |a: &[(F, Expr)], b: &[(F, Expr)]| {
+        let mut first: Option<(&LocatedPiece, &Vec<(FormulaId, Expr)>)> = None;
+        let same = |a: &[(FormulaId, Expr)], b: &[(FormulaId, Expr)]| {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.1 == b.1)
         };
         let mut refusals = Vec::new();
@@ -55,9 +55,9 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// What is to hold for ever in `F (a & G b)`.
-    fn for_ever_part(&self, at: F) -> F {
+    fn for_ever_part(&self, at: FormulaId) -> FormulaId {
         let formulas = &*self.classifier.formulas;
-        let lasting = |f: &F| matches!(formulas.op(*f), Op::Globally(_));
+        let lasting = |f: &FormulaId| matches!(formulas.op(*f), Op::Globally(_));
         match formulas.op(at) {
             Op::Finally(a) => match formulas.op(*a) {
                 Op::And(list) => list.iter().copied().find(lasting).unwrap_or(at),
@@ -68,7 +68,7 @@ impl Meaning<'_, '_, '_> {
     }
 }
 
-fn for_ever(at: F) -> Refusal {
+fn for_ever(at: FormulaId) -> Refusal {
     Refusal {
         at,
         why: "`F G` (from some step on for ever) is promised, which is outside GR(1)".to_owned(),
@@ -76,7 +76,7 @@ fn for_ever(at: F) -> Refusal {
     }
 }
 
-fn pair(found: &Found, why: &str) -> Refusal {
+fn pair(found: &LocatedPiece, why: &str) -> Refusal {
     // `F G a | F G b` is "if not a and not b again and again, then never".
     if let Piece::Pair(when, Expr::Const(0)) = &found.piece {
         return for_ever(when.first().map_or(found.at, |w| w.0));

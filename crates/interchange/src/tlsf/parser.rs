@@ -280,7 +280,7 @@ impl<'t, 'r> Parser<'t, 'r> {
                 _ => {
                     self.report.syntax(
                         self.here(),
-                        format!("`{}` is no section of MAIN", quoted(word)),
+                        format!("`{}` is not a section of MAIN", quoted(word)),
                         "MAIN has INPUTS, OUTPUTS, INITIALLY, PRESET, REQUIRE, ASSUME, ASSERT and GUARANTEE, each with braces behind it",
                     );
                     return self.leave();

@@ -1,9 +1,9 @@
 //! The formulas of a section as parts, each with its name and its place.
 
 use super::ast::Section;
-use super::found::{Conjunct, Found, is_safety};
+use super::found::{Conjunct, LocatedPiece, is_safety};
 use super::lexer::one_line;
-use super::ltl::{F, Op};
+use super::ltl::{FormulaId, Op};
 use super::meaning::Meaning;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::monitors::Origin;
@@ -113,7 +113,7 @@ impl Meaning<'_, '_, '_> {
 
     /// The parts of a formula of a section that hold together exactly if it holds in the way of the
     /// section.
-    pub(super) fn parts(&mut self, wish: &Conjunct, section: Section) -> Vec<F> {
+    pub(super) fn parts(&mut self, wish: &Conjunct, section: Section) -> Vec<FormulaId> {
         let formulas = &mut *self.classifier.formulas;
         let place = formulas.place(wish.formula);
         let every = matches!(section, Section::Require | Section::Assert);
@@ -135,8 +135,8 @@ impl Meaning<'_, '_, '_> {
     }
 
     /// The pieces of all formulas of a section.
-    pub(super) fn pieces(&mut self, wishes: &[Conjunct], section: Section) -> Vec<Found> {
-        let mut all: Vec<(&Conjunct, F)> = Vec::new();
+    pub(super) fn pieces(&mut self, wishes: &[Conjunct], section: Section) -> Vec<LocatedPiece> {
+        let mut all: Vec<(&Conjunct, FormulaId)> = Vec::new();
         let mut counts: BTreeMap<&str, (u32, u32)> = BTreeMap::new();
         for wish in wishes.iter().filter(|w| w.section == section) {
             for part in self.parts(wish, section) {
@@ -166,7 +166,7 @@ impl Meaning<'_, '_, '_> {
             };
             self.classifier.origin = origin.clone();
             match self.classifier.piece(part) {
-                Ok(piece) => found.push(Found {
+                Ok(piece) => found.push(LocatedPiece {
                     piece,
                     at: part,
                     origin: origin.clone(),

@@ -3,16 +3,16 @@
 
 use super::automaton;
 use super::classify::{Classifier, Piece};
-use super::ltl::{F, Formulas, Op};
+use super::ltl::{FormulaId, Formulas, Op};
 use crate::terms::{balanced, negated};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
 use std::collections::BTreeMap;
 
 impl Classifier<'_> {
     /// A formula about one step, `None` for any other. The recursion is as deep as the formula.
-    pub fn state(formulas: &Formulas, f: F) -> Option<Expr> {
-        let of = |g: &F| Self::state(formulas, *g);
-        let all = |list: &[F]| list.iter().map(of).collect::<Option<Vec<Expr>>>();
+    pub fn state(formulas: &Formulas, f: FormulaId) -> Option<Expr> {
+        let of = |g: &FormulaId| Self::state(formulas, *g);
+        let all = |list: &[FormulaId]| list.iter().map(of).collect::<Option<Vec<Expr>>>();
         Some(match formulas.op(f) {
             Op::True => Expr::TRUE,
             Op::False => Expr::FALSE,
@@ -26,7 +26,7 @@ impl Classifier<'_> {
         })
     }
 
-    /// Whether so many steps were before this one.
+    /// Whether at least this many steps precede the current one.
     pub fn begun(&mut self, steps: u32) -> Expr {
         (0..steps).fold(Expr::TRUE, |e, _| self.before(&e))
     }
@@ -42,7 +42,7 @@ impl Classifier<'_> {
 
     /// A formula about finitely many steps, from the step that is `back` steps ago on; it may look
     /// one step ahead of now. `None` for any other.
-    pub fn seen(&mut self, f: F, back: i64) -> Option<Expr> {
+    pub fn seen(&mut self, f: FormulaId, back: i64) -> Option<Expr> {
         if self.formulas.is_state(f) {
             let e = Self::state(self.formulas, f)?.simplify();
             return Some(match back {
@@ -64,7 +64,7 @@ impl Classifier<'_> {
         })
     }
 
-    fn all_seen(&mut self, list: &[F], back: i64) -> Option<Vec<Expr>> {
+    fn all_seen(&mut self, list: &[FormulaId], back: i64) -> Option<Vec<Expr>> {
         list.iter().map(|a| self.seen(*a, back)).collect()
     }
 
@@ -130,7 +130,7 @@ impl Classifier<'_> {
     }
 
     /// An invariant that holds as long as a safety formula can still hold.
-    pub fn watched(&mut self, f: F) -> Option<Expr> {
+    pub fn watched(&mut self, f: FormulaId) -> Option<Expr> {
         let automaton = {
             let formulas = &*self.formulas;
             automaton::of(formulas, f, &|g| Self::state(formulas, g))?
@@ -174,7 +174,7 @@ impl Classifier<'_> {
 
     /// `a W b` and `a R b` about finitely many steps, on which there is no bound here: `a` in every
     /// step up to which `b` has not been, and `b` in every step before which `a` has not been.
-    pub fn unless(&mut self, f: F) -> Option<Expr> {
+    pub fn unless(&mut self, f: FormulaId) -> Option<Expr> {
         let (kept, end, release) = match *self.formulas.op(f) {
             Op::Weak(a, b) => (a, b, false),
             Op::Release(a, b) => (b, a, true),

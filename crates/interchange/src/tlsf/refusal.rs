@@ -1,18 +1,19 @@
 //! What is refused, at its smallest part, and the equivalence that is missing.
 
 use super::classify::{Classifier, Refusal};
-use super::ltl::{F, Formulas, Op};
+use super::ltl::{FormulaId, Formulas, Op};
 
 impl Classifier<'_> {
     /// The smallest temporal formula in one that stands where none can.
-    pub fn nested(&self, f: F, within: &str) -> Refusal {
+    pub fn nested(&self, f: FormulaId, within: &str) -> Refusal {
         let (mut at, mut within) = (f, within);
         loop {
             let next = match self.formulas.op(at) {
                 Op::Next(a) => Some(*a),
                 Op::And(list) | Op::Or(list) => {
-                    let find =
-                        |wanted: &dyn Fn(F) -> bool| list.iter().copied().find(|g| wanted(*g));
+                    let find = |wanted: &dyn Fn(FormulaId) -> bool| {
+                        list.iter().copied().find(|g| wanted(*g))
+                    };
                     find(&|g| !self.formulas.is_safety(g))
                         .or_else(|| find(&|g| self.formulas.ahead(g).is_none()))
                 }
@@ -69,7 +70,7 @@ impl Classifier<'_> {
     }
 
     /// An `U` within an `U`, as they were written, where both are promised: the inner one.
-    pub fn nested_until(&self, f: F) -> Option<Refusal> {
+    pub fn nested_until(&self, f: FormulaId) -> Option<Refusal> {
         let at = self.inner_until(f, false, false)?;
         Some(Refusal {
             at,
@@ -78,7 +79,7 @@ impl Classifier<'_> {
         })
     }
 
-    fn inner_until(&self, f: F, negated: bool, within: bool) -> Option<F> {
+    fn inner_until(&self, f: FormulaId, negated: bool, within: bool) -> Option<FormulaId> {
         let op = self.formulas.op(f);
         let until = matches!(op, Op::Until(..)) && !negated;
         if until && within {

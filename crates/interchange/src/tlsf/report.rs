@@ -4,7 +4,7 @@ use linewright_core::diagnostics::{Code, Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use std::ops::Range;
 
-/// So many findings are kept: nobody reads more.
+/// Maximum number of findings that are kept.
 const MAX_FINDINGS: usize = 200;
 
 /// What was found in a text so far.

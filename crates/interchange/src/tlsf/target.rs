@@ -7,7 +7,7 @@
 
 use super::ast::Semantics;
 use super::found::Conjunct;
-use super::ltl::{F, Formulas, Op};
+use super::ltl::{FormulaId, Formulas, Op};
 use linewright_core::gr1::{Owner, VarId, Variable};
 
 /// The formulas for the machine that is wanted, where they were written for the other one.
@@ -44,7 +44,7 @@ pub(super) fn moved(
 
 impl Formulas {
     /// The same with every variable that `later` chooses read a step later.
-    fn delayed(&mut self, f: F, later: &dyn Fn(VarId) -> bool) -> F {
+    fn delayed(&mut self, f: FormulaId, later: &dyn Fn(VarId) -> bool) -> FormulaId {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::True | Op::False => f,
@@ -63,7 +63,7 @@ impl Formulas {
     }
 
     /// The same without the `X` before every variable that `now` chooses.
-    fn undelayed(&mut self, f: F, now: &dyn Fn(VarId) -> bool) -> F {
+    fn undelayed(&mut self, f: FormulaId, now: &dyn Fn(VarId) -> bool) -> FormulaId {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::True | Op::False | Op::Atom(_) => f,
@@ -76,7 +76,7 @@ impl Formulas {
     }
 
     /// Whether every variable that `chosen` chooses stands directly behind an `X`.
-    fn all_delayed(&self, f: F, chosen: &dyn Fn(VarId) -> bool) -> bool {
+    fn all_delayed(&self, f: FormulaId, chosen: &dyn Fn(VarId) -> bool) -> bool {
         match self.op(f) {
             Op::Atom(v) => !chosen(*v),
             Op::Next(a) if matches!(self.op(*a), Op::Atom(_)) => true,

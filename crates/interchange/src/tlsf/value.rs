@@ -1,6 +1,6 @@
 //! What an expression comes to when it is expanded.
 
-use super::ltl::F;
+use super::ltl::FormulaId;
 use linewright_core::gr1::VarId;
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -8,7 +8,7 @@ use std::rc::Rc;
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Value {
     Number(i64),
-    Formula(F),
+    Formula(FormulaId),
     Set(Rc<BTreeSet<Value>>),
     Bus(Rc<Vec<VarId>>),
     /// A value of an enumeration: which one of which.
@@ -29,13 +29,13 @@ impl Value {
 }
 
 /// Names of arguments and of what big operators run over, innermost first.
-pub(super) struct Bound<'a> {
+pub(super) struct ScopeBinding<'a> {
     pub name: &'a str,
     pub value: Value,
-    pub outer: Option<&'a Bound<'a>>,
+    pub outer: Option<&'a ScopeBinding<'a>>,
 }
 
-impl Bound<'_> {
+impl ScopeBinding<'_> {
     pub fn find(scope: Option<&Self>, name: &str) -> Option<Value> {
         let mut at = scope;
         while let Some(bound) = at {

@@ -11,7 +11,7 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Formula, Specification, Time, UnaryOp, VarId};
 use std::collections::{BTreeMap, HashMap};
 
-/// So many values are tried for one formula.
+/// Maximum number of values tried for one formula.
 const MAX_TRIALS: u64 = 1 << 18;
 
 /// A gate of a [`Gates`].
@@ -35,9 +35,9 @@ pub(super) enum Shape {
 
 /// A formula has too many cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooMany;
+pub(super) struct TooManyCases;
 
-impl TooMany {
+impl TooManyCases {
     pub fn finding(formula: &Formula) -> Diagnostic {
         Diagnostic::error(
             codes::TOO_LARGE,
@@ -127,12 +127,16 @@ impl Gates {
     }
 
     /// The gate of a formula.
-    pub fn formula(&mut self, specification: &Specification, expr: &Expr) -> Result<Gate, TooMany> {
+    pub fn formula(
+        &mut self,
+        specification: &Specification,
+        expr: &Expr,
+    ) -> Result<Gate, TooManyCases> {
         self.trials = 0;
         self.truth(specification, &expr.simplify())
     }
 
-    fn truth(&mut self, s: &Specification, expr: &Expr) -> Result<Gate, TooMany> {
+    fn truth(&mut self, s: &Specification, expr: &Expr) -> Result<Gate, TooManyCases> {
         Ok(match expr {
             Expr::Const(value) => self.bool(*value != 0),
             Expr::Unary(UnaryOp::Not, a) => {
@@ -174,7 +178,7 @@ impl Gates {
     }
 
     /// The gate of a truth value, by trying the values of its first variable.
-    fn decide(&mut self, s: &Specification, expr: &Expr) -> Result<Gate, TooMany> {
+    fn decide(&mut self, s: &Specification, expr: &Expr) -> Result<Gate, TooManyCases> {
         if let Expr::Const(value) = expr {
             return Ok(self.bool(*value != 0));
         }
@@ -187,12 +191,12 @@ impl Gates {
         });
         let Some((v, t)) = first else {
             // Constants that `simplify` does not fold: too large, or divided by zero.
-            return Err(TooMany);
+            return Err(TooManyCases);
         };
         let domain = &s.variable(v).domain;
         self.trials += domain.size();
         if self.trials > MAX_TRIALS {
-            return Err(TooMany);
+            return Err(TooManyCases);
         }
         // Ranges of values by what they leave, in the order in which that is met first.
         let mut places: HashMap<Expr, usize> = HashMap::new();

@@ -16,7 +16,7 @@ pub(super) use gates::is_truth;
 
 use super::names::one_line;
 use super::rename::renamed;
-use gates::{Gate, Gates, TooMany};
+use gates::{Gate, Gates, TooManyCases};
 use linewright_core::diagnostics::Diagnostic;
 use linewright_core::gr1::{Domain, Expr, Formula, Specification, Variable};
 
@@ -74,12 +74,16 @@ impl<'s> Writing<'s> {
     /// The same, for a format that writes each use of a gate out; at most `size` gates.
     fn written_out(&mut self, formula: &Formula, gate: Gate, size: u64) -> Option<Gate> {
         let fits = self.gates.tree_size(gate) <= size;
-        self.unless_too_many(formula, fits.then_some(gate).ok_or(TooMany))
+        self.unless_too_many(formula, fits.then_some(gate).ok_or(TooManyCases))
     }
 
-    fn unless_too_many<T>(&mut self, formula: &Formula, result: Result<T, TooMany>) -> Option<T> {
+    fn unless_too_many<T>(
+        &mut self,
+        formula: &Formula,
+        result: Result<T, TooManyCases>,
+    ) -> Option<T> {
         if result.is_err() {
-            self.findings.push(TooMany::finding(formula));
+            self.findings.push(TooManyCases::finding(formula));
         }
         result.ok()
     }

@@ -9,7 +9,7 @@
 use super::super::lower;
 use super::super::rename::renamed;
 use super::super::spectra::is_keyword;
-use super::gates::{Shape, TooMany, is_truth};
+use super::gates::{Shape, TooManyCases, is_truth};
 use super::one_line;
 use super::text::{Piece, Rank, Words, at_least};
 use super::{Writing, is_plain};
@@ -28,7 +28,7 @@ const WORDS: Words = Words {
     iff: "<->",
 };
 
-/// A formula may have so many gates, written out.
+/// Maximum number of gates of an expanded formula.
 const MAX_SIZE: u64 = 1 << 18;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
@@ -136,7 +136,7 @@ impl Writer<'_> {
     }
 
     /// A truth value. The recursion is as deep as the formula.
-    fn truth(&mut self, expr: &Expr) -> Result<Piece, TooMany> {
+    fn truth(&mut self, expr: &Expr) -> Result<Piece, TooManyCases> {
         use BinaryOp as B;
         let s = self.base.specification;
         match expr {
@@ -264,10 +264,10 @@ impl Writer<'_> {
     }
 
     /// A truth value as tests of single variables.
-    fn apart(&mut self, expr: &Expr) -> Result<Piece, TooMany> {
+    fn apart(&mut self, expr: &Expr) -> Result<Piece, TooManyCases> {
         let gate = self.base.gates.formula(self.base.specification, expr)?;
         if self.base.gates.tree_size(gate) > MAX_SIZE {
-            return Err(TooMany);
+            return Err(TooManyCases);
         }
         Ok(WORDS.gate(&self.base.gates, gate, &|shape| match shape {
             Shape::Within(v, time, low, high) => self.within(v, time, low, high),

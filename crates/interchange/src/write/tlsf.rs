@@ -26,7 +26,7 @@ const WORDS: Words = Words {
     iff: "<->",
 };
 
-/// A formula may have so many gates, written out.
+/// Maximum number of gates of an expanded formula.
 const MAX_SIZE: u64 = 1 << 14;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {

@@ -1,11 +1,11 @@
-//! Which part of a GR(1) specification a formula is.
+//! Classification: which part of a GR(1) specification a formula belongs to.
 //!
-//! Conjunctions are pulled apart, also under `always` (`G (p & G F q)` is `G p & G F q`), `forall`
-//! over temporal formulas is written out, repeated operators are dropped. Patterns and responses
-//! (`always (p -> eventually q)`) become monitors and formulas about them. What is then not an
-//! initial condition, `always P` or `always eventually P` is refused ([`refusal`]), pointing at the
-//! smallest formula that cannot be taken, and saying the same in GR(1) where that can be done
-//! ([`ltl`], [`forms`]).
+//! Conjunctions are split, also under `always` (`G (p & G F q)` is `G p & G F q`). `forall` over
+//! temporal formulas is expanded, repeated operators are dropped. Patterns and responses
+//! (`always (p -> eventually q)`) become monitors and formulas about them. A formula that is then
+//! no initial condition, `always P` or `always eventually P` is rejected ([`refusal`]). The finding
+//! points at the smallest formula outside GR(1), and gives a GR(1) equivalent if possible ([`ltl`],
+//! [`forms`]).
 
 mod control;
 mod forms;
@@ -19,9 +19,9 @@ use linewright_core::gr1::monitors::{Kind, Obligation, Origin};
 use linewright_core::gr1::{Side, Time, Variable};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
-use refusal::Around;
+use refusal::EnclosingQuantifier;
 
-/// What a formula's parts are called in reports.
+/// Names of a formula and its parts in reports.
 pub(super) struct Label<'t> {
     pub name: String,
     pub requirement: Option<String>,
@@ -30,7 +30,7 @@ pub(super) struct Label<'t> {
     pub variables: &'t [Variable],
 }
 
-/// Where a formula stands with respect to temporal operators.
+/// Position of a formula relative to temporal operators.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     Top,
@@ -38,14 +38,14 @@ enum Place {
     Justice,
 }
 
-/// Where a formula stands.
+/// Context of a formula.
 #[derive(Clone)]
 struct At<'a> {
     place: Place,
-    /// The values of the quantifiers around it, for its text.
+    /// Values of the enclosing quantifiers, for the formula's text.
     instance: String,
-    /// These quantifiers.
-    around: Vec<Around<'a>>,
+    /// Enclosing quantifiers.
+    around: Vec<EnclosingQuantifier<'a>>,
 }
 
 impl At<'_> {
@@ -57,7 +57,7 @@ impl At<'_> {
     }
 }
 
-/// A formula as a rule: with the operators that it stands under.
+/// Returns a formula as a rule, with the operators around it.
 fn whole(formula: &ast::Expr, place: Place) -> ast::Expr {
     let under = |kind: fn(Box<ast::Expr>) -> ExprKind, inner: ast::Expr| ast::Expr {
         span: inner.span,
@@ -95,14 +95,14 @@ pub(super) fn classify<'a>(
 }
 
 impl Label<'_> {
-    /// What stands in the file, in one line.
+    /// Returns the source text in one line.
     fn text(&self, span: Span) -> String {
         one_line(self.sources.text(span))
     }
 }
 
-/// The words of a formula in one line, without comments: one that ends with its line would take
-/// what follows for its own. Formulas hold no texts in quotes.
+/// Returns the text of a formula in one line, without comments: a line comment would absorb the
+/// rest. Formulas contain no strings.
 pub(super) fn one_line(text: &str) -> String {
     let mut words = String::new();
     let mut rest = text;
@@ -121,8 +121,8 @@ pub(super) fn one_line(text: &str) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Adds what a formula says; whether its shape has a place in GR(1). One that has none is refused
-/// for all values of its quantifiers alike.
+/// Adds a formula; returns whether its shape is in GR(1). A formula outside GR(1) is rejected for
+/// all values of its quantifiers alike.
 fn visit<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
@@ -203,7 +203,7 @@ fn visit<'a>(
     }
 }
 
-/// Whether `always`, `eventually`, `until` or a pattern occurs.
+/// Returns whether `always`, `eventually`, `until` or a pattern occurs.
 fn temporal(e: &ast::Expr) -> bool {
     is_temporal(e) || e.children().into_iter().any(temporal)
 }
@@ -215,7 +215,7 @@ fn is_temporal(e: &ast::Expr) -> bool {
     )
 }
 
-/// Whether `next` is written in it, of whatever.
+/// Returns whether `next` occurs, whatever its operand.
 fn speaks_of_next(e: &ast::Expr) -> bool {
     let mut open = vec![e];
     while let Some(e) = open.pop() {
@@ -227,7 +227,7 @@ fn speaks_of_next(e: &ast::Expr) -> bool {
     false
 }
 
-/// The outermost temporal operator within.
+/// Returns the outermost temporal operator within.
 fn smallest(e: &ast::Expr) -> &ast::Expr {
     if is_temporal(e) {
         return e;
@@ -250,7 +250,7 @@ fn leaf<'a>(
     let Some(expr) = e.formula(&term, formula.span) else {
         return true;
     };
-    // `always (next true -> P)` holds in every step that another one follows: a transition, and no
+    // `always (next true -> P)` holds in every step that has a successor: a transition, not an
     // invariant.
     let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
     if place == Place::Top && primed {
@@ -280,7 +280,7 @@ fn leaf<'a>(
     true
 }
 
-/// The name, place and text of a formula.
+/// Returns the name, place and text of a formula.
 fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
     Origin {
         name: label.name.clone(),
@@ -290,8 +290,8 @@ fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
     }
 }
 
-/// Adds formulas to a side, if it controls what they constrain. An assumption about monitors is
-/// first taken apart.
+/// Adds formulas to a side, if it controls the variables that they constrain. An assumption about
+/// monitors is first split.
 fn promise(
     e: &mut Elaborator<'_>,
     obligations: Option<Vec<Obligation>>,
@@ -309,7 +309,7 @@ fn promise(
         };
         let looks_back = parts.len() > 1;
         for part in parts {
-            // What was taken apart is told of as one.
+            // A split formula is reported as one.
             if !control::controls(e, (formula, place), &part, looks_back, label) {
                 return;
             }

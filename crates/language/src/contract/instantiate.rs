@@ -1,4 +1,4 @@
-//! From a contract's syntax tree and arguments to its specification.
+//! Instantiation: converts a contract's syntax tree and arguments to its specification.
 
 use super::elaborate::{Elaborator, Findings, fitted};
 use super::formula::{Label, classify};
@@ -15,7 +15,7 @@ use linewright_syntax::ast::{self, ContractItem, Ownership};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// An argument: its value, and where it stands.
+/// Argument values and their places, by name.
 pub(super) type Arguments = BTreeMap<String, (Value, Span)>;
 
 /// Evaluates arguments in the caller's scope, expecting the types of the parameters.
@@ -71,9 +71,9 @@ pub(super) fn arguments<'a>(
     result
 }
 
-/// Brings parameters into sight: from the arguments, or from their defaults. Gives their values.
-/// What is wrong with a value is reported, and the smallest value of the range stands in, so that
-/// the rest can be looked at too. `None` when a parameter has no value at all.
+/// Brings parameters into scope, from the arguments or their defaults, and returns their values. A
+/// wrong value is reported and replaced by the smallest value of the range, so that the rest can be
+/// checked too. `None` if a parameter has no value at all.
 pub(super) fn bind<'a>(
     e: &mut Elaborator<'a>,
     parameters: &'a [ast::Parameter],
@@ -130,7 +130,7 @@ fn missing(parameter: &ast::Parameter, call: Option<Span>) -> Diagnostic {
     }
 }
 
-/// The value of a parameter, if it fits.
+/// Returns the value of a parameter, if it fits.
 fn checked(
     findings: &mut Findings,
     parameter: &ast::Parameter,
@@ -176,7 +176,7 @@ fn checked(
     None
 }
 
-/// Taxonomy codes, looked up.
+/// Looks up taxonomy codes and reports unknown ones.
 pub(super) fn taxonomy_codes(
     names: &[ast::Name],
     findings: &mut Vec<Diagnostic>,
@@ -202,7 +202,7 @@ pub(super) fn taxonomy_codes(
         .collect()
 }
 
-/// The codes that a contract or machine states, looked up elsewhere.
+/// Returns the codes of a contract or machine, without looking them up.
 pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
     header
         .codes
@@ -214,8 +214,8 @@ pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
         .collect()
 }
 
-/// A contract with these arguments. `None` when something is wrong that leaves no usable
-/// specification; findings say what.
+/// Instantiates a contract. `None` if an error leaves no usable specification; the findings give
+/// it.
 pub(super) fn instantiate(
     scope: &Scope<'_>,
     sources: &SourceMap,
@@ -308,7 +308,7 @@ pub(super) fn instantiate(
     })
 }
 
-/// Brings the contract's own types, constants, variables and defines into sight.
+/// Brings the contract's own types, constants, variables and defines into scope.
 fn declare<'a>(
     e: &mut Elaborator<'a>,
     contract: &'a ast::Contract,
@@ -344,13 +344,13 @@ fn declare<'a>(
                     if !fresh(e, name) {
                         continue;
                     }
-                    // A variable hides what has its name outside.
+                    // A variable hides outer declarations of the same name.
                     e.names.hide(&name.text);
                     let Some(shape) = &shape else {
                         e.names.broken.insert(name.text.clone());
                         continue;
                     };
-                    // A variable is a good deal more than a node to all later stages.
+                    // A variable costs later stages much more than a node.
                     if e.expansion
                         .spend(name.span, 32 * shape.leaves(), &mut e.findings)
                         .is_none()

@@ -1,8 +1,8 @@
-//! From files to a library: imports followed, every file resolved in its own scope.
+//! Loading: follows imports and resolves every file in its own scope to a library.
 
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
-use super::uses::{self, Doubt};
+use super::uses::{self, PossibleUses};
 use super::{Library, Loader, lines, machines, skills};
 use crate::order::Skills;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
@@ -14,11 +14,11 @@ use std::sync::Arc;
 struct File {
     id: FileId,
     tree: ast::File,
-    /// Indices of the files that it imports.
+    /// Indices of the imported files.
     imports: Vec<usize>,
-    /// Where its text does not follow the grammar.
+    /// Places of syntax errors.
     syntax: Vec<Span>,
-    /// Whether it was asked for, and not only imported.
+    /// Whether it was requested, and not only imported.
     asked: bool,
 }
 
@@ -30,8 +30,8 @@ struct Reader<'l> {
     findings: Vec<Diagnostic>,
 }
 
-/// Parses and resolves files (name and text) and all that they import. Never fails: what could not
-/// be understood is in the findings, and the library holds the rest.
+/// Parses and resolves files (name and text) and all their imports. Never fails: everything that
+/// could not be understood is in the findings, and the library has the rest.
 pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Diagnostic>) {
     let mut reader = Reader {
         sources: SourceMap::new(),
@@ -69,7 +69,7 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
         let mut found = unused(&files, index, &sources, &findings);
         findings.append(&mut found);
     }
-    // What is odd about a comparison that is wrong in itself only follows from that.
+    // If a comparison is itself wrong, anything odd about it only follows from that.
     let wrong: Vec<Span> = findings
         .iter()
         .filter(|f| f.severity == Severity::Error)
@@ -83,8 +83,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
     library.sources = sources;
     let unsound = files.iter().filter(|f| !f.syntax.is_empty());
     library.unsound = unsound.map(|f| f.id).collect();
-    // A file that several others import, or a contract that several machines use, says everything
-    // once.
+    // Reports a finding once, even if several files import its file or several machines use its
+    // contract.
     let mut seen = BTreeSet::new();
     let mut unique: Vec<Diagnostic> = findings
         .into_iter()
@@ -95,8 +95,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
 }
 
 impl Reader<'_> {
-    /// Reads a file and its imports, unless it is there already. `path` holds the files on the way
-    /// here.
+    /// Reads a file and its imports, unless already read. `path` is the chain of imports to this
+    /// file.
     fn read(&mut self, name: &str, text: &str, path: &mut Vec<usize>) -> usize {
         if let Some(index) = self.by_name.get(name) {
             return *index;
@@ -196,7 +196,7 @@ impl Reader<'_> {
     }
 }
 
-/// What a file declares and nothing uses.
+/// Returns findings about declarations of a file that nothing uses.
 fn unused(
     files: &[File],
     index: usize,
@@ -210,7 +210,7 @@ fn unused(
         spans.map(|span| (sources.text(span), span)).collect()
     };
     let errors = findings.iter().filter(|f| f.severity == Severity::Error);
-    let mut doubt = Doubt {
+    let mut doubt = PossibleUses {
         syntax: file.syntax.clone(),
         unknown: words(codes::NAME_UNKNOWN),
         double: words(codes::NAME_DOUBLE),
@@ -234,7 +234,7 @@ fn unused(
         .collect();
     let mut found = Vec::new();
     for (i, item) in file.tree.items.iter().enumerate() {
-        // What is wrong behind an item, and belongs to none, may have been a part of it.
+        // An error between two items may have been part of the item before it.
         let next = starts.get(i + 1).copied().unwrap_or(end);
         let extent = Span::new(file.id, starts[i].min(next), next);
         found.extend(match item {
@@ -246,13 +246,13 @@ fn unused(
     let importers: Vec<usize> = (0..files.len())
         .filter(|other| *other != index && closure(files, *other).contains(&index))
         .collect();
-    // A mistake in the syntax of a file that imports this one may hide a use as well.
+    // A syntax error in an importing file may hide a use as well.
     let hidden = importers.iter().any(|i| !files[*i].syntax.is_empty());
     if file.asked && !hidden {
         let trees: Vec<&ast::File> = importers.iter().map(|i| &files[*i].tree).collect();
         let whole = Span::new(file.id, 0, end);
         for (_, span) in &mut doubt.unknown {
-            // A name that an importing file misses may be meant for here.
+            // An undeclared name in an importing file may be meant for this declaration.
             let importer = importers.iter().any(|i| files[*i].id == span.file);
             *span = if importer { whole } else { *span };
         }
@@ -261,7 +261,7 @@ fn unused(
     found
 }
 
-/// Where an item begins, as far as it has a name.
+/// Returns the offset where an item begins, or its name.
 fn start(item: &ast::Item) -> usize {
     let span = match item {
         ast::Item::Import(i) => i.span,
@@ -276,7 +276,7 @@ fn start(item: &ast::Item) -> usize {
     span.start as usize
 }
 
-/// A file and everything that it imports, imports first.
+/// Returns a file and everything that it imports, imports first.
 fn closure(files: &[File], index: usize) -> Vec<usize> {
     fn visit(files: &[File], index: usize, order: &mut Vec<usize>) {
         if order.contains(&index) {
@@ -329,7 +329,7 @@ fn resolve(
     }
 }
 
-/// What becomes of a file's sets of skills, in their order.
+/// Resolves a file's sets of skills, in their order.
 fn sets(
     tree: &ast::File,
     sources: &SourceMap,

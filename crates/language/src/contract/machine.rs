@@ -1,8 +1,9 @@
-//! Machines: a coordinator and actions, wired together, and what their numbers mean in the plant.
+//! Machines: a coordinator and actions, wired together, and the meaning of their numbers in the
+//! plant.
 //!
 //! # Wires
 //!
-//! In one step a machine computes a vector of `i64` *wires*: first what the plant gives
+//! In one step a machine computes a vector of `i64` *wires*: first the plant's inputs
 //! ([`Machine::plant`]), then every output and internal variable of every component, in the order
 //! of [`Machine::components`] and of each one's specification ([`Machine::first_wire`]). Bindings
 //! are expressions over wires; `VarId(i)` with `Time::Now` is wire `i`. Only current values occur
@@ -11,8 +12,8 @@
 //! # One step
 //!
 //! 1. The plant's wires are given. A value outside its domain is an error.
-//! 2. The coordinator, a Moore machine and always component 0 where there is one, puts its outputs
-//!    on its wires.
+//! 2. The coordinator, a Moore machine and always component 0 if there is one, puts its outputs on
+//!    its wires.
 //! 3. The actions follow in order: each one's inputs are computed from its bindings, its
 //!    assumptions are checked, and its outputs are put on its wires. A Moore component's outputs
 //!    are on its wires from the beginning of the step.
@@ -22,9 +23,10 @@
 //!
 //! # Layers
 //!
-//! A machine may have machines as components. What is here is flat all the same: the components of
-//! an inner machine `left` stand among the others as `left.pick`, its coordinator is one more, and
-//! whatever is emitted or run knows of no layers. [`Layers`] keeps what proofs need of them.
+//! A machine may have machines as components. This model is flat nevertheless: the components of an
+//! inner machine `left` are listed among the others as `left.pick`, its coordinator is an
+//! additional one, and code generation and execution see no layers. [`Layers`] keeps what proofs
+//! need of them.
 
 use super::TaxonomyCode;
 use crate::order::{Level, Skills};
@@ -37,215 +39,216 @@ use std::sync::Arc;
 /// A machine with values for all its parameters.
 #[derive(Debug, Clone)]
 pub struct Machine {
-    /// The name.
+    /// Name of the machine.
     pub name: String,
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// What it implements.
+    /// Taxonomy codes that it implements.
     pub codes: Vec<TaxonomyCode>,
-    /// The coordinator (if there is one) first, then the actions in order of declaration.
+    /// Components: the coordinator first (if there is one), then the actions in order of
+    /// declaration.
     pub components: Vec<Component>,
     /// The plant's wires.
     pub plant: Vec<PlantInput>,
-    /// The part's properties and the operations' parameters, as `simulate` takes them.
+    /// Properties of the part and parameters of the operations, as `simulate` takes them.
     pub properties: Vec<Property>,
-    /// The jobs; at least one for a machine with a coordinator. `value` of the plant input
+    /// Operations; at least one for a machine with a coordinator. `value` of the plant input
     /// `Operation` selects one.
     pub operations: Vec<Operation>,
-    /// What an operation leaves in the part: after the last step, property `.0` gets the value `.1`
-    /// (over final wires and the properties at the start). Evaluated together, then written
-    /// together.
+    /// Writes to the part by an operation: after the last step, property `.0` gets the value `.1`
+    /// (over final wires and the properties at the start). All are evaluated first, then written.
     pub writes: Vec<(usize, RealExpr)>,
-    /// Over wires: the operation has ended. `None` for a machine without operations, which is only
-    /// stepped.
+    /// Condition over wires that the operation has ended. `None` for a machine without operations,
+    /// which is only stepped.
     pub done: Option<Expr>,
     /// Duration of a step in which no action is active, in seconds.
     pub step_seconds: f64,
-    /// Power drawn while an operation runs, beside that of the actions, in watts.
+    /// Power drawn while an operation runs, in addition to that of the actions, in watts.
     pub base_watts: f64,
     /// Power drawn while the machine waits, in watts.
     pub idle_watts: f64,
-    /// After so many steps an operation has failed.
+    /// Number of steps after which an operation has failed.
     pub step_limit: u64,
     /// Breakdowns, if any.
     pub failures: Option<Failures>,
-    /// The contracts that it is said to refine.
-    pub refines: Vec<Promised>,
-    /// What it guarantees as a whole, over wires.
+    /// Contracts that it is claimed to refine.
+    pub refines: Vec<RefinedContract>,
+    /// Guarantees of the whole machine, over wires.
     pub guarantees: Rules,
-    /// The skills that it calls, and the orders that it keeps doing so: its own, then those of
-    /// inner machines.
+    /// Sets of skills that it calls, with their orders: its own, then those of inner machines.
     pub orders: Vec<Orders>,
-    /// The machines that it was made of.
+    /// Machines that it was made of.
     pub layers: Layers,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
-/// The machines that a machine was made of; none for most.
+/// The layers of a machine; empty for most.
 #[derive(Debug, Clone, Default)]
 pub struct Layers {
-    /// The machines one layer below, in the order of their declaration.
+    /// Machines one layer below, in the order of their declaration.
     pub inner: Vec<Inner>,
-    /// The same machine as proofs look at it: an inner machine that refines a contract is one
-    /// component with that contract, and nothing is known of it beside. `None` where there are no
-    /// inner machines.
+    /// The same machine as seen by proofs: an inner machine that refines a contract is one
+    /// component with that contract, and nothing else is known of it. `None` if there are no inner
+    /// machines.
     pub abstracted: Option<Arc<Machine>>,
 }
 
-/// A machine within a machine.
+/// An inner machine.
 #[derive(Debug, Clone)]
 pub struct Inner {
-    /// Its name there: `left`.
+    /// Name within the outer machine: `left`.
     pub name: String,
-    /// The machine by itself, with the arguments that it has there.
+    /// The machine by itself, with its arguments in the outer machine.
     pub machine: Arc<Machine>,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
-/// A contract that a machine is said to refine: whatever uses the contract may use the machine.
+/// A contract that a machine is claimed to refine: the machine may be used wherever the contract
+/// is.
 #[derive(Debug, Clone)]
-pub struct Promised {
-    /// The contract's name.
+pub struct RefinedContract {
+    /// Name of the contract.
     pub contract: String,
-    /// Its formulas with these arguments.
+    /// Formulas with these arguments.
     pub specification: Arc<Specification>,
-    /// For every variable, in order, what it is in the machine, over wires; `None` for the
-    /// variables of monitors.
+    /// For every variable, in order, its value in the machine, over wires; `None` for the variables
+    /// of monitors.
     pub bindings: Vec<Option<Expr>>,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
 /// A set of skills that a machine calls.
 #[derive(Debug, Clone)]
 pub struct Orders {
-    /// The skills and their orders; machines that call the same ones share them.
+    /// Skills and their orders; shared by machines that call the same ones.
     pub skills: Arc<Skills>,
-    /// How much is forbidden to the machine.
+    /// Level of the orders that the machine keeps.
     pub level: Level,
-    /// Over wires, one for each skill in their order: it is being called in this step.
+    /// One condition over wires per skill, in their order: it is being called in this step.
     pub when: Vec<Expr>,
-    /// The inner machine whose skills these are, `left.arm`; empty for the machine's own.
+    /// Inner machine that the skills belong to, `left.arm`; empty for the machine's own.
     pub of: String,
-    /// Where the set is named in the machine.
+    /// Place of the set's name in the machine.
     pub span: Span,
 }
 
-/// Formulas over wires, and over the variables of monitors that they need.
+/// Formulas over wires and over the variables of their monitors.
 #[derive(Debug, Clone, Default)]
 pub struct Rules {
     /// The formulas.
     pub side: Side,
-    /// Variables of monitors; they are numbered after the wires.
+    /// Variables of monitors, numbered after the wires.
     pub monitors: Vec<Variable>,
-    /// What defines them.
+    /// Definitions of the monitors.
     pub definitions: Side,
 }
 
-/// A contract in its place in a machine.
+/// A contract as a component of a machine.
 #[derive(Debug, Clone)]
 pub struct Component {
-    /// The name in the machine: `pick_a`.
+    /// Name in the machine: `pick_a`.
     pub name: String,
-    /// The contract's name: `Pick`.
+    /// Name of the contract: `Pick`.
     pub contract: String,
-    /// Whether it is the coordinator or an action.
+    /// Role: coordinator, action or watch.
     pub role: Role,
-    /// The contract's formulas with this component's arguments.
+    /// Formulas of the contract with this component's arguments.
     pub specification: Arc<Specification>,
-    /// One expression over wires an input of the specification, in that order.
+    /// One expression over wires per input of the specification, in that order.
     pub bindings: Vec<Expr>,
-    /// Over wires: this action is being executed in this step. `None` for the coordinator.
+    /// Condition over wires that this action is being executed in this step. `None` for the
+    /// coordinator.
     pub active: Option<Expr>,
-    /// How long an execution takes.
+    /// Duration of an execution.
     pub time: Option<ActionTime>,
     /// Power drawn while it is active, in watts, over the properties at the start of the operation.
     pub watts: RealExpr,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
-/// The place of a component in the two layers.
+/// Role of a component in the two layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
     /// The upper layer.
     Coordinator,
     /// The lower layer.
     Action,
-    /// Beside both: it is told which skills are called, and assumes that the orders of its set are
+    /// Beside both layers: receives the calls of skills, and assumes that the orders of its set are
     /// kept. It does nothing.
     Watch,
 }
 
-/// How long an action takes, in seconds, over the properties at the start of the operation.
+/// Duration of an action, in seconds, over the properties at the start of the operation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ActionTime {
-    /// Every step in which it is active takes so long.
+    /// Duration of every step in which it is active.
     PerStep(RealExpr),
-    /// One execution (a run of consecutive active steps) takes so long, however many steps it has:
-    /// charged to the first.
+    /// Duration of one execution (a run of consecutive active steps), independent of its number of
+    /// steps: charged to the first.
     PerExecution(RealExpr),
 }
 
-/// One wire that the plant gives.
+/// A wire set by the plant.
 #[derive(Debug, Clone)]
 pub struct PlantInput {
-    /// Its name.
+    /// Name of the wire.
     pub name: String,
-    /// Its values.
+    /// Domain of its values.
     pub domain: Domain,
-    /// What they count, `deg`; empty for bare numbers.
+    /// Unit, such as `deg`; empty for bare numbers.
     pub unit: String,
-    /// Where its value comes from when `simulate` runs.
+    /// Origin of its value in `simulate`.
     pub source: PlantSource,
-    /// Where it is declared.
+    /// Place of its declaration.
     pub span: Span,
 }
 
 impl PlantInput {
-    /// Its values as a person writes them, with their unit: `0..359 deg`.
+    /// Formats the domain with its unit: `0..359 deg`.
     pub fn describe(&self) -> String {
         described(&self.domain, &self.unit)
     }
 }
 
-/// Where a plant wire's value comes from when `simulate` runs.
+/// Origin of a plant wire's value in `simulate`.
 #[derive(Debug, Clone)]
 pub enum PlantSource {
-    /// The operation's value.
+    /// Value of the running operation.
     Operation,
-    /// A signal of the plant: its value in step `i` (from 0, anew for each call) is
+    /// A signal of the plant: its value in step `i` (from 0, restarting for each call) is
     /// `script[i % script.len()]`. Never empty; one entry is a constant.
     Signal {
-        /// The values.
+        /// Values of the script.
         script: Vec<i64>,
     },
-    /// The property abstraction: this expression over the properties at the start, which must be an
-    /// integer of the domain.
+    /// Abstraction of properties: this expression over the properties at the start, which must be
+    /// an integer of the domain.
     Property(RealExpr),
 }
 
-/// One number of the part, or one parameter of the operation, as `simulate` takes it. Arrays are
+/// A number of the part or a parameter of the operation, as `simulate` takes it. Arrays are
 /// flattened.
 #[derive(Debug, Clone)]
 pub struct Property {
-    /// Its name; an array's element is called `heights[2]`.
+    /// Name; an array's element is called `heights[2]`.
     pub name: String,
-    /// Its unit, `deg`; empty for a bare number.
+    /// Unit, such as `deg`; empty for a bare number.
     pub unit: String,
-    /// Its value where the part or the call has none.
+    /// Value if the part or the call has none.
     pub default: f64,
-    /// Whether it belongs to the part or to the call.
+    /// Owner of the property: part or call.
     pub kind: PropertyKind,
-    /// Its values, where they are truth values, labels or a range of whole numbers.
+    /// Domain, for truth values, labels or a range of whole numbers.
     pub domain: Option<Domain>,
-    /// Where it is declared.
+    /// Place of its declaration.
     pub span: Span,
 }
 
-/// To whom a property belongs.
+/// Owner of a property.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PropertyKind {
     /// The mobile unit carries it.
@@ -254,22 +257,22 @@ pub enum PropertyKind {
     Parameter,
 }
 
-/// A job of the coordinator.
+/// An operation of the machine.
 #[derive(Debug, Clone)]
 pub struct Operation {
-    /// Its name: `emptying`.
+    /// Name: `emptying`.
     pub name: String,
-    /// What it implements.
+    /// Taxonomy codes that it implements.
     pub codes: Vec<TaxonomyCode>,
-    /// The actions it executes, in order, as indices into [`Machine::components`].
+    /// Actions that it executes, in order, as indices into [`Machine::components`].
     pub sequence: Vec<usize>,
-    /// The value of the plant's operation wire.
+    /// Value of the plant's operation wire that selects it.
     pub value: i64,
-    /// Where it is declared.
+    /// Place of its declaration.
     pub span: Span,
 }
 
-/// Breakdowns of a machine: exponentially distributed, over the time in which it works.
+/// Breakdowns of a machine: exponentially distributed, over its working time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Failures {
     /// Mean working time between failures, in seconds.
@@ -278,7 +281,7 @@ pub struct Failures {
     pub mttr: f64,
 }
 
-/// An expression over real numbers: what the plant computes with. Truth values are 0 and 1.
+/// An expression over real numbers, as computed by the plant. Truth values are 0 and 1.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RealExpr {
     /// A number.
@@ -287,11 +290,11 @@ pub enum RealExpr {
     Property(usize),
     /// A wire by its index, after the last step.
     Wire(usize),
-    /// One operand.
+    /// An operator with one operand.
     Unary(RealUnary, Box<RealExpr>),
-    /// Two operands.
+    /// An operator with two operands.
     Binary(RealBinary, Box<RealExpr>, Box<RealExpr>),
-    /// `if c then a else b`; true is anything but 0.
+    /// `if c then a else b`; any value except 0 is true.
     If(Box<RealExpr>, Box<RealExpr>, Box<RealExpr>),
 }
 
@@ -339,18 +342,18 @@ pub enum RealBinary {
     Sub,
     /// `*`
     Mul,
-    /// `/`: the division of real numbers.
+    /// `/`: real division.
     Div,
     /// `x - y * floor(x / y)`
     Mod,
-    /// The smaller one.
+    /// Minimum.
     Min,
-    /// The larger one.
+    /// Maximum.
     Max,
 }
 
 impl RealExpr {
-    /// The same with other expressions for properties and for wires.
+    /// Replaces properties and wires by other expressions.
     #[must_use]
     pub fn substitute(
         &self,
@@ -386,7 +389,7 @@ impl RealExpr {
         }
     }
 
-    /// A whole-number expression over wires.
+    /// Converts a whole-number expression over wires.
     pub fn of_wires(expr: &Expr) -> Self {
         let sub = |x: &Expr| Box::new(Self::of_wires(x));
         match expr {
@@ -400,7 +403,7 @@ impl RealExpr {
                 },
                 sub(a),
             ),
-            // Whole numbers are divided downwards.
+            // Division of whole numbers rounds down.
             Expr::Binary(BinaryOp::Div, a, b) => {
                 let ratio = Self::Binary(RealBinary::Div, sub(a), sub(b));
                 Self::Unary(RealUnary::Floor, Box::new(ratio))
@@ -410,7 +413,7 @@ impl RealExpr {
         }
     }
 
-    /// The value, with these properties and wires.
+    /// Evaluates the expression with these properties and wires.
     pub fn eval(&self, properties: &[f64], wires: &[i64]) -> f64 {
         let truth = |b: bool| if b { 1.0 } else { 0.0 };
         match self {
@@ -462,7 +465,7 @@ impl RealExpr {
 }
 
 impl RealBinary {
-    /// The same operator on real numbers.
+    /// Returns the same operator on real numbers.
     pub fn of(op: BinaryOp) -> Self {
         match op {
             BinaryOp::And => Self::And,
@@ -486,7 +489,7 @@ impl RealBinary {
 }
 
 impl Machine {
-    /// The first wire of component `index`.
+    /// Returns the first wire of component `index`.
     pub fn first_wire(&self, index: usize) -> usize {
         self.plant.len()
             + self.components[..index]
@@ -495,12 +498,12 @@ impl Machine {
                 .sum::<usize>()
     }
 
-    /// How many wires there are.
+    /// Returns the number of wires.
     pub fn wire_count(&self) -> usize {
         self.first_wire(self.components.len())
     }
 
-    /// The name of a wire: `grip` for the plant's, `pick_a.stage` for a component's.
+    /// Returns the name of a wire: `grip` for the plant's, `pick_a.stage` for a component's.
     pub fn wire_name(&self, wire: usize) -> String {
         if let Some(input) = self.plant.get(wire) {
             return input.name.clone();
@@ -520,7 +523,7 @@ impl Machine {
         format!("wire {wire}")
     }
 
-    /// The values of a wire.
+    /// Returns the domain of a wire.
     ///
     /// # Panics
     /// When there is no such wire.
@@ -538,20 +541,19 @@ impl Machine {
         domain.expect("a wire of this machine; please report this")
     }
 
-    /// The machine as proofs look at it: with what inner machines promise in the place of what they
-    /// are made of.
+    /// Returns the machine as seen by proofs: inner machines are replaced by their promises.
     pub fn abstracted(&self) -> &Self {
         self.layers.abstracted.as_deref().unwrap_or(self)
     }
 
-    /// The coordinator, if there is one: component 0.
+    /// Returns the coordinator, if there is one: component 0.
     pub fn coordinator(&self) -> Option<&Component> {
         self.components
             .first()
             .filter(|c| c.role == Role::Coordinator)
     }
 
-    /// The operation of a name.
+    /// Returns the operation with a name.
     pub fn operation(&self, name: &str) -> Option<&Operation> {
         self.operations.iter().find(|o| o.name == name)
     }

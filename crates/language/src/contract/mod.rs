@@ -1,6 +1,6 @@
-//! Names resolved: contracts with their domains and parameters, machines and lines.
+//! Name resolution: contracts with their domains and parameters, machines and lines.
 //!
-//! [`load`] turns files into a [`Library`]; nothing after it looks at a syntax tree again.
+//! [`load`] turns files into a [`Library`]; later stages never use a syntax tree.
 
 mod elaborate;
 mod formula;
@@ -27,21 +27,21 @@ use linewright_core::gr1::Specification;
 use linewright_core::source::{FileId, SourceMap, Span};
 use std::sync::Arc;
 
-/// Everything that was found in some files, names resolved.
+/// Everything declared in some files, names resolved.
 #[derive(Debug, Clone, Default)]
 pub struct Library {
-    /// The files.
+    /// Source files.
     pub sources: SourceMap,
     /// Contracts with their default parameters, in order of file and place.
     pub contracts: Vec<Contract>,
-    /// Machines, likewise.
+    /// Machines, in order of file and place.
     pub machines: Vec<machine::Machine>,
-    /// Lines, likewise.
+    /// Lines, in order of file and place.
     pub lines: Vec<line::Line>,
-    /// Sets of skills, likewise.
+    /// Sets of skills, in order of file and place.
     pub skills: Vec<Arc<Skills>>,
-    /// Contracts that were declared, but cannot be used: the name, and where it stands. The
-    /// findings say why.
+    /// Contracts that were declared but cannot be used: name and place. The findings give the
+    /// reason.
     pub refused: Vec<(String, Span)>,
     /// Machines that cannot be used.
     pub refused_machines: Vec<(String, Span)>,
@@ -56,30 +56,30 @@ pub struct Library {
 /// A code of a standard's taxonomy: `din:4.3.1` or `vdi:Drehen`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct TaxonomyCode {
-    /// The code, with its standard before the colon.
+    /// Code with its standard before the colon.
     pub text: String,
-    /// Where it stands.
+    /// Place of the code.
     pub span: Span,
 }
 
 /// A contract with values for all its parameters.
 #[derive(Debug, Clone)]
 pub struct Contract {
-    /// The name.
+    /// Name of the contract.
     pub name: String,
-    /// The doc comment, without its slashes.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// What it implements.
+    /// Taxonomy codes that it implements.
     pub codes: Vec<TaxonomyCode>,
     /// Parameter values, in order of declaration.
     pub arguments: Vec<(String, i64)>,
-    /// Its formulas.
+    /// Formulas of the contract.
     pub specification: Arc<Specification>,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
-/// What reads further files: given what an `import` names (a path relative to the importing file,
-/// or `std.handling.turn` of the bundled library) and the importing file's name, it gives the name
-/// to show and the text, or why it cannot. Equal names are the same file.
+/// Reads imported files. Takes the target of an `import` (a path relative to the importing file, or
+/// `std.handling.turn` of the bundled library) and the importing file's name; returns the display
+/// name and the text, or the reason for failure. Equal names are the same file.
 pub type Loader<'a> = dyn Fn(&str, &str) -> Result<(String, String), String> + 'a;

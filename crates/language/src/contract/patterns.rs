@@ -1,16 +1,15 @@
-//! Specification patterns in a contract: which monitors and formulas they come down to.
+//! Specification patterns in a contract: their monitors and formulas.
 //!
-//! What a pattern means is settled in [`gr1::monitors`](linewright_core::gr1::monitors); here its
-//! operands are resolved, and formulas of temporal logic that are patterns in other words
-//! (`always (p -> eventually s)`) are known for what they are.
+//! [`gr1::monitors`](linewright_core::gr1::monitors) defines the meaning of a pattern. This module
+//! resolves its operands, and recognises LTL formulas that are equivalent to patterns
+//! (`always (p -> eventually s)`).
 
 use super::elaborate::Elaborator;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::{Obligation, Origin, Pattern, Scope};
 use linewright_syntax::ast::{self, PatternKind};
 
-/// The formulas that a pattern comes down to, and monitors for them. `None`: what is wrong was
-/// reported.
+/// Returns the formulas of a pattern, and creates their monitors. `None`: an error was reported.
 pub(super) fn lower<'a>(
     e: &mut Elaborator<'a>,
     pattern: &'a ast::Pattern,
@@ -85,7 +84,7 @@ fn scope<'a>(e: &mut Elaborator<'a>, scope: &'a ast::Scope) -> Option<Scope> {
     })
 }
 
-/// `always (p -> eventually s)`, and `eventually s` alone where there is no `p`.
+/// Lowers `always (p -> eventually s)`, or `eventually s` alone if there is no `p`.
 pub(super) fn promised<'a>(
     e: &mut Elaborator<'a>,
     p: Option<&'a ast::Expr>,

@@ -1,14 +1,14 @@
-//! Whether every part has a way to the end of its line.
+//! Checks that every part has a route to the end of its line.
 //!
 //! A part type's *beginnings* are its sources, the stores that have it in stock, and the stations
-//! that join it. From there its routes are followed; where it stops without being taken out or
-//! joined, it would stand for ever.
+//! that join it. From there its routes are followed; at a place where it is neither taken out nor
+//! joined and no route continues, it would stay for ever.
 
 use super::line::{Line, NodeKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use std::collections::BTreeSet;
 
-/// Adds what is wrong with the routes to `findings`.
+/// Adds errors in the routes to `findings`.
 pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     let mut product_ends = false;
     for route in &line.routes {
@@ -119,7 +119,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Routes behind one that has no condition: a part takes the first of its type's routes from a
+/// Reports routes after one without a condition: a part takes the first of its type's routes from a
 /// place whose condition holds. One to the same place is no mistake: `a -> m -> k` and
 /// `b -> m -> k` share their end.
 fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
@@ -172,7 +172,7 @@ fn beginnings(line: &Line, part: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Whether the line has anything to do with this part type.
+/// Returns whether the line uses this part type.
 fn uses(line: &Line, part: usize) -> bool {
     part == line.product
         || line.routes.iter().any(|r| r.part == part)

@@ -1,4 +1,4 @@
-//! What is in sight in a file: its own declarations and those of everything that it imports.
+//! The scope of a file: its own declarations and those of everything that it imports.
 
 use super::elaborate::{Elaborator, Findings, Names, Outside, fitted_value};
 use super::shape::Shape;
@@ -22,19 +22,19 @@ pub(super) struct Scope<'a> {
     types: Vec<&'a ast::TypeDecl>,
     constants: Vec<&'a ast::ConstDecl>,
     defines: BTreeMap<String, &'a ast::Define>,
-    /// Where each name was declared.
+    /// Place where each name was declared.
     places: BTreeMap<&'a str, Span>,
     /// Values, once [`Scope::settle`] has run.
     pub values: BTreeMap<String, Value>,
     pub named_types: BTreeMap<String, Type>,
     pub shapes: BTreeMap<String, Shape>,
-    /// Types and constants that have no value; the findings say why.
+    /// Types and constants without a value; the findings give the reason.
     broken: BTreeSet<String>,
 }
 
 impl<'a> Scope<'a> {
-    /// Adds the declarations of one file, with what became of its sets of skills. Names that are
-    /// there already are findings.
+    /// Adds the declarations of one file, with its resolved sets of skills. Reports names that are
+    /// already declared.
     pub fn add(
         &mut self,
         file: &'a ast::File,
@@ -97,7 +97,7 @@ impl<'a> Scope<'a> {
         self.broken = std::mem::take(&mut e.names.broken);
     }
 
-    /// An elaborator with this scope's types and constants in sight.
+    /// Returns an elaborator with this scope's types and constants.
     pub fn elaborator(&self) -> Elaborator<'a> {
         let mut names = Names::default();
         names.constants.clone_from(&self.values);
@@ -113,7 +113,7 @@ impl<'a> Scope<'a> {
     }
 }
 
-/// A declaration that has a value before anything runs.
+/// A declaration whose value is known before execution.
 #[derive(Clone, Copy)]
 pub(super) enum Decl<'a> {
     Type(&'a ast::TypeDecl),
@@ -128,7 +128,7 @@ impl<'a> Decl<'a> {
         }
     }
 
-    /// The names that it mentions.
+    /// Returns the names that it mentions.
     fn mentioned(self) -> Vec<&'a str> {
         let mut names = Vec::new();
         match self {
@@ -178,8 +178,8 @@ fn names_of<'a>(e: &'a ast::Expr, names: &mut Vec<&'a str>) {
     }
 }
 
-/// Evaluates declarations, each after those that it needs, whatever their order. One that needs
-/// itself is a finding; one that could not be evaluated is `broken` from then on.
+/// Evaluates declarations, each after those that it needs, in any order. Reports one that needs
+/// itself; one that could not be evaluated is `broken` from then on.
 pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
     let by_name: BTreeMap<&str, usize> = decls
         .iter()
@@ -217,7 +217,7 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
                             codes::NAME_DOUBLE,
                             name.span,
                             format!("`{}` is defined by itself", name.text),
-                            "break the circle: one of these needs a value of its own",
+                            "break the cycle: one of these needs a value of its own",
                         );
                     }
                 }
@@ -238,7 +238,7 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
             }
         }
     }
-    // What is broken was reported here; what uses it from now on cannot be trusted.
+    // Broken declarations were reported here; later uses of them cannot be trusted.
     e.findings.tainted = false;
 }
 
@@ -256,7 +256,7 @@ fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> 
 }
 
 fn constant<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<()> {
-    // With a type of its own it is counted in that type's unit.
+    // With a declared type it is counted in that type's unit.
     let plant = decl.domain.is_none() && uses_units(&e.names, &decl.value);
     let real = std::mem::replace(&mut e.dialect.real, plant);
     let value = constant_value(e, decl);
@@ -277,7 +277,7 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
     Some(value)
 }
 
-/// Reports a value that is outside of its range.
+/// Reports a value outside its range.
 fn within(
     findings: &mut Findings,
     decl: &ast::ConstDecl,
@@ -309,7 +309,8 @@ fn within(
     }
 }
 
-/// Whether a constant is a quantity of the plant: a unit occurs in it, or another such constant.
+/// Returns whether a constant is a quantity of the plant: a unit occurs in it, or another such
+/// constant.
 fn uses_units(known: &Names<'_>, value: &ast::Expr) -> bool {
     match &value.kind {
         ast::ExprKind::Quantity(..) => true,
@@ -323,7 +324,7 @@ fn uses_units(known: &Names<'_>, value: &ast::Expr) -> bool {
     }
 }
 
-/// Parameters of a define that have the same name.
+/// Reports parameters of a define with the same name.
 pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     for (i, formal) in define.formals.iter().enumerate() {
@@ -335,14 +336,14 @@ pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
     findings
 }
 
-/// A statement that may stand once only, at the second one.
+/// Returns the finding about a second occurrence of a statement that is allowed only once.
 pub(super) fn stands_twice(word: &str, here: Span, first: Span, help: &str) -> Diagnostic {
     Diagnostic::error(codes::NAME_DOUBLE, here, format!("`{word}` stands twice"))
         .with_label(first, "first here")
         .with_help(help)
 }
 
-/// A name that is there already.
+/// Returns the finding about a name that is already declared.
 pub(super) fn double(name: &ast::Name, first: Span) -> Diagnostic {
     Diagnostic::error(
         codes::NAME_DOUBLE,

@@ -1,7 +1,7 @@
-//! What a declared type is made of: scalars, arrays of something, records of something.
+//! Shapes of declared types: scalars, arrays and records.
 //!
-//! Later stages know scalar variables only. So a variable of such a type is one scalar variable for
-//! each of its leaves, named by the way to it: `target.x`, `places[2].angle`.
+//! Later stages only have scalar variables. So a variable of such a type becomes one scalar
+//! variable for each of its leaves, named by its path: `target.x`, `places[2].angle`.
 
 use super::units::Unit;
 use super::value::Type;
@@ -12,16 +12,16 @@ use std::sync::Arc;
 /// A finite type.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Shape {
-    /// A single value, and its unit.
+    /// A single value, with its unit.
     Scalar(Domain, Option<Unit>),
-    /// So many of one kind.
+    /// An array: element shape and length.
     Array(Box<Shape>, usize),
     /// Members by name.
     Record(Vec<(String, Shape)>),
 }
 
 impl Shape {
-    /// The type of its values.
+    /// Returns the type of its values.
     pub fn ty(&self) -> Type {
         match self {
             Self::Scalar(domain, unit) => measured(domain, *unit),
@@ -32,7 +32,7 @@ impl Shape {
         }
     }
 
-    /// How many scalars it is made of.
+    /// Returns the number of scalars that it is made of.
     pub fn leaves(&self) -> usize {
         match self {
             Self::Scalar(..) => 1,
@@ -43,8 +43,8 @@ impl Shape {
         }
     }
 
-    /// The variables of one of this shape: `add` is called for each leaf with its name, its values
-    /// and its unit.
+    /// Declares the variables of this shape: `add` is called for each leaf with its name, its
+    /// domain and its unit.
     pub fn declare(
         &self,
         name: String,
@@ -67,7 +67,7 @@ impl Shape {
     }
 }
 
-/// The type of a scalar with a unit.
+/// Returns the type of a scalar with a unit.
 pub(super) fn measured(domain: &Domain, unit: Option<Unit>) -> Type {
     match (domain, unit) {
         (Domain::Range { .. }, Some(unit)) => Type::Measured(unit),
@@ -75,19 +75,19 @@ pub(super) fn measured(domain: &Domain, unit: Option<Unit>) -> Type {
     }
 }
 
-/// A variable in sight, of whatever shape.
+/// A variable in scope, of any shape.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Entry {
     /// A scalar.
     One(VarId),
-    /// An array; shared, since each index that is known passes on what it names.
+    /// An array; shared, since indexing with a constant passes on a part of it.
     Many(Arc<Vec<Entry>>),
     /// Members by name.
     Record(Vec<(String, Entry)>),
 }
 
 impl Entry {
-    /// The same with other ids.
+    /// Returns the same entry with other ids.
     pub fn renumbered(&self, change: &impl Fn(VarId) -> VarId) -> Self {
         match self {
             Self::One(id) => Self::One(change(*id)),
@@ -104,7 +104,7 @@ impl Entry {
         }
     }
 
-    /// The variable at the end of a way; `None` where it leads elsewhere.
+    /// Returns the variable at the end of a path; `None` if there is none.
     pub fn at(&self, way: &[Segment<'_>]) -> Option<VarId> {
         match (self, way) {
             (Self::One(id), []) => Some(*id),
@@ -155,7 +155,7 @@ impl Entry {
     }
 }
 
-/// One step on the way from a variable to one of its leaves.
+/// A step on the path from a variable to one of its leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Segment<'t> {
     /// `[2]`
@@ -164,7 +164,7 @@ pub(super) enum Segment<'t> {
     Member(&'t str),
 }
 
-/// The variable that a leaf's name begins with, and the way from there.
+/// Returns the variable that a leaf's name begins with, and the path from there.
 pub(super) fn way(leaf: &str) -> (&str, Vec<Segment<'_>>) {
     let end = leaf.find(['.', '[']).unwrap_or(leaf.len());
     let (name, rest) = leaf.split_at(end);
@@ -176,7 +176,7 @@ pub(super) fn way(leaf: &str) -> (&str, Vec<Segment<'_>>) {
     (name, segments.collect())
 }
 
-/// Variables of whatever shape from their leaves, which stand in the order of their declaration.
+/// Builds variables of any shape from their leaves, which are in the order of their declaration.
 pub(super) fn entries<'t>(
     leaves: impl IntoIterator<Item = (&'t str, VarId)>,
 ) -> BTreeMap<String, Entry> {

@@ -1,15 +1,15 @@
 //! Units of length, time, angle and the like.
 //!
-//! The plant computes with real numbers in base units. A contract counts in whole numbers, each in
-//! the unit of its declaration.
+//! The plant computes with real numbers in base units. A contract counts in whole numbers, in the
+//! unit of each declaration.
 
-/// What a physical quantity measures. Values are held in the base unit named here.
+/// Dimension of a physical quantity. Values are held in the base unit given here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dimension {
     /// A bare number.
     None,
-    /// Hundredths (`%`) as a share of 1. It may stand where a bare number is asked for, but does
-    /// not mix with one: `1 - 5 %` would leave open whether 1 is a hundredth.
+    /// Hundredths (`%`) as a share of 1. Allowed where a bare number is expected, but does not mix
+    /// with one: in `1 - 5 %` it would be unclear whether 1 is a hundredth.
     Share,
     /// Seconds.
     Time,
@@ -23,12 +23,12 @@ pub(super) enum Dimension {
     Energy,
     /// Kilograms.
     Mass,
-    /// Metres a second.
+    /// Metres per second.
     Speed,
 }
 
 impl Dimension {
-    /// The dimension of a product. `None` where it has none that is known here.
+    /// Returns the dimension of a product. `None` if it has no known dimension.
     pub fn times(self, other: Self) -> Option<Self> {
         use Dimension as D;
         match (self, other) {
@@ -41,7 +41,7 @@ impl Dimension {
         }
     }
 
-    /// The dimension of a quotient.
+    /// Returns the dimension of a quotient.
     pub fn over(self, other: Self) -> Option<Self> {
         use Dimension as D;
         match (self, other) {
@@ -70,7 +70,7 @@ impl Dimension {
     }
 }
 
-/// The dimension of a unit, and how many base units it is.
+/// Returns the dimension of a unit, and its number of base units.
 pub(super) fn unit(name: &str) -> (Dimension, f64) {
     use Dimension as D;
     match name {
@@ -98,27 +98,27 @@ pub(super) fn unit(name: &str) -> (Dimension, f64) {
     }
 }
 
-/// The shortest duration other than 0, in seconds. The clock of a run is a double: after
-/// [`LONGEST_SECONDS`] it still tells two instants apart that lie this far from each other.
+/// Minimum duration other than 0, in seconds. The clock of a run is a double: even after
+/// [`LONGEST_SECONDS`] it distinguishes two instants this far apart.
 pub const SHORTEST_SECONDS: f64 = 1e-6;
 
-/// The longest duration, in seconds: some thirty years.
+/// Maximum duration, in seconds: about thirty years.
 pub const LONGEST_SECONDS: f64 = 1e9;
 
-/// The greatest power, in watts.
+/// Maximum power, in watts.
 pub const GREATEST_WATTS: f64 = 1e12;
 
-/// Whether a run can measure this duration: 0, or between the shortest and the longest.
+/// Returns whether a run can measure this duration: 0, or between the shortest and the longest.
 pub fn is_duration(seconds: f64) -> bool {
     seconds == 0.0 || (SHORTEST_SECONDS..=LONGEST_SECONDS).contains(&seconds)
 }
 
-/// Whether an operation may use this much energy, in joules.
+/// Returns whether an operation may use this much energy, in joules.
 pub fn is_energy(joules: f64) -> bool {
     (0.0..=GREATEST_WATTS * LONGEST_SECONDS).contains(&joules)
 }
 
-/// The units by name.
+/// Units by name.
 const UNITS: &[&str] = &[
     "ms", "s", "min", "h", "d", "mm", "cm", "m", "deg", "rad", "W", "kW", "J", "Wh", "kWh", "g",
     "kg", "mm/s", "m/s", "%",
@@ -129,33 +129,34 @@ const UNITS: &[&str] = &[
 pub(super) struct Unit(&'static str);
 
 impl Unit {
-    /// The unit of a name; `None` for a bare number, and for `%`, which is a number itself.
+    /// Returns the unit with a name; `None` for a bare number, and for `%`, which is itself a
+    /// number.
     pub fn named(name: &str) -> Option<Self> {
         let known = UNITS.iter().find(|u| **u == name && **u != "%")?;
         Some(Self(known))
     }
 
-    /// All of them.
+    /// Returns all units.
     pub fn all() -> impl Iterator<Item = Self> {
         UNITS.iter().filter(|u| **u != "%").map(|u| Self(u))
     }
 
-    /// As it is written.
+    /// Returns the name as written.
     pub fn name(self) -> &'static str {
         self.0
     }
 
-    /// What it measures.
+    /// Returns the dimension that the unit measures.
     pub fn dimension(self) -> Dimension {
         unit(self.0).0
     }
 
-    /// How many base units it is.
+    /// Returns the number of base units.
     pub fn factor(self) -> f64 {
         unit(self.0).1
     }
 
-    /// How many of `other` it is, where that is a whole number.
+    /// Returns this unit as a multiple of `other`, if that is a whole number.
     pub fn in_terms_of(self, other: Self) -> Option<i64> {
         if self.dimension() == other.dimension() {
             whole(self.factor() / other.factor())
@@ -164,13 +165,13 @@ impl Unit {
         }
     }
 
-    /// How many of it a quantity in base units is, where that is a whole number.
+    /// Returns a quantity in base units as a multiple of this unit, if that is a whole number.
     pub fn count(self, base: f64) -> Option<i64> {
         whole(base / self.factor())
     }
 }
 
-/// A whole number that a quotient of rounded numbers stands for.
+/// Returns the whole number that a quotient of rounded numbers approximates.
 fn whole(x: f64) -> Option<i64> {
     let near = x.round();
     ((x - near).abs() <= 1e-9 * near.abs().max(1.0) && near.abs() < 9e15).then_some(near as i64)

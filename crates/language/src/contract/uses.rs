@@ -1,9 +1,8 @@
-//! What is declared and never used (LW111), and two names for one thing (LW113).
+//! Unused declarations (LW111), and two names for one thing (LW113).
 //!
-//! Both are told from the words of a file alone, so that they are found beside whatever else is
-//! wrong with it. Whether anything else is wrong matters all the same: a mistake in the syntax may
-//! have swallowed the use that is missed, and a name that is not declared may be the one that was
-//! meant. [`Doubt`] knows both.
+//! Both are found from the text of a file alone, so they are reported in addition to other errors.
+//! But other errors can cast doubt on them: a syntax error may hide a use, and an undeclared name
+//! may be a misspelled use. [`Doubt`] knows both.
 
 mod alike;
 mod mentions;
@@ -13,22 +12,21 @@ use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
 use mentions::Mentions;
 
-/// Why a declaration may be used although nothing shows it.
-pub(super) struct Doubt<'d> {
-    /// Where the syntax is wrong.
+/// Reasons why a seemingly unused declaration may be used.
+pub(super) struct PossibleUses<'d> {
+    /// Places of syntax errors.
     pub syntax: Vec<Span>,
-    /// Names that nothing declares, and where they stand.
+    /// Undeclared names and their places.
     pub unknown: Vec<(&'d str, Span)>,
-    /// Names that are declared twice, and where.
+    /// Names that are declared twice, and their places.
     pub double: Vec<(&'d str, Span)>,
-    /// Where else something is wrong.
+    /// Places of other errors.
     pub errors: Vec<Span>,
 }
 
-impl Doubt<'_> {
-    /// Whether a declaration is left alone, because it is not sure that nothing uses it, or because
-    /// it has to be repaired anyway. `end` is where its last part stands, `extent` where it can be
-    /// used.
+impl PossibleUses<'_> {
+    /// Returns whether a declaration is not reported, because it may be used or has to be repaired
+    /// anyway. `end` is the place of its last part, `extent` is where it can be used.
     fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
         let within = |span: &Span| extent.holds(*span);
         let own = name.span.to(end);
@@ -46,17 +44,17 @@ impl Doubt<'_> {
     }
 }
 
-/// A declaration that nothing mentions.
+/// Returns the finding about a declaration that nothing mentions.
 fn unused(name: &ast::Name, message: String, help: &str) -> Diagnostic {
     Diagnostic::warning(codes::UNUSED, name.span, message).with_help(help)
 }
 
-/// What a contract declares and does not use. `extent` is all of it.
+/// Returns findings about unused declarations of a contract. `extent` is the whole contract.
 pub(super) fn contract(
     contract: &ast::Contract,
     extent: Span,
     sources: &SourceMap,
-    doubt: &Doubt<'_>,
+    doubt: &PossibleUses<'_>,
 ) -> Vec<Diagnostic> {
     let mut used = Mentions::default();
     used.contract(contract);
@@ -126,7 +124,7 @@ pub(super) fn contract(
     findings
 }
 
-/// Takes the inputs of contracts that are not bound for used; whether there was a contract.
+/// Marks unbound inputs of contracts as used; returns whether there was a contract.
 fn take_inputs<'a, 'c>(
     used: &mut Mentions<'a>,
     contracts: impl Iterator<Item = &'c &'a ast::Contract>,
@@ -158,11 +156,11 @@ fn parameter_end(parameter: &ast::Parameter) -> Span {
     default.map_or(parameter.domain.span, |e| e.span)
 }
 
-fn typed_end(typed: &ast::Typed) -> Span {
+fn typed_end(typed: &ast::TypedDecl) -> Span {
     typed.values.last().map_or(typed.domain.span, |e| e.span)
 }
 
-/// What a definition asks for and does not use.
+/// Returns findings about unused parameters of a definition.
 fn formals(define: &ast::Define) -> Vec<Diagnostic> {
     let mut used = Mentions::default();
     used.expr(&define.value);
@@ -183,8 +181,8 @@ fn formals(define: &ast::Define) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// Takes what an inner machine asks for and what is not bound for used; whether there was a
-/// machine.
+/// Marks unbound properties, parameters, signals and abstractions of an inner machine as used;
+/// returns whether there was a machine.
 fn take_plant<'a>(
     used: &mut Mentions<'a>,
     machines: &[&'a ast::Machine],
@@ -208,14 +206,14 @@ fn take_plant<'a>(
     any
 }
 
-/// What a machine declares and does not use. `contracts` and `machines` are those in sight: an
-/// input that is not bound takes the signal of its name.
+/// Returns findings about unused declarations of a machine. `contracts` and `machines` are those in
+/// scope: an unbound input takes the signal of its name.
 pub(super) fn machine<'a>(
     machine: &'a ast::Machine,
     contracts: &[&'a ast::Contract],
     machines: &[&'a ast::Machine],
     extent: Span,
-    doubt: &Doubt<'_>,
+    doubt: &PossibleUses<'_>,
 ) -> Vec<Diagnostic> {
     let mut used = Mentions::default();
     used.machine(machine);
@@ -233,7 +231,7 @@ pub(super) fn machine<'a>(
                 take_inputs(&mut used, of_name, bound)
             };
             if !taken {
-                // What it takes is not known.
+                // Its inputs are unknown.
                 return Vec::new();
             }
         }
@@ -263,13 +261,13 @@ pub(super) fn machine<'a>(
     findings
 }
 
-/// What a file declares outside of contracts and machines, and neither it nor a file that imports
-/// it uses. A file of nothing else is there for others, and not asked.
+/// Returns findings about declarations outside of contracts and machines that neither the file nor
+/// an importing file uses. A file with nothing else is a library for others, and is not checked.
 pub(super) fn file(
     tree: &ast::File,
     importers: &[&ast::File],
     extent: Span,
-    doubt: &Doubt<'_>,
+    doubt: &PossibleUses<'_>,
 ) -> Vec<Diagnostic> {
     let holds = |item: &Item| matches!(item, Item::Contract(_) | Item::Machine(_) | Item::Line(_));
     if !tree.items.iter().any(holds) {

@@ -1,9 +1,9 @@
-//! Typed terms: what an expression of the language stands for, before it becomes a formula or a
-//! plant expression.
+//! Typed terms: values of expressions of the language, before they become formulas or plant
+//! expressions.
 //!
 //! One elaborator serves contracts (finite values, current and next) and plants (real numbers,
-//! properties and wires). Both meet in [`Term`]; [`Term::to_expr`] and [`Term::to_real`] turn it
-//! into what the later stages use.
+//! properties and wires). Both use [`Term`]; [`Term::to_expr`] and [`Term::to_real`] convert it for
+//! the later stages.
 
 use super::machine::{RealBinary, RealExpr, RealUnary};
 pub(super) use super::units::{Dimension, Unit, unit};
@@ -17,7 +17,7 @@ pub(super) enum Type {
     Int,
     /// A real number.
     Number(Dimension),
-    /// A whole number of a unit: how a contract counts millimetres.
+    /// A whole number of a unit, as a contract counts millimetres.
     Measured(Unit),
     /// One of these labels; two enumerations with the same labels are the same type.
     Enum(Vec<String>),
@@ -54,7 +54,7 @@ impl Type {
         matches!(self, Self::Int | Self::Number(_) | Self::Measured(_))
     }
 
-    /// What it measures.
+    /// Returns the dimension that the type measures.
     pub fn dimension(&self) -> Dimension {
         match self {
             Self::Number(dimension) => *dimension,
@@ -64,7 +64,7 @@ impl Type {
     }
 }
 
-/// An operator on real numbers beside those of [`UnaryOp`].
+/// An operator on real numbers in addition to those of [`UnaryOp`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rounding {
     Floor,
@@ -100,8 +100,8 @@ impl Term {
         }
     }
 
-    /// Two operands, folded where they are constant. Constant arithmetic is done only where it
-    /// cannot overflow or divide by zero.
+    /// Applies an operator to two operands, folding constants. Constant arithmetic is folded only
+    /// if it cannot overflow or divide by zero.
     pub fn binary(op: BinaryOp, a: Self, b: Self) -> Self {
         use BinaryOp as B;
         match (op, &a, &b) {
@@ -136,7 +136,7 @@ impl Term {
         Self::Binary(op, Box::new(a), Box::new(b))
     }
 
-    /// How many nodes it has.
+    /// Returns the number of nodes.
     pub fn size(&self) -> usize {
         1 + match self {
             Self::Int(_) | Self::Real(_) | Self::Var(..) => 0,
@@ -146,7 +146,7 @@ impl Term {
         }
     }
 
-    /// How deep its tree is.
+    /// Returns the depth of the tree.
     pub fn depth(&self) -> usize {
         1 + match self {
             Self::Int(_) | Self::Real(_) | Self::Var(..) => 0,
@@ -168,7 +168,7 @@ impl Term {
         }
     }
 
-    /// Conjunction, disjunction or sum of many, halved so that it stays shallow.
+    /// Builds the conjunction, disjunction or sum of many terms, as a balanced tree.
     pub fn fold(op: BinaryOp, mut terms: Vec<Self>, empty: i64) -> Self {
         if terms.is_empty() {
             return Self::Int(empty);
@@ -187,7 +187,7 @@ impl Term {
         terms.pop().unwrap_or(Self::Int(empty))
     }
 
-    /// As an exact expression. `None` when a real number occurs.
+    /// Converts to an exact expression. `None` if a real number occurs.
     pub fn to_expr(&self) -> Option<Expr> {
         Some(match self {
             Self::Int(c) => Expr::Const(*c),
@@ -205,7 +205,7 @@ impl Term {
         })
     }
 
-    /// Whether a variable occurs in it.
+    /// Returns whether a variable occurs.
     pub fn is_variable(&self) -> bool {
         match self {
             Self::Int(_) | Self::Real(_) => false,
@@ -216,7 +216,7 @@ impl Term {
         }
     }
 
-    /// An exact expression as a term.
+    /// Converts an exact expression to a term.
     pub fn from_expr(expr: &Expr) -> Self {
         let sub = |e: &Expr| Box::new(Self::from_expr(e));
         match expr {
@@ -228,7 +228,8 @@ impl Term {
         }
     }
 
-    /// As a plant expression: variables below `properties` are properties, the others wires from 0.
+    /// Converts to a plant expression: variables below `properties` are properties, the others
+    /// wires from 0.
     pub fn to_real(&self, properties: usize) -> RealExpr {
         let sub = |t: &Self| Box::new(t.to_real(properties));
         match self {
@@ -258,8 +259,8 @@ impl Term {
     }
 }
 
-/// Constant arithmetic on whole numbers, where the result stays within the limits that
-/// [`interval`](linewright_core::gr1::interval) sets.
+/// Computes constant arithmetic on whole numbers, if the result is within the limits of
+/// [`interval`](linewright_core::gr1::interval).
 fn exact(op: BinaryOp, x: i64, y: i64) -> Option<i64> {
     const LIMIT: u64 = 1 << 62;
     if x.unsigned_abs() > LIMIT || y.unsigned_abs() > LIMIT {
@@ -274,7 +275,7 @@ fn exact(op: BinaryOp, x: i64, y: i64) -> Option<i64> {
     (value.unsigned_abs() <= LIMIT).then_some(value)
 }
 
-/// What an expression stands for.
+/// Value of an expression.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Value {
     Scalar(Term, Type),
@@ -284,7 +285,7 @@ pub(super) enum Value {
 }
 
 impl Value {
-    /// How many nodes its terms have.
+    /// Returns the number of nodes of its terms.
     pub fn size(&self) -> usize {
         match self {
             Self::Scalar(term, _) => term.size(),
@@ -293,7 +294,7 @@ impl Value {
         }
     }
 
-    /// Whether it is a quantity of the plant.
+    /// Returns whether the value is a quantity of the plant.
     pub fn is_real(&self) -> bool {
         match self {
             Self::Scalar(_, ty) => matches!(ty, Type::Number(_)),
@@ -312,7 +313,7 @@ impl Value {
         }
     }
 
-    /// The same with each scalar replaced; `None` where that is.
+    /// Replaces each scalar; `None` if `change` returns `None`.
     pub fn map(self, change: &mut impl FnMut(Term, Type) -> Option<(Term, Type)>) -> Option<Self> {
         Some(match self {
             Self::Scalar(term, ty) => {

@@ -4,12 +4,12 @@ use super::Skills;
 use linewright_automata::regex::Regex;
 
 impl Skills {
-    /// A regular expression over these skills, as it stands in a file; what is repeated in
+    /// Formats a regular expression over these skills, as in a file; repeated expressions are in
     /// parentheses where needed.
     pub fn expression(&self, regex: &Regex) -> String {
         let name = |skill: &usize| self.skills[*skill].name.as_str();
         match regex {
-            // No word is any skill but all of them.
+            // No word: any skill except all of them.
             Regex::Nothing => self.expression(&Regex::AnyBut((0..self.skills.len()).collect())),
             Regex::Empty => "()".to_owned(),
             Regex::Letter(skill) => name(skill).to_owned(),

@@ -1,29 +1,28 @@
-//! What is wrong with rules: those that together allow nothing, wait for one another for ever, or
-//! exclude nothing.
+//! Faults of rules: rules that together allow nothing, wait for one another for ever, or exclude
+//! nothing.
 //!
-//! The rules that are to blame are found by leaving out one after the other for as long as the
-//! fault stays (deletion, as for the cores of contracts): none of those that are named can be left
-//! out.
+//! The responsible rules are found by removing one after the other for as long as the fault remains
+//! (deletion, as for the cores of contracts): none of the named rules can be omitted.
 
 use super::fsm::{Fsm, telling};
-use super::program::{self, Apart};
+use super::program::{self, DifferenceOptions};
 use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::REFUSED;
 use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
-/// Rules whose automaton has more entries are not examined: fewer are found in a moment, also many
-/// times over.
+/// Maximum number of automaton entries for rules to be examined. Smaller automata are fast to
+/// examine, even repeatedly.
 const MOST_EXAMINED: usize = 1 << 18;
 
-/// So many entries of two automata are compared to find out which rules exclude nothing, all rules
-/// taken together.
+/// Maximum number of entries of two automata compared to find out which rules exclude nothing, for
+/// all rules together.
 const MOST_COMPARED: usize = 1 << 22;
 
-/// What is wrong with the rules of these skills, at the level valid and then, where a rule is kept
-/// there only, at the level reasonable.
+/// Returns the faults of the rules of these skills, at the level valid and then, if a rule is kept
+/// only there, at the level reasonable.
 pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let mut levels: Vec<Level> = skills.rules.iter().map(|r| r.level).collect();
@@ -44,28 +43,28 @@ pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
     findings
 }
 
-fn too_large(skills: &Skills, error: &TooLarge) -> Diagnostic {
+fn too_large(skills: &Skills, error: &BoundExceeded) -> Diagnostic {
     let message = format!(
         "what the rules of `{}` come to was not decided: {error}",
         skills.name
     );
     let finding = Diagnostic::warning(codes::TOO_LARGE, skills.span, message);
     match error {
-        TooLarge::Late(late) => finding.with_help(late.remedy()).giving_up(true),
-        TooLarge::Count { .. } => {
+        BoundExceeded::Late(late) => finding.with_help(late.remedy()).giving_up(true),
+        BoundExceeded::Count { .. } => {
             finding.with_help("fewer rules, or fewer repetitions in a sequence, let it be decided")
         }
     }
 }
 
-/// Pushes what is found, up to where it gets too large.
+/// Adds the findings of one level, until it gets too large.
 fn at_level(
     skills: &Skills,
     level: Level,
     until: Deadline,
     findings: &mut Vec<Diagnostic>,
-) -> Result<(), TooLarge> {
-    let examined = Examined {
+) -> Result<(), BoundExceeded> {
+    let examined = OrderExamination {
         skills,
         calls: telling(skills),
         options: Options {
@@ -82,7 +81,7 @@ fn at_level(
     }
     let fsm = examined.fsm(&all)?;
     if let Some(nothing) = examined.nothing(&all)? {
-        // All else follows from that.
+        // All other findings would follow from that.
         findings.push(nothing);
         return Ok(());
     }
@@ -95,29 +94,29 @@ fn at_level(
     examined.redundant(&all, findings)
 }
 
-struct Examined<'a> {
+struct OrderExamination<'a> {
     skills: &'a Skills,
-    /// The calls that are looked at.
+    /// Calls to examine.
     calls: Vec<Call>,
     options: Options,
 }
 
-impl Examined<'_> {
+impl OrderExamination<'_> {
     fn only(&self, rules: &[usize]) -> Skills {
         self.skills.with_rules(rules)
     }
 
-    fn fsm(&self, rules: &[usize]) -> Result<Fsm, TooLarge> {
+    fn fsm(&self, rules: &[usize]) -> Result<Fsm, BoundExceeded> {
         let skills = self.only(rules);
         let mut supervisor = Supervisor::new(&skills, self.options)?.lean();
         Fsm::explore_within(&mut supervisor, self.calls.clone(), MOST_EXAMINED)
     }
 
-    /// The rules without which the fault would not be there.
+    /// Returns a minimal set of rules with the fault.
     fn core(
         rules: &[usize],
-        fault: impl Fn(&[usize]) -> Result<bool, TooLarge>,
-    ) -> Result<Vec<usize>, TooLarge> {
+        fault: impl Fn(&[usize]) -> Result<bool, BoundExceeded>,
+    ) -> Result<Vec<usize>, BoundExceeded> {
         let mut core = rules.to_vec();
         let mut at = 0;
         while at < core.len() {
@@ -132,8 +131,8 @@ impl Examined<'_> {
         Ok(core)
     }
 
-    /// Whether nothing may be called after these calls, all of which are allowed.
-    fn is_stuck(&self, rules: &[usize], word: &[Call]) -> Result<bool, TooLarge> {
+    /// Returns whether nothing may be called after these calls, all of which are allowed.
+    fn is_stuck(&self, rules: &[usize], word: &[Call]) -> Result<bool, BoundExceeded> {
         let skills = self.only(rules);
         let mut supervisor = Supervisor::new(&skills, self.options)?;
         let mut state = supervisor.start();
@@ -143,12 +142,12 @@ impl Examined<'_> {
                 Err(_) => return Ok(false),
             }
         }
-        // Where several skills may be called at once, the first of them may be called alone.
+        // If several skills may be called at once, the first of them may be called alone.
         Ok(program::allowed(&mut supervisor, &state, 1)?.is_empty())
     }
 
-    /// Nothing may be called at all.
-    fn nothing(&self, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+    /// Finds rules with which nothing may be called at all.
+    fn nothing(&self, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
         if !self.is_stuck(all, &[])? {
             return Ok(None);
         }
@@ -170,15 +169,15 @@ impl Examined<'_> {
         Ok(Some(self.labelled(finding, &core).with_help(help)))
     }
 
-    /// Rules that leave nothing to be called, although each of them alone would.
-    fn dead_end(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
+    /// Finds rules that together leave nothing to be called, although each of them alone would.
+    fn dead_end(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
         let letters = fsm.dfa.letters();
         let is_stuck = |state: u32| (0..letters).all(|l| fsm.dfa.next(state, l) == REFUSED);
         for state in (0..fsm.states.len() as u32).filter(|s| is_stuck(*s)) {
             let word = fsm.way_to(state as usize);
             let core = Self::core(all, |rules| self.is_stuck(rules, &word))?;
             if core.len() < 2 {
-                // One rule alone ends the program: a sequence that does not begin anew.
+                // A single rule ends the program: a sequence that does not start again.
                 continue;
             }
             let (whose, _) = self.named(&core);
@@ -199,13 +198,13 @@ impl Examined<'_> {
         Ok(None)
     }
 
-    /// Skills that no program ever calls, though no rule says `never` of them.
+    /// Finds skills that no program ever calls, although no rule says `never` of them.
     fn never_called(
         &self,
         fsm: &Fsm,
         all: &[usize],
         findings: &mut Vec<Diagnostic>,
-    ) -> Result<(), TooLarge> {
+    ) -> Result<(), BoundExceeded> {
         let is_called = |fsm: &Fsm, skill: usize| {
             let mut columns = fsm
                 .calls
@@ -253,9 +252,13 @@ impl Examined<'_> {
         Ok(())
     }
 
-    /// Skills at once that a rule tells apart and itself never allows, since it refuses one of them
-    /// by itself, or all of them after one.
-    fn never_at_once(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
+    /// Finds calls of several skills that a rule mentions and itself never allows, since it rejects
+    /// one of the skills by itself, or all of them after one.
+    fn never_at_once(
+        &self,
+        all: &[usize],
+        findings: &mut Vec<Diagnostic>,
+    ) -> Result<(), BoundExceeded> {
         for rule in all {
             let of = &self.skills.rules[*rule];
             let mut events: Vec<Call> = Vec::new();
@@ -307,10 +310,9 @@ impl Examined<'_> {
         Ok(())
     }
 
-    /// A sequence that can no longer be finished, since other rules are in its way.
-    fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, TooLarge> {
-        // Every beginning, and the beginnings of what can be completed: the first word that is not
-        // among those.
+    /// Finds a sequence that can no longer be completed because of other rules.
+    fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
+        // The first word that is a prefix of some word, but not of one that can be completed.
         let begun = fsm.dfa.clone().prefix_closed();
         let completed = fsm.dfa.clone().trimmed().prefix_closed();
         let Some(word) = begun.difference(&completed) else {
@@ -345,17 +347,21 @@ impl Examined<'_> {
         )))
     }
 
-    /// Rules that forbid nothing which the others do not forbid already.
-    fn redundant(&self, all: &[usize], findings: &mut Vec<Diagnostic>) -> Result<(), TooLarge> {
+    /// Finds rules that forbid nothing beyond the others.
+    fn redundant(
+        &self,
+        all: &[usize],
+        findings: &mut Vec<Diagnostic>,
+    ) -> Result<(), BoundExceeded> {
         for (at, rule) in all.iter().enumerate() {
-            // A rule of a lower level has been asked there.
+            // A rule of a lower level was checked there.
             if self.skills.rules[*rule].level < self.options.level {
                 continue;
             }
             let mut others = all.to_vec();
             others.remove(at);
             let (with, without) = (self.only(all), self.only(&others));
-            let whole = Apart {
+            let whole = DifferenceOptions {
                 whole: true,
                 one_way: false,
                 entries: MOST_COMPARED / all.len(),
@@ -386,7 +392,7 @@ impl Examined<'_> {
         self.skills.components.iter().map(|c| c.initial).collect()
     }
 
-    /// Where the components stand after these calls.
+    /// Returns the situations of the components after these calls.
     fn situation(&self, word: &[Call]) -> Vec<usize> {
         let mut situation = self.initial();
         for skill in word.iter().flat_map(|call| call.skills()) {
@@ -413,7 +419,7 @@ impl Examined<'_> {
         }
     }
 
-    /// `the rules a and b`, and the verb that follows.
+    /// Returns `the rules a and b`, and the verb that follows.
     fn named(&self, rules: &[usize]) -> (String, &'static str) {
         let names: Vec<String> = rules
             .iter()

@@ -1,22 +1,22 @@
-//! The automaton of a set of rules: all situations, what is known of the rules in them, and what
-//! may be called.
+//! The automaton of a set of rules: all situations, the states of the rules in them, and the
+//! allowed calls.
 
 use super::Skills;
 use super::supervisor::{Call, Options, State, Supervisor};
-use linewright_automata::bound::{Bound, TooLarge};
+use linewright_automata::bound::{BoundExceeded, ExplorationBound};
 use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_automata::search::shortest;
 use std::collections::BTreeMap;
 
-/// So many columns an automaton has at most: calls of one skill or of several at once.
+/// Maximum number of columns of an automaton: calls of one skill or of several at once.
 pub const MOST_CALLS: usize = 4096;
 
-/// So many entries its table has at most.
+/// Maximum number of entries of its table.
 pub const MOST_ENTRIES: usize = 1 << 24;
 
-/// The calls that are looked at: the single skills in order, then two at once, and so on; within a
+/// Returns the calls to explore: the single skills in order, then two at once, and so on; within a
 /// size by their masks, ascending. Two skills of one component are never called at once. `most` is
-/// how many skills at once are asked for; there are fewer where there would be more than
+/// the requested number of skills at once; there are fewer if there would be more than
 /// [`MOST_CALLS`] calls.
 pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     let own: Vec<u64> = skills
@@ -35,7 +35,7 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     for _ in 1..most {
         let mut larger = Vec::new();
         for call in &last {
-            // Each set once: only skills behind its last one are added.
+            // Each set once: only skills after its last one are added.
             let above = call.0.ilog2() as usize + 1;
             for skill in above..count {
                 let component = skills.skills[skill].component;
@@ -57,8 +57,8 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     all
 }
 
-/// The single skills, the events of several skills that rules speak of, and any two of all these at
-/// once, in the order of [`calls`]: the calls that rules tell apart.
+/// Returns the calls that rules distinguish: the single skills, the events of several skills that
+/// rules mention, and any two of all these at once, in the order of [`calls`].
 pub fn telling(skills: &Skills) -> Vec<Call> {
     let count = skills.skills.len();
     let mut parts: Vec<u64> = (0..count).map(|s| 1 << s).collect();
@@ -84,8 +84,8 @@ pub fn telling(skills: &Skills) -> Vec<Call> {
     all.into_iter().map(Call).collect()
 }
 
-/// Whether there are calls of no more than `most` skills at once that are not among these, which
-/// [`calls`] gave.
+/// Returns whether some calls of up to `most` skills at once are missing from these, which
+/// [`calls`] returned.
 pub fn is_cut(calls: &[Call], skills: &Skills, most: usize) -> bool {
     let used = |c: usize| skills.skills.iter().any(|s| s.component == c);
     let components = (0..skills.components.len()).filter(|c| used(*c)).count();
@@ -93,26 +93,26 @@ pub fn is_cut(calls: &[Call], skills: &Skills, most: usize) -> bool {
     known < most.min(components)
 }
 
-/// All that can be reached from the start.
+/// All states reachable from the start.
 #[derive(Debug, Clone)]
 pub struct Fsm {
-    /// The columns; see [`calls`].
+    /// Columns; see [`calls`].
     pub calls: Vec<Call>,
-    /// The states; the first is the start.
+    /// States; the first is the start.
     pub states: Vec<State>,
     /// The same as an automaton whose letters are the columns.
     pub dfa: Dfa,
 }
 
-/// Between two states: all calls that lead from the one to the other, those that contain another
-/// one left out.
+/// A transition between two states: all minimal calls that lead from one to the other; calls that
+/// contain another one are omitted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Transition {
-    /// From where.
+    /// Source state.
     pub from: usize,
-    /// To where.
+    /// Target state.
     pub to: usize,
-    /// By what, in the order of the columns; at least one.
+    /// Calls in the order of the columns; at least one.
     pub calls: Vec<Call>,
 }
 
@@ -120,29 +120,32 @@ impl Fsm {
     /// Explores the states of a supervisor under these calls.
     ///
     /// # Errors
-    /// When the table would have more than [`MOST_ENTRIES`] entries, or the time is over.
-    pub fn explore(supervisor: &mut Supervisor<'_>, calls: Vec<Call>) -> Result<Self, TooLarge> {
+    /// When the table would have more than [`MOST_ENTRIES`] entries, or the deadline has passed.
+    pub fn explore(
+        supervisor: &mut Supervisor<'_>,
+        calls: Vec<Call>,
+    ) -> Result<Self, BoundExceeded> {
         Self::explore_within(supervisor, calls, MOST_ENTRIES)
     }
 
-    /// The same with a limit of its own.
+    /// Like [`explore`](Self::explore), with a given limit.
     ///
     /// # Errors
-    /// When the table would have more than so many entries, or the time is over.
+    /// When the table would have more entries than the limit, or the deadline has passed.
     pub fn explore_within(
         supervisor: &mut Supervisor<'_>,
         calls: Vec<Call>,
         entries: usize,
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let limit = entries / calls.len().max(1);
         let start = supervisor.start();
         let until = supervisor.options().until;
         let mut too_large = None;
-        // What is complete is asked afterwards: exploring needs the supervisor for itself.
+        // Completeness is checked afterwards: exploring needs exclusive access to the supervisor.
         let explored = Dfa::explore_all(
             calls.len(),
             &[start],
-            Bound::new(limit, until),
+            ExplorationBound::new(limit, until),
             |state, column| match supervisor.call(state, calls[column]) {
                 Ok(after) => after.ok(),
                 Err(error) => {
@@ -167,26 +170,26 @@ impl Fsm {
         })
     }
 
-    /// The same for some skills, as they are asked for: at most `most` at once.
+    /// Explores the automaton of some skills, with at most `most` of them at once.
     ///
     /// # Errors
     /// When it is too large.
-    pub fn of(skills: &Skills, options: Options, most: usize) -> Result<Self, TooLarge> {
+    pub fn of(skills: &Skills, options: Options, most: usize) -> Result<Self, BoundExceeded> {
         let mut supervisor = Supervisor::new(skills, options)?;
         Self::explore(&mut supervisor, calls(skills, most))
     }
 
-    /// The same, but of components whose situation decides nothing it is not known where they
-    /// stand: there are fewer states, and the same words.
+    /// Like [`of`](Self::of), but does not track the situation of components where it decides
+    /// nothing: there are fewer states, and the same words.
     ///
     /// # Errors
     /// When it is too large.
-    pub fn of_words(skills: &Skills, options: Options, most: usize) -> Result<Self, TooLarge> {
+    pub fn of_words(skills: &Skills, options: Options, most: usize) -> Result<Self, BoundExceeded> {
         let mut supervisor = Supervisor::new(skills, options)?.lean();
         Self::explore(&mut supervisor, calls(skills, most))
     }
 
-    /// The automaton over single skills: its words, one skill after the other.
+    /// Returns the automaton over single skills: its words, one skill after the other.
     ///
     /// # Panics
     /// Never: the first columns are the single skills.
@@ -199,7 +202,7 @@ impl Fsm {
         .expect("no more states than before; please report this")
     }
 
-    /// The shortest calls that lead to a state.
+    /// Returns the shortest calls that lead to a state.
     pub fn way_to(&self, state: usize) -> Vec<Call> {
         let successors = |from: &u32| {
             let columns = self.calls.iter().enumerate();
@@ -210,8 +213,8 @@ impl Fsm {
         way.expect("every state was reached; please report this")
     }
 
-    /// The transitions: one between two states, however many calls lead from the one to the other,
-    /// as the paper counts them. By `from`, then by `to`.
+    /// Returns the transitions by `from`, then by `to`: one between two states, regardless of the
+    /// number of calls, as the paper counts them.
     pub fn transitions(&self) -> Vec<Transition> {
         let mut between: BTreeMap<(usize, usize), Vec<Call>> = BTreeMap::new();
         for from in 0..self.states.len() {
@@ -240,7 +243,7 @@ pub(super) mod tests {
     use crate::order::{Component, Deletion, Event, Kind, Level, Rule, Serialisation, Skill};
     use linewright_core::source::Span;
 
-    /// Skills of components with two situations each, the first of which they are in.
+    /// Returns skills of components with two situations each; the first one is initial.
     pub fn two_each(components: &[(&str, [(&str, &str); 2])]) -> Skills {
         let mut skills = Skills {
             name: "Unit".to_owned(),
@@ -294,7 +297,7 @@ pub(super) mod tests {
         skills.iter().map(|s| Event(vec![*s])).collect()
     }
 
-    /// The paper's pick-and-place unit, with its two rules.
+    /// Returns the paper's pick-and-place unit, with its two rules.
     pub fn pick_and_place() -> Skills {
         let mut skills = two_each(&[
             ("x", [("Left", "left"), ("Right", "right")]),
@@ -346,7 +349,7 @@ pub(super) mod tests {
         (fsm.states.len(), fsm.transitions().len())
     }
 
-    /// The figures of `facts/other-seeds.md`, which the paper's automata have.
+    /// The figures of `facts/other-seeds.md` for the paper's automata.
     #[test]
     fn the_papers_unit_has_as_many_transitions_as_it_should() {
         let every = Options::default();
@@ -358,7 +361,7 @@ pub(super) mod tests {
         let of = |options| rules.map(|rules| counts(rules, options));
         assert_eq!(of(every), [(8, 64), (8, 40), (8, 52), (8, 32)]);
         assert_eq!(of(paper), [(8, 64), (8, 48), (8, 52), (8, 38)]);
-        // What the deletions speak of is followed where all else is not.
+        // Situations mentioned by the deletions are tracked even where others are not.
         let skills = pick_and_place();
         for (options, states) in [(every, 2), (paper, 8)] {
             let whole = Fsm::of(&skills, options, 3).expect("it is small");
@@ -374,7 +377,7 @@ pub(super) mod tests {
             serialisation: Serialisation::Some,
             ..Options::default()
         };
-        // Down and then Right is refused, Right and then Down is not.
+        // Down and then Right is rejected, Right and then Down is not.
         let (_, some) = counts(&[0], options);
         assert!(some > 40, "{some}");
     }

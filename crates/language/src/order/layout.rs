@@ -1,38 +1,39 @@
-//! A table as monitors walk it: one load a call.
+//! Table layout for monitors: one memory access per call.
 //!
-//! States are numbered by where their row begins, and a row has a power of two of places, so that a
-//! state plus a skill is an index. An entry that is no such state says why the call is refused. The
-//! same numbers go into the monitor of this process, the one in C and the one in Structured Text.
+//! States are numbered by the offset of their row, and a row has a power of two of entries, so a
+//! state plus a skill is an index. An entry that is no such state gives the reason for the refusal.
+//! The same numbers are used by the monitor of this process, the one in C and the one in Structured
+//! Text.
 
-use super::monitor::Why;
+use super::monitor::RefusalReason;
 use super::table::{RECALL, REFUSED, TOGETHER, Table};
 
 /// Rows of single skills, and rows of sets of skills.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
-    /// How many places a row of [`Layout::single`] has: a power of two, at least the number of
+    /// Number of entries in a row of [`Layout::single`]: a power of two, at least the number of
     /// skills.
     pub stride: usize,
-    /// Row by row: the state after a single skill, or from [`Layout::refused`] on, why it is
-    /// refused.
+    /// Row by row: the state after a single skill, or, from [`Layout::refused`] on, the reason why
+    /// it is refused.
     pub single: Vec<u32>,
-    /// The sets of two and more skills that may be called at once, as masks in ascending order.
+    /// Sets of two and more skills that may be called at once, as masks in ascending order.
     pub sets: Vec<u64>,
-    /// Row by row, one place a set; a row for every `stride` of states.
+    /// Row by row, one entry per set; one row per `stride` of states.
     pub at_once: Vec<u32>,
-    /// The first entry that is no state.
+    /// First entry that is no state.
     pub refused: u32,
-    /// The state before the first call.
+    /// State before the first call.
     pub start: u32,
-    /// How many rules there are.
+    /// Number of rules.
     rules: u32,
 }
 
 impl Layout {
-    /// The rows of a table.
+    /// Lays out the rows of a table.
     ///
     /// # Panics
-    /// When the table is larger than what its numbers can count.
+    /// When the table is too large for its number type.
     pub fn new(table: &Table) -> Self {
         let stride = table.skills.len().next_power_of_two();
         let small = |number: usize| {
@@ -47,7 +48,7 @@ impl Layout {
             start: table.start * small(stride),
             rules: small(table.rules.len()),
         };
-        // Refusals are counted behind the states.
+        // Refusals are numbered after the states.
         small(table.states * stride + table.rules.len() + 3);
         let mut sets: Vec<(u64, usize)> = Vec::new();
         let mut singles: Vec<Option<usize>> = vec![None; stride];
@@ -62,7 +63,7 @@ impl Layout {
         for state in 0..table.states {
             let row = singles.iter().map(|column| match column {
                 Some(column) => layout.entry(table, state, *column),
-                None => layout.code(Why::Unknown),
+                None => layout.code(RefusalReason::Unknown),
             });
             let row: Vec<u32> = row.collect();
             layout.single.extend(row);
@@ -74,37 +75,37 @@ impl Layout {
         layout
     }
 
-    /// What a column of the table leads to.
+    /// Returns the entry for a column of the table.
     fn entry(&self, table: &Table, state: usize, column: usize) -> u32 {
         let place = state * table.calls.len() + column;
         match table.next[place] {
             REFUSED => self.code(match table.why[place] {
-                RECALL => Why::Recall,
-                TOGETHER => Why::Together,
-                rule => Why::Rule(usize::from(rule)),
+                RECALL => RefusalReason::Recall,
+                TOGETHER => RefusalReason::Together,
+                rule => RefusalReason::Rule(usize::from(rule)),
             }),
             to => to * self.stride as u32,
         }
     }
 
-    /// The entry for a refused call.
-    pub fn code(&self, why: Why) -> u32 {
+    /// Returns the entry for a refused call.
+    pub fn code(&self, why: RefusalReason) -> u32 {
         self.refused
             + match why {
-                Why::Rule(rule) => rule as u32,
-                Why::Recall => self.rules,
-                Why::Together => self.rules + 1,
-                Why::Unknown => self.rules + 2,
+                RefusalReason::Rule(rule) => rule as u32,
+                RefusalReason::Recall => self.rules,
+                RefusalReason::Together => self.rules + 1,
+                RefusalReason::Unknown => self.rules + 2,
             }
     }
 
-    /// Why a call is refused, from an entry that is no state.
-    pub fn why(&self, entry: u32) -> Why {
+    /// Returns why a call is refused, from an entry that is no state.
+    pub fn why(&self, entry: u32) -> RefusalReason {
         match entry - self.refused {
-            rule if rule < self.rules => Why::Rule(rule as usize),
-            other if other == self.rules => Why::Recall,
-            other if other == self.rules + 1 => Why::Together,
-            _ => Why::Unknown,
+            rule if rule < self.rules => RefusalReason::Rule(rule as usize),
+            other if other == self.rules => RefusalReason::Recall,
+            other if other == self.rules + 1 => RefusalReason::Together,
+            _ => RefusalReason::Unknown,
         }
     }
 }

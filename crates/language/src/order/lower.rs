@@ -1,60 +1,59 @@
-//! Rules as GR(1) safety over conditions that say when a skill is being called.
+//! Rules as GR(1) safety over conditions that a skill is being called.
 //!
-//! A skill is *called* in the step in which its condition becomes true: in step 0 where it holds,
-//! later where it holds and did not hold in the step before. A condition can also say when it
-//! begins anew: then what holds is a call even if it held before, as for operations, of which one
-//! may follow on itself. Each rule becomes a variable that holds what is known of the rule's
-//! automaton (nothing for a rule without memory), the formulas that define it step by step, and one
-//! formula that the rule is. A set of skills called in one step is one call: it is looked up in the
-//! automaton over sets that [`super::serial`] makes, so that every order of them has to be allowed.
+//! A skill is *called* in the step in which its condition becomes true: in step 0 if it holds
+//! there, later if it holds and did not hold in the step before. A condition can also say when it
+//! restarts: then the condition is a call even if it held before, as for an operation that may
+//! follow itself. Each rule becomes a variable with the state of the rule's automaton (none for a
+//! rule without memory), the formulas that define it step by step, and one formula for the rule. A
+//! set of skills called in one step is one call: it is looked up in the automaton over sets that
+//! [`super::serial`] builds, so every order of them has to be allowed.
 
 use super::rule::{self, Alphabet};
-use super::serial::{Known, Serial};
+use super::serial::{Serial, StateSetId};
 use super::strongest::recall;
 use super::{Level, Rule, Serialisation, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_core::deadline::Deadline;
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 
-/// So many combinations of state and call a rule may have.
+/// Maximum number of combinations of state and call of a rule.
 const MOST_CASES: usize = 1 << 14;
 
-/// Behind the name of a formula about step 0.
+/// Suffix in the name of a formula about step 0.
 pub const AT_FIRST: &str = " at first";
 
-/// The rule that a formula of this name says, by the rule's name. No name in a file has a blank in
-/// it.
+/// Returns the name of the rule that a formula of this name expresses. No name in a file contains a
+/// blank.
 pub fn rule_of(formula: &str) -> Option<&str> {
     let name = formula.strip_suffix(AT_FIRST).unwrap_or(formula);
     name.strip_prefix("order ")
 }
 
-/// What one rule becomes.
+/// Lowered form of one rule.
 #[derive(Debug, Clone)]
-pub struct Lowered {
-    /// The skills that it speaks of, by their places.
+pub struct LoweredRule {
+    /// Indices of the skills that it mentions.
     pub speaks_of: Vec<usize>,
-    /// The state of its automaton; `None` where there is only one. Its id is the one that was asked
-    /// for.
+    /// State of its automaton; `None` if there is only one. Its id is the requested one.
     pub variable: Option<Variable>,
-    /// What defines the variable.
+    /// Definition of the variable.
     pub definitions: Side,
-    /// The rule.
+    /// Formulas of the rule.
     pub rule: Side,
 }
 
-/// When a skill is called, over the variables that the formulas are to be about; none has next
-/// values.
+/// When a skill is called, over the variables of the formulas, without next values.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Condition {
-    /// It is being called.
+    /// The skill is being called.
     pub holds: Expr,
-    /// What holds in the next step is a call, whether or not it holds in this one.
+    /// If the condition holds in the next step, that is a call, whether or not it holds in this
+    /// one.
     pub anew: Expr,
 }
 
 impl Condition {
-    /// One that is a call where it becomes true, and nowhere else.
+    /// Creates a condition that is a call only where it becomes true.
     pub fn rising(holds: Expr) -> Self {
         Self {
             holds,
@@ -62,7 +61,7 @@ impl Condition {
         }
     }
 
-    /// The call, in the step after this one.
+    /// Returns the formula that the call begins in the step after this one.
     pub fn begins(&self) -> Expr {
         let next = self.holds.substitute(&mut |v, _| Expr::Var(v, Time::Next));
         let before = self.holds.clone().not().or(self.anew.clone());
@@ -73,8 +72,8 @@ impl Condition {
 /// Conditions for calls, by skill.
 pub type Conditions<'a> = &'a [Condition];
 
-/// The rules of a level, those of the level itself among them: at the level reasonable one a skill
-/// that forbids its recall.
+/// Returns the rules of a level, including the level's implicit ones: at the level reasonable, one
+/// per skill that forbids its recall.
 pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     let own = skills.rules.iter().filter(|r| r.level <= level);
     let mut rules: Vec<Rule> = own.cloned().collect();
@@ -83,7 +82,7 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
             rules.extend(recall(skills, skill, level).map(|rule| {
                 Rule {
                     span: skills.skills[skill].span,
-                    // As it is cited, without its head.
+                    // As cited, without its head.
                     text: rule
                         .text
                         .split_once(": ")
@@ -96,8 +95,8 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     rules
 }
 
-/// A rule over these conditions. `variable` is the id of the variable that it needs, if it needs
-/// one, and `taken` says which names are.
+/// Lowers a rule over these conditions. `variable` is the id of the variable that it may need, and
+/// `taken` tells which names are in use.
 ///
 /// # Errors
 /// When the rule's automaton is too large.
@@ -107,7 +106,7 @@ pub fn lower(
     when: Conditions<'_>,
     variable: VarId,
     taken: impl Fn(&str) -> bool,
-) -> Result<Lowered, TooLarge> {
+) -> Result<LoweredRule, BoundExceeded> {
     let alphabet = Alphabet::of(skills);
     let automaton = rule::automaton(rule, skills, &alphabet, Deadline::NONE)?;
     let mut serial = Serial::new(automaton, Serialisation::Every);
@@ -129,7 +128,7 @@ pub fn lower(
     while taken(&name) {
         name.push('_');
     }
-    let mut lowered = Lowered {
+    let mut lowered = LoweredRule {
         speaks_of: spoken,
         variable: at.map(|_| Variable {
             name,
@@ -149,8 +148,8 @@ pub fn lower(
         let first = table.next(0, &now);
         let first = Expr::now(at).equals(first);
         lowered.definitions.initial.push(formula(first, AT_FIRST));
-        let mut later = table.next(states as Known - 1, &rising);
-        for state in (0..states as Known - 1).rev() {
+        let mut later = table.next(states as StateSetId - 1, &rising);
+        for state in (0..states as StateSetId - 1).rev() {
             let here = Expr::now(at).equals(Expr::Const(i64::from(state)));
             let then = table.next(state, &rising);
             later = Expr::If(Box::new(here), Box::new(then), Box::new(later));
@@ -162,7 +161,7 @@ pub fn lower(
     if first != Expr::TRUE {
         lowered.rule.initial.push(formula(first, AT_FIRST));
     }
-    let later = (0..states as Known).fold(Expr::TRUE, |all, state| {
+    let later = (0..states as StateSetId).fold(Expr::TRUE, |all, state| {
         let allowed = table.allowed(state, &rising);
         match at {
             _ if allowed == Expr::TRUE => all,
@@ -179,13 +178,13 @@ pub fn lower(
     Ok(lowered)
 }
 
-/// A name without signs that no variable has.
+/// Converts a name to an identifier without the symbols that no variable name has.
 fn identifier(name: &str) -> String {
     let sign = |c: char| if c.is_alphanumeric() { c } else { '_' };
     name.chars().map(sign).collect()
 }
 
-/// The skills that some letter which matters to the rule consists of.
+/// Returns the skills in the letters that matter to the rule.
 fn speaks_of(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize> {
     let mut spoken = vec![false; skills.skills.len()];
     for letter in 0..alphabet.len() {
@@ -198,14 +197,14 @@ fn speaks_of(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize
     (0..spoken.len()).filter(|s| spoken[*s]).collect()
 }
 
-/// For every state, what the sets of skills lead to that may be called in one step: one skill or
-/// none of each component.
+/// For every state, the result of each set of skills that may be called in one step: at most one
+/// skill of each component.
 struct Cases {
-    /// Of each component that the rule speaks of, its skills that it speaks of.
+    /// For each component that the rule mentions, its skills that the rule mentions.
     components: Vec<Vec<usize>>,
-    /// By state: a mask of skills, and the state after it, `None` where it is refused. Smaller sets
+    /// By state: a mask of skills, and the state after it, `None` if it is refused. Smaller sets
     /// first.
-    after: Vec<Vec<(u64, Option<Known>)>>,
+    after: Vec<Vec<(u64, Option<StateSetId>)>>,
 }
 
 impl Cases {
@@ -214,7 +213,7 @@ impl Cases {
         alphabet: &Alphabet,
         serial: &mut Serial,
         spoken: &[usize],
-    ) -> Result<Self, TooLarge> {
+    ) -> Result<Self, BoundExceeded> {
         let components = (0..skills.components.len()).map(|c| {
             let own = spoken.iter().copied();
             own.filter(|s| skills.skills[*s].component == c).collect()
@@ -239,7 +238,7 @@ impl Cases {
             let mut row = Vec::with_capacity(sets.len());
             for set in &sets {
                 let letters = alphabet.letters(*set);
-                row.push((*set, serial.call(state as Known, &letters)?));
+                row.push((*set, serial.call(state as StateSetId, &letters)?));
             }
             after.push(row);
             state += 1;
@@ -250,14 +249,14 @@ impl Cases {
         Ok(Self { components, after })
     }
 
-    fn to(&self, state: Known, set: u64) -> Option<Known> {
+    fn to(&self, state: StateSetId, set: u64) -> Option<StateSetId> {
         let row = &self.after[state as usize];
         let found = row.iter().find(|(known, _)| *known == set);
         found.expect("all sets are there; please report this").1
     }
 
-    /// The state after what is called; it stays where that is refused.
-    fn next(&self, state: Known, called: &impl Fn(usize) -> Expr) -> Expr {
+    /// Returns the state after a call; it stays the same if the call is refused.
+    fn next(&self, state: StateSetId, called: &impl Fn(usize) -> Expr) -> Expr {
         self.decide(
             0,
             0,
@@ -269,7 +268,7 @@ impl Cases {
         )
     }
 
-    /// Asks component by component which of its skills is called; equal answers are not asked for.
+    /// Branches component by component on the called skill; branches with equal results are merged.
     fn decide(
         &self,
         component: usize,
@@ -290,10 +289,9 @@ impl Cases {
         result
     }
 
-    /// What must not be called in a state: no set that is refused and contains no smaller one.
-    /// Whatever contains a refused set is refused, since the skills of the smaller one may come
-    /// first.
-    fn allowed(&self, state: Known, called: &impl Fn(usize) -> Expr) -> Expr {
+    /// Returns the condition on allowed calls in a state: no minimal refused set is called. A set
+    /// that contains a refused set is refused, since the skills of the smaller one may come first.
+    fn allowed(&self, state: StateSetId, called: &impl Fn(usize) -> Expr) -> Expr {
         let mut least: Vec<u64> = Vec::new();
         for (set, to) in &self.after[state as usize] {
             if to.is_none() && least.iter().all(|l| l & set != *l) {
@@ -313,8 +311,8 @@ impl Cases {
     }
 }
 
-fn too_many() -> TooLarge {
-    TooLarge::Count {
+fn too_many() -> BoundExceeded {
+    BoundExceeded::Count {
         what: "combinations of what is known of a rule and what is called",
         limit: MOST_CASES,
     }

@@ -1,10 +1,10 @@
 //! Skill orders: which calls of a machine's skills may follow which.
 //!
 //! A machine offers *skills* (`Left`, `Down`, `Grip`). Each belongs to a *component* (an axis, a
-//! gripper) and leads it into a *situation* (`left`, `down`, `closed`). *Rules* say what may follow
-//! what; a sequence of calls that keeps all of them is a *skill order*. The terms, and the levels
-//! arbitrary, valid and reasonable, are those of Brandenbourger, Vathoopan and Zoitl, "Modeling and
-//! verifying behavioral constraints for automation systems".
+//! gripper) and leads it into a *situation* (`left`, `down`, `closed`). *Rules* define what may
+//! follow what; a sequence of calls that keeps all of them is a *skill order*. The terms, and the
+//! levels arbitrary, valid and reasonable, are those of Brandenbourger, Vathoopan and Zoitl,
+//! "Modeling and verifying behavioral constraints for automation systems".
 //!
 //! # Meaning
 //!
@@ -13,21 +13,21 @@
 //! - Every rule is an automaton over single skills that refuses at the first bad one: a safety
 //!   automaton over prefixes, so that a monitor can use it. Several rules together are the product
 //!   of theirs.
-//! - Several skills called at once are allowed when every order of calling them one after the other
-//!   is ([`Serialisation::Every`]); what is known afterwards is the set of states that some order
-//!   leads to. With [`Serialisation::Some`] one order has to be allowed.
-//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a row
-//!   it is there where they follow each other in one call.
-//! - What stands at the start ([`Component::initial`]) counts as called where a rule asks whether
+//! - Several skills called at once are allowed if every order of calling them one after the other
+//!   is ([`Serialisation::Every`]); afterwards the state is the set of states that some order leads
+//!   to. With [`Serialisation::Some`] one order has to be allowed.
+//! - An [`Event`] of several skills, `Left & Down`, means that these are called at once. In a row,
+//!   it occurs where they follow each other in one call.
+//! - The initial situation ([`Component::initial`]) counts as called where a rule asks whether
 //!   something has been called (`after`, `until`, `before`, `only after`, `between`): a unit that
-//!   stands up has been called `Up`. It does not count as a call of its own: not among those of
-//!   `at most`, and nothing follows it directly. Which of two skills that stand was called last is
-//!   not known: that is as if they had been called at once. No event of several skills counts as
-//!   called.
-//! - A *recall*, a skill whose component is already where it leads, is a call like any other. The
-//!   level reasonable forbids it.
+//!   starts up has been called `Up`. It does not count as a separate call: `at most` does not count
+//!   it, and nothing follows it directly. It is unknown which of two skills of the initial
+//!   situation was called last: this is treated as if they had been called at once. No event of
+//!   several skills counts as called.
+//! - A *recall*, a skill whose component is already in its target situation, is a call like any
+//!   other. The level reasonable forbids it.
 //!
-//! Nothing here knows of syntax, contracts or machines.
+//! This module is independent of syntax, contracts and machines.
 
 mod expression;
 pub mod findings;
@@ -48,29 +48,28 @@ pub mod table;
 use linewright_automata::regex::Regex;
 use linewright_core::source::Span;
 
-/// So many skills a set has at most: a call is a mask of 64 bits.
+/// Maximum number of skills in a set: a call is a mask of 64 bits.
 pub const MOST_SKILLS: usize = 64;
 
 /// Components, their skills, and rules over them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Skills {
-    /// The name: `PickAndPlaceUnit`.
+    /// Name of the set: `PickAndPlaceUnit`.
     pub name: String,
-    /// The doc comment, without its slashes.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// The components in order of declaration.
+    /// Components in order of declaration.
     pub components: Vec<Component>,
-    /// The skills in order of declaration: those of the first component first. At most
-    /// [`MOST_SKILLS`].
+    /// Skills in order of declaration: those of the first component first. At most [`MOST_SKILLS`].
     pub skills: Vec<Skill>,
-    /// The rules in order of declaration.
+    /// Rules in order of declaration.
     pub rules: Vec<Rule>,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
 impl Skills {
-    /// The same with only these rules, by their places.
+    /// Returns the same set with only these rules, by index.
     #[must_use]
     pub fn with_rules(&self, rules: &[usize]) -> Self {
         Self {
@@ -79,7 +78,7 @@ impl Skills {
         }
     }
 
-    /// A situation in words: `left, up, open`.
+    /// Formats a situation: `left, up, open`.
     pub fn situation(&self, situation: &[usize]) -> String {
         let components = self.components.iter().zip(situation);
         let names = components.filter_map(|(c, s)| c.situations.get(*s).map(String::as_str));
@@ -87,54 +86,52 @@ impl Skills {
     }
 }
 
-/// What skills move: an axis, a gripper.
+/// A component that skills move: an axis, a gripper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Component {
-    /// Its name: `gripper`.
+    /// Name: `gripper`.
     pub name: String,
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// Its situations; empty for a component that is always the same, a camera.
+    /// Situations; empty for a component that never changes, a camera.
     pub situations: Vec<String>,
-    /// Where it is at the start, as an index into [`Component::situations`]; 0 where there are
-    /// none.
+    /// Initial situation, as an index into [`Component::situations`]; 0 if there are none.
     pub initial: usize,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
-/// What can be called.
+/// A skill that can be called.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Skill {
-    /// Its name: `Grip`.
+    /// Name: `Grip`.
     pub name: String,
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// Its component, as an index into [`Skills::components`].
+    /// Component, as an index into [`Skills::components`].
     pub component: usize,
-    /// The situation that it leads to, as an index into the component's; `None` for one that
-    /// changes nothing.
+    /// Target situation, as an index into the component's; `None` for a skill that changes nothing.
     pub effect: Option<usize>,
-    /// Where its name stands.
+    /// Place of its name.
     pub span: Span,
 }
 
-/// How much is forbidden, from nothing upwards. A level has all rules of those before it.
+/// How much is forbidden, in ascending order. A level has all rules of those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
     /// Every call is allowed.
     Arbitrary,
-    /// All rules that say nothing else are kept.
+    /// All rules without an explicit level are kept.
     Valid,
-    /// No recall, and the rules that are `at reasonable` are kept as well.
+    /// Recalls are forbidden, and the rules `at reasonable` are kept as well.
     Reasonable,
 }
 
 impl Level {
-    /// All of them, in order.
+    /// All levels, in order.
     pub const ALL: [Self; 3] = [Self::Arbitrary, Self::Valid, Self::Reasonable];
 
-    /// The word for it.
+    /// Returns the keyword of the level.
     pub fn word(self) -> &'static str {
         match self {
             Self::Arbitrary => "arbitrary",
@@ -147,32 +144,32 @@ impl Level {
 /// When several skills called at once are allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Serialisation {
-    /// When every order of calling them one after the other is.
+    /// If every order of calling them one after the other is allowed.
     #[default]
     Every,
-    /// When some order is.
+    /// If some order is allowed.
     Some,
 }
 
-/// One rule.
+/// A rule on the order of calls.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rule {
-    /// The name the author gave, or one made up from its place: `order 3`.
+    /// Name given by the author, or generated from its position: `order 3`.
     pub name: String,
-    /// The requirement it comes from, `R-12`.
+    /// Requirement it comes from, such as `R-12`.
     pub requirement: Option<String>,
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// From which level on it is kept: valid, or reasonable.
+    /// Lowest level at which it is kept: valid, or reasonable.
     pub level: Level,
-    /// What it says.
+    /// Kind of rule.
     pub kind: Kind,
-    /// The transitions that a published model deletes for it; they stand in for the rule where that
-    /// model is asked for.
+    /// Transitions that a published model deletes for it; they replace the rule if that model is
+    /// requested.
     pub deletions: Vec<Deletion>,
-    /// Where it stands.
+    /// Place of the rule.
     pub span: Span,
-    /// Its source text, in one line.
+    /// Source text, in one line.
     pub text: String,
 }
 
@@ -180,61 +177,61 @@ pub struct Rule {
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Event(pub Vec<usize>);
 
-/// What a rule says. Lists of events mean any of them; none is empty.
+/// The condition of a rule. A list of events means any of them; none is empty.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
     /// `never X`
     Never(Vec<Event>),
-    /// `after X until Y: never Z`. A call that closes and opens leaves it open.
+    /// `after X until Y: never Z`. A call that both ends and begins the window leaves it open.
     After {
-        /// What begins it.
+        /// Events that begin it.
         from: Vec<Event>,
-        /// What ends it; empty for never.
+        /// Events that end it; empty for never.
         until: Vec<Event>,
-        /// What must not be called meanwhile.
+        /// Events that must not be called in between.
         never: Vec<Event>,
     },
-    /// `X before Y`: no `Y` until there has been an `X`. What is in both lists waits for nothing.
+    /// `X before Y`: no `Y` until there has been an `X`. An event in both lists waits for nothing.
     Before {
-        /// What has to come first.
+        /// Events that have to come first.
         first: Vec<Event>,
-        /// What waits for it.
+        /// Events that wait for them.
         then: Vec<Event>,
     },
-    /// `X only after Y`: every `X` needs a `Y` of its own, since the last `X`. An `X` that stands
-    /// at the start has used up none.
+    /// `X only after Y`: every `X` needs a separate `Y` since the last `X`. An `X` in the initial
+    /// situation has used up none.
     OnlyAfter {
-        /// What needs it.
+        /// Events with the requirement.
         what: Vec<Event>,
-        /// What is needed.
+        /// Events that are required.
         after: Vec<Event>,
     },
-    /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most so many. The
-    /// call that ends this is still counted, the one that begins it is not.
+    /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most N. The call
+    /// that ends the window is still counted, the one that begins it is not.
     AtMost {
-        /// How many.
+        /// Maximum count.
         count: u32,
-        /// Of what.
+        /// Counted events.
         of: Vec<Event>,
-        /// What begins the count, anew after each end; empty where the count begins at the start.
+        /// Events that begin the count, again after each end; empty if the count begins at the
+        /// start.
         from: Vec<Event>,
-        /// What ends it; empty for never.
+        /// Events that end it; empty for never.
         until: Vec<Event>,
     },
     /// `never X then Y then Z`: these do not follow one another directly. `never X twice in a row`
-    /// is `X then X`. Any of the words is refused, each a list of places with the events that may
-    /// stand there.
+    /// is `X then X`. Any of the words is refused, each a list of positions with the events that
+    /// match there.
     InARow(Vec<Vec<Vec<Event>>>),
-    /// `sequence (...)`: what is called is the beginning of a word of this regular expression.
+    /// `sequence (...)`: the calls are a prefix of a word of this regular expression.
     Sequence(Regex),
 }
 
-/// Transitions from some situations to others, by the components that are spoken of: (component,
-/// situation).
+/// Transitions between situations, given by the mentioned components: (component, situation).
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Deletion {
-    /// From where.
+    /// Situations before the transition.
     pub from: Vec<(usize, usize)>,
-    /// To where.
+    /// Situations after the transition.
     pub to: Vec<(usize, usize)>,
 }

@@ -1,65 +1,65 @@
-//! A monitor: it is told what is called, call by call, and says whether that is allowed.
+//! A monitor: receives the calls one by one, and decides whether each is allowed.
 //!
-//! It is an interlock: a call that is refused changes nothing, as if it had not been made. No call
-//! allocates.
+//! It is an interlock: a refused call changes nothing, as if it had not been made. Calls do not
+//! allocate.
 
 use super::layout::Layout;
 use super::supervisor::{Call, Refusal as Refused, State, Supervisor};
-use super::table::{Cited, Table};
-use linewright_automata::bound::TooLarge;
+use super::table::{RuleCitation, Table};
+use linewright_automata::bound::BoundExceeded;
 
-/// Why a call is refused.
+/// Reason why a call is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Why {
-    /// This rule forbids it, by its place in [`Table::rules`]; the first of them where there are
+pub enum RefusalReason {
+    /// This rule forbids it, by its index in [`Table::rules`]; the first of them if there are
     /// several.
     Rule(usize),
-    /// The skill leads its component to where it is already, and recalls are forbidden.
+    /// The skill's component is already in its target situation, and recalls are forbidden.
     Recall,
-    /// Two of the skills are of one component, or more are called at once than the table has.
+    /// Two of the skills are of one component, or more are called at once than the table supports.
     Together,
     /// There is no such skill.
     Unknown,
 }
 
-/// What a monitor says of a call.
+/// A monitor's verdict on a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[must_use]
 pub enum Verdict {
-    /// It may be made.
+    /// The call may be made.
     Allowed,
-    /// It must not be made.
-    Refused(Why),
+    /// The call must not be made.
+    Refused(RefusalReason),
 }
 
-/// The first call of several that is refused.
+/// The first refused call of several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Refusal {
-    /// How many calls stand before it.
+    /// Number of calls before it.
     pub at: usize,
-    /// Why it is refused.
-    pub why: Why,
+    /// Reason for the refusal.
+    pub why: RefusalReason,
 }
 
-/// A monitor of a table, somewhere between two calls.
+/// The state of a monitor of a table between two calls.
 #[derive(Debug, Clone)]
 pub struct Monitor<'a> {
     table: &'a Table,
     layout: Layout,
-    /// Where the row of the state begins.
+    /// Offset of the state's row.
     state: u32,
 }
 
 impl Verdict {
-    /// Whether the call may be made.
+    /// Returns whether the call may be made.
     pub fn is_allowed(self) -> bool {
         self == Self::Allowed
     }
 }
 
-impl Why {
-    /// What is said about it: the rule with its name, or what is wrong with the call.
-    pub fn text(self, rules: &[Cited]) -> String {
+impl RefusalReason {
+    /// Describes the verdict: the rule with its name, or what is wrong with the call.
+    pub fn text(self, rules: &[RuleCitation]) -> String {
         match self {
             Self::Rule(rule) => rules[rule].to_string(),
             Self::Recall => {
@@ -74,7 +74,7 @@ impl Why {
 }
 
 impl<'a> Monitor<'a> {
-    /// A monitor before the first call.
+    /// Creates a monitor before the first call.
     pub fn new(table: &'a Table) -> Self {
         let layout = Layout::new(table);
         Self {
@@ -84,37 +84,37 @@ impl<'a> Monitor<'a> {
         }
     }
 
-    /// The table.
+    /// Returns the monitored table.
     pub fn table(&self) -> &'a Table {
         self.table
     }
 
-    /// The state, as the table counts them.
+    /// Returns the state, as numbered in the table.
     pub fn state(&self) -> u32 {
         self.state / self.layout.stride as u32
     }
 
-    /// Back to before the first call.
+    /// Resets to before the first call.
     pub fn reset(&mut self) {
         self.state = self.layout.start;
     }
 
-    /// A skill is called, by its place among the table's.
+    /// Calls a skill, by its index in the table.
     pub fn call(&mut self, skill: u8) -> Verdict {
         self.take(self.single(skill))
     }
 
-    /// All skills of a mask are called at once; none of an empty one.
+    /// Calls all skills of a mask at once; no skill if the mask is empty.
     pub fn call_at_once(&mut self, skills: u64) -> Verdict {
         self.take(self.at_once(skills))
     }
 
-    /// Whether all skills of a mask may be called at once; nothing changes.
+    /// Returns whether all skills of a mask may be called at once; changes nothing.
     pub fn allows(&self, skills: u64) -> Verdict {
         self.verdict(self.at_once(skills))
     }
 
-    /// The skills that may be called next, each alone, as a mask.
+    /// Returns the skills that may be called next, each alone, as a mask.
     pub fn allowed(&self) -> u64 {
         let row = &self.layout.single[self.state as usize..][..self.table.skills.len()];
         let allowed = row.iter().enumerate();
@@ -123,7 +123,7 @@ impl<'a> Monitor<'a> {
             .fold(0, |mask, (skill, _)| mask | 1 << skill)
     }
 
-    /// Single skills are called one after the other, up to the first that is refused.
+    /// Calls single skills one after the other, up to the first that is refused.
     pub fn run(&mut self, calls: &[u8]) -> Option<Refusal> {
         let Layout {
             stride,
@@ -166,47 +166,46 @@ impl<'a> Monitor<'a> {
         verdict
     }
 
-    /// What a single skill leads to.
+    /// Returns the entry for a single skill.
     fn single(&self, skill: u8) -> u32 {
         let skill = usize::from(skill);
         if skill < self.layout.stride {
             self.layout.single[self.state as usize + skill]
         } else {
-            self.layout.code(Why::Unknown)
+            self.layout.code(RefusalReason::Unknown)
         }
     }
 
-    /// What all skills of a mask lead to.
+    /// Returns the entry for all skills of a mask.
     fn at_once(&self, skills: u64) -> u32 {
         let known = self.table.skills.len() as u32;
         match skills.count_ones() {
             0 => self.state,
             1 => self.single(skills.trailing_zeros() as u8),
-            _ if known < 64 && skills >> known != 0 => self.layout.code(Why::Unknown),
+            _ if known < 64 && skills >> known != 0 => self.layout.code(RefusalReason::Unknown),
             _ => match self.layout.sets.binary_search(&skills) {
                 Ok(set) => {
                     let row = self.state as usize / self.layout.stride;
                     self.layout.at_once[row * self.layout.sets.len() + set]
                 }
-                Err(_) => self.layout.code(Why::Together),
+                Err(_) => self.layout.code(RefusalReason::Together),
             },
         }
     }
 }
 
-/// A monitor of rules whose table would be too large: it works out what a call leads to when it is
-/// made, and remembers that. So a call that has not been seen in a state takes longer, and
-/// allocates.
+/// A monitor of rules whose table would be too large: it computes the result of a call when it is
+/// made, and caches it. So the first call of its kind in a state takes longer, and allocates.
 #[derive(Debug, Clone)]
 pub struct Unfolding<'a> {
     supervisor: Supervisor<'a>,
-    /// So many skills may be called at once.
+    /// Maximum number of skills called at once.
     at_once: u32,
     state: State,
 }
 
 impl<'a> Unfolding<'a> {
-    /// A monitor before the first call, for calls of up to so many skills at once.
+    /// Creates a monitor before the first call, for calls of up to `at_once` skills.
     pub fn new(supervisor: &Supervisor<'a>, at_once: u32) -> Self {
         let supervisor = supervisor.clone().lean();
         Self {
@@ -216,17 +215,17 @@ impl<'a> Unfolding<'a> {
         }
     }
 
-    /// All skills of a mask are called at once; none of an empty one.
+    /// Calls all skills of a mask at once; no skill if the mask is empty.
     pub fn call_at_once(&mut self, skills: u64) -> Verdict {
         let known = self.supervisor.skills().skills.len() as u32;
         if skills == 0 {
             return Verdict::Allowed;
         }
         if known < 64 && skills >> known != 0 {
-            return Verdict::Refused(Why::Unknown);
+            return Verdict::Refused(RefusalReason::Unknown);
         }
         if skills.count_ones() > self.at_once {
-            return Verdict::Refused(Why::Together);
+            return Verdict::Refused(RefusalReason::Together);
         }
         match self.supervisor.call(&self.state, Call(skills)) {
             Ok(Ok(after)) => {
@@ -234,11 +233,13 @@ impl<'a> Unfolding<'a> {
                 Verdict::Allowed
             }
             Ok(Err(refusal)) => Verdict::Refused(match refusal {
-                Refused::SameComponent { .. } => Why::Together,
-                Refused::Recall { .. } => Why::Recall,
-                Refused::Rule { rule, .. } | Refused::Deleted { rule } => Why::Rule(rule),
+                Refused::SameComponent { .. } => RefusalReason::Together,
+                Refused::Recall { .. } => RefusalReason::Recall,
+                Refused::Rule { rule, .. } | Refused::Deleted { rule } => RefusalReason::Rule(rule),
             }),
-            Err(TooLarge::Count { .. } | TooLarge::Late(_)) => Verdict::Refused(Why::Together),
+            Err(BoundExceeded::Count { .. } | BoundExceeded::Late(_)) => {
+                Verdict::Refused(RefusalReason::Together)
+            }
         }
     }
 }

@@ -1,26 +1,26 @@
-//! The automaton of a set of rules as graphs: flat, a state a situation and what is known there, or
-//! by component, as the paper's hierarchical machine has it.
+//! The automaton of a set of rules as graphs: flat, with one state per situation and rule states,
+//! or by component, like the paper's hierarchical machine.
 //!
-//! By component every component and every rule is a region of its own, side by side (Harel,
-//! "Statecharts", 1987). That is the sum of their states and not the product: a call is allowed
-//! where every region allows it.
+//! By component, every component and every rule is a separate region, side by side (Harel,
+//! "Statecharts", 1987). The number of states is then the sum and not the product: a call is
+//! allowed if every region allows it.
 
 use super::fsm::Fsm;
 use super::rule::{self, Alphabet};
 use super::supervisor::{Call, Options};
 use super::{Level, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::REFUSED;
 use linewright_core::drawing::{Edge, Graph, Region};
 use std::collections::BTreeMap;
 
-/// Edges with more calls than this are cut short in a label; the JSON has them all.
+/// Maximum number of calls in an edge label; longer lists are truncated, and the JSON has them all.
 const MOST_LINES: usize = 4;
 
-/// A line longer than this is broken.
+/// Maximum line width; longer lines are broken.
 const WIDTH: usize = 40;
 
-/// The graph of all states.
+/// Returns the graph of all states.
 pub fn graph(skills: &Skills, fsm: &Fsm) -> Graph {
     let states = fsm.states.iter().enumerate().map(|(number, state)| {
         let mut label = vec![format!("S{number}")];
@@ -49,7 +49,7 @@ pub fn graph(skills: &Skills, fsm: &Fsm) -> Graph {
     }
 }
 
-/// Texts in lines of some width, cut short.
+/// Joins texts to lines of limited width, and truncates them.
 fn lines(texts: impl Iterator<Item = String>) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for text in texts {
@@ -69,11 +69,11 @@ fn lines(texts: impl Iterator<Item = String>) -> Vec<String> {
     lines
 }
 
-/// A region a component, and one a rule that is kept.
+/// Returns one region per component, and one per kept rule.
 ///
 /// # Errors
 /// When a rule's automaton is too large.
-pub fn regions(skills: &Skills, options: Options) -> Result<Vec<Region>, TooLarge> {
+pub fn regions(skills: &Skills, options: Options) -> Result<Vec<Region>, BoundExceeded> {
     let mut regions = Vec::new();
     for (number, component) in skills.components.iter().enumerate() {
         regions.push(Region {
@@ -127,8 +127,8 @@ fn of_component(skills: &Skills, number: usize, level: Level) -> Graph {
     Graph { states, edges }
 }
 
-/// What a rule refuses in its states, and what leads from one to another; calls that change nothing
-/// in it are left out.
+/// Returns the graph of a rule: its refusals in each state, and its transitions; calls that change
+/// nothing are omitted.
 fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) -> Graph {
     let dfa = &automaton.dfa;
     let letter = |letter: usize| alphabet.text(letter, skills);
@@ -173,7 +173,7 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
     Graph { states, edges }
 }
 
-/// The calls of a transition, as lists of names.
+/// Returns the calls of a transition, as lists of names.
 pub fn names(skills: &Skills, calls: &[Call]) -> Vec<Vec<String>> {
     let of = |call: &Call| {
         call.skills()

@@ -1,56 +1,58 @@
-//! A program of calls, checked before it is loaded: the first call that is refused, why, and how it
-//! could go on.
+//! A program of calls, checked before it is loaded: the first refused call, the reason, and
+//! possible continuations.
 
 use super::fsm::{MOST_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
-use linewright_automata::bound::TooLarge;
-use linewright_automata::search::{Found, way};
+use linewright_automata::bound::BoundExceeded;
+use linewright_automata::search::{SearchNode, way};
 use rustc_hash::FxHashSet;
 
-/// For one way on so many calls are looked at.
+/// Maximum number of calls explored in one search.
 pub const MOST_SOUGHT: usize = 1 << 20;
 
-/// What came of a program.
+/// Result of checking a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Checked {
-    /// How many of its calls are allowed, one after the other; all of them where there is no
-    /// violation.
+pub struct ProgramCheck {
+    /// Number of allowed calls from the start; all of them if there is no violation.
     pub allowed: usize,
-    /// The first call that is not.
+    /// First call that is not allowed.
     pub violation: Option<Violation>,
-    /// The state after the last allowed call.
+    /// State after the last allowed call.
     pub state: State,
-    /// Rules that are in the middle of a sequence there, by their places.
+    /// Rules that are in the middle of a sequence there, by index.
     pub unfinished: Vec<usize>,
-    /// The shortest calls with which it would be complete; `None` where it is, or never can be. An
-    /// error where that would be too much to be found out.
-    pub completion: Sought,
+    /// Shortest calls that would complete it; `None` if it is complete, or never can be. An error
+    /// if the search is too large.
+    pub completion: SearchResult,
 }
 
-/// The shortest calls after which something is so, if there are any.
-pub type Sought = Result<Option<Vec<Call>>, TooLarge>;
+/// The shortest calls that reach a goal, if there are any.
+pub type SearchResult = Result<Option<Vec<Call>>, BoundExceeded>;
 
-/// A call that is refused.
+/// A refused call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Violation {
-    /// Its place in the program, from 0.
+    /// Index in the program, from 0.
     pub step: usize,
     /// The call.
     pub call: Call,
-    /// Why.
+    /// Reason for the refusal.
     pub refusal: Refusal,
-    /// The shortest calls after which it is allowed; `None` where there are none. An error where
-    /// that would be too much to be found out.
-    pub detour: Sought,
-    /// What may be called in its place, single skills and as many at once as the call has.
+    /// Shortest calls after which it is allowed; `None` if there are none. An error if the search
+    /// is too large.
+    pub detour: SearchResult,
+    /// Calls allowed in its place: single skills, and up to as many at once as in the call.
     pub instead: Vec<Call>,
 }
 
-/// Reads a program call by call, up to the first violation.
+/// Checks a program call by call, up to the first violation.
 ///
 /// # Errors
-/// When one rule speaks of too many of the skills of one call.
-pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checked, TooLarge> {
+/// When one rule mentions too many of the skills of one call.
+pub fn check(
+    supervisor: &mut Supervisor<'_>,
+    program: &[Call],
+) -> Result<ProgramCheck, BoundExceeded> {
     let mut state = supervisor.start();
     for (step, call) in program.iter().enumerate() {
         match supervisor.call(&state, *call)? {
@@ -63,7 +65,7 @@ pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checke
                     detour: detour(supervisor, &state, *call, MOST_SOUGHT),
                     instead: allowed(supervisor, &state, call.skills().count())?,
                 };
-                return Ok(Checked {
+                return Ok(ProgramCheck {
                     allowed: step,
                     violation: Some(violation),
                     unfinished: Vec::new(),
@@ -78,7 +80,7 @@ pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checke
     } else {
         completion(supervisor, &state)
     };
-    Ok(Checked {
+    Ok(ProgramCheck {
         allowed: program.len(),
         violation: None,
         unfinished: supervisor.unfinished(&state),
@@ -87,15 +89,15 @@ pub fn check(supervisor: &mut Supervisor<'_>, program: &[Call]) -> Result<Checke
     })
 }
 
-/// What may be called in a state: single skills, and up to `most` at once.
+/// Returns the allowed calls in a state: single skills, and up to `most` at once.
 ///
 /// # Errors
-/// When one rule speaks of too many of the skills of one call.
+/// When one rule mentions too many of the skills of one call.
 pub fn allowed(
     supervisor: &mut Supervisor<'_>,
     state: &State,
     most: usize,
-) -> Result<Vec<Call>, TooLarge> {
+) -> Result<Vec<Call>, BoundExceeded> {
     let mut allowed = Vec::new();
     for call in calls(supervisor.skills(), most) {
         if supervisor.call(state, call)?.is_ok() {
@@ -105,23 +107,28 @@ pub fn allowed(
     Ok(allowed)
 }
 
-/// The shortest calls, of single skills, after which a call is allowed. `None` where there are
+/// Returns the shortest sequence of single skills after which a call is allowed. `None` if there is
 /// none.
 ///
 /// # Errors
-/// When more than so many calls would be looked at, or the time is over.
-pub fn detour(supervisor: &mut Supervisor<'_>, from: &State, call: Call, entries: usize) -> Sought {
+/// When more than `entries` calls would be explored, or the deadline has passed.
+pub fn detour(
+    supervisor: &mut Supervisor<'_>,
+    from: &State,
+    call: Call,
+    entries: usize,
+) -> SearchResult {
     search(supervisor, from, entries, |supervisor, state| {
         matches!(supervisor.call(state, call), Ok(Ok(_)))
     })
 }
 
-/// The shortest calls, of single skills, after which a program may end. `None` where there are
+/// Returns the shortest sequence of single skills after which a program may end. `None` if there is
 /// none.
 ///
 /// # Errors
-/// When too many states would be looked at, or the time is over.
-pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> Sought {
+/// When too many states would be explored, or the deadline has passed.
+pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> SearchResult {
     search(supervisor, from, MOST_SOUGHT, |supervisor, state| {
         supervisor.is_complete(state)
     })
@@ -132,16 +139,16 @@ fn search(
     from: &State,
     entries: usize,
     mut wanted: impl FnMut(&mut Supervisor<'_>, &State) -> bool,
-) -> Sought {
+) -> SearchResult {
     let singles = calls(supervisor.skills(), 1);
     let limit = entries / singles.len().max(1) + 1;
     let until = supervisor.options().until;
     let mut seen = FxHashSet::from_iter([supervisor.essence(from)]);
-    let mut found: Vec<Found<State, Call>> = vec![(from.clone(), None)];
+    let mut found: Vec<SearchNode<State, Call>> = vec![(from.clone(), None)];
     let mut at = 0;
     while at < found.len() {
         if found.len() >= limit {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "states",
                 limit,
             });
@@ -163,29 +170,29 @@ fn search(
     Ok(None)
 }
 
-/// The shortest sequence of calls that one of two sets of rules allows and the other refuses.
+/// The shortest sequence of calls that only one of two sets of rules allows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
-    /// The calls; the last one tells them apart.
+    /// Calls; the last one distinguishes the sets.
     pub calls: Vec<Call>,
-    /// Whether the first of the two allows it.
+    /// Whether the first set allows it.
     pub first_allows: bool,
-    /// Why the other refuses the last call; `None` where it is only no whole program.
+    /// Why the other set refuses the last call; `None` if it only does not let the program end.
     pub refusal: Option<Refusal>,
 }
 
-/// What counts as a difference.
+/// Criteria for a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Apart {
-    /// Also programs that the one lets end and the other does not.
+pub struct DifferenceOptions {
+    /// Whether programs that only one set lets end count as well.
     pub whole: bool,
-    /// Only what the first allows and the second refuses.
+    /// Whether only calls that the first allows and the second refuses count.
     pub one_way: bool,
-    /// So many calls of pairs of states are looked at.
+    /// Maximum number of calls of pairs of states that are explored.
     pub entries: usize,
 }
 
-impl Default for Apart {
+impl Default for DifferenceOptions {
     fn default() -> Self {
         Self {
             whole: false,
@@ -195,20 +202,20 @@ impl Default for Apart {
     }
 }
 
-/// Tells two sets of rules over the same skills apart.
+/// Finds the difference of two sets of rules over the same skills.
 ///
 /// # Errors
-/// When there are too many pairs of states, or one rule speaks of too many skills of one call.
+/// When there are too many pairs of states, or one rule mentions too many skills of one call.
 pub fn difference(
     first: &Supervisor<'_>,
     second: &Supervisor<'_>,
     calls: &[Call],
-    apart: Apart,
-) -> Result<Option<Difference>, TooLarge> {
+    apart: DifferenceOptions,
+) -> Result<Option<Difference>, BoundExceeded> {
     let (first, second) = (&mut first.clone().lean(), &mut second.clone().lean());
     let limit = apart.entries / calls.len().max(1);
     let start = (first.start(), second.start());
-    // Whether the first lets a program end, where they do not agree on it.
+    // Whether the first lets a program end, if they do not agree on it.
     let ends = |first: &Supervisor<'_>, second: &Supervisor<'_>, (a, b): &(State, State)| {
         let ends = first.is_complete(a);
         let differ = ends != second.is_complete(b) && (ends || !apart.one_way);
@@ -222,7 +229,7 @@ pub fn difference(
         }));
     }
     let mut seen = FxHashSet::from_iter([start.clone()]);
-    let mut found: Vec<Found<(State, State), Call>> = vec![(start, None)];
+    let mut found: Vec<SearchNode<(State, State), Call>> = vec![(start, None)];
     let mut at = 0;
     let until = first.options().until;
     while at < found.len() {
@@ -247,13 +254,13 @@ pub fn difference(
                 continue;
             }
             if found.len() == limit {
-                return Err(TooLarge::Count {
+                return Err(BoundExceeded::Count {
                     what: "pairs of states",
                     limit,
                 });
             }
-            // Asked as soon as it is found: behind a state found later, but as early, there may be
-            // a longer difference only.
+            // Checked as soon as the pair is found: a state found later at the same depth may only
+            // have a longer difference.
             let end = ends(first, second, &pair);
             seen.insert(pair.clone());
             found.push((pair, Some((at, *call))));

@@ -1,12 +1,12 @@
-//! Skills in another order, so that two sets can be compared call by call.
+//! Renumbering of skills, so that two sets can be compared call by call.
 
 use super::{Event, Kind, Skills};
 
 impl Skills {
-    /// The same with skill `i` at `places[i]`.
+    /// Returns the same set with skill `i` at `places[i]`.
     ///
     /// # Panics
-    /// When the places are not those of all skills, each once.
+    /// When the places are not a permutation of the skills' indices.
     #[must_use]
     pub fn renumbered(&self, places: &[usize]) -> Self {
         let mut skills = self.clone();

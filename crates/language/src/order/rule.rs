@@ -1,24 +1,24 @@
-//! From a rule to its automaton over single skills.
+//! Conversion of a rule to its automaton over single skills.
 //!
-//! The letters are the skills, and behind them every event of several skills that a rule speaks of:
-//! where `Left & Down` are called at once, the letters `Left`, `Down` and `Left & Down` come in any
-//! order. Only what is in a row goes by the skills alone: `Left & Down` is there where the two
-//! follow each other in one call, so that nothing comes between it and what it follows.
+//! The letters are the skills, followed by every event of several skills that a rule mentions: if
+//! `Left & Down` are called at once, the letters `Left`, `Down` and `Left & Down` come in any
+//! order. Only the `in a row` rules use the skills alone: `Left & Down` occurs where the two follow
+//! each other in one call, so nothing comes between it and its predecessor.
 
 use super::standing::{Window, standing};
 use super::{Event, Kind, Rule, Skills};
-use linewright_automata::bound::{Bound, MOST_STATES, TooLarge};
+use linewright_automata::bound::{BoundExceeded, ExplorationBound, MOST_STATES};
 use linewright_automata::dfa::Dfa;
 use linewright_automata::regex::{self, Regex};
 use linewright_core::deadline::Deadline;
 use std::hash::Hash;
 
-/// The letters of a set of skills.
+/// Letters of a set of skills.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Alphabet {
-    /// How many skills there are.
+    /// Number of skills.
     skills: usize,
-    /// The events of several skills, as masks, in ascending order.
+    /// Events of several skills, as masks, in ascending order.
     at_once: Vec<u64>,
 }
 
@@ -31,7 +31,7 @@ fn masks(events: &[Event]) -> Vec<u64> {
 }
 
 impl Alphabet {
-    /// The letters that the rules of these skills speak of.
+    /// Returns the letters that the rules of these skills mention.
     pub fn of(skills: &Skills) -> Self {
         let mut at_once = Vec::new();
         for rule in &skills.rules {
@@ -49,17 +49,18 @@ impl Alphabet {
         }
     }
 
-    /// How many letters there are.
+    /// Returns the number of letters.
     pub fn len(&self) -> usize {
         self.skills + self.at_once.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no letters.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The letters of a call: its skills, and the events of several skills that it contains.
+    /// Returns the letters of a call: its skills, and the events of several skills that it
+    /// contains.
     pub fn letters(&self, call: u64) -> Vec<usize> {
         let skills = (0..self.skills).filter(|s| call >> s & 1 == 1);
         let events = self
@@ -70,7 +71,7 @@ impl Alphabet {
         skills.chain(events.map(|(i, _)| self.skills + i)).collect()
     }
 
-    /// The skills of a letter: one, or those of an event of several.
+    /// Returns the skills of a letter: one, or those of an event of several.
     pub fn skills_of(&self, letter: usize) -> Vec<usize> {
         match letter.checked_sub(self.skills) {
             None => vec![letter],
@@ -80,7 +81,7 @@ impl Alphabet {
         }
     }
 
-    /// A letter as a person writes it: `Left`, or `Left & Down` for an event of several skills.
+    /// Formats a letter: `Left`, or `Left & Down` for an event of several skills.
     pub fn text(&self, letter: usize, skills: &Skills) -> String {
         match letter.checked_sub(self.skills) {
             None => skills.skills[letter].name.clone(),
@@ -96,7 +97,7 @@ impl Alphabet {
         self.skills + place.expect("an event of these rules; please report this")
     }
 
-    /// For every letter, whether it is one of these events.
+    /// Returns, for every letter, whether it is one of these events.
     fn set(&self, events: &[Event]) -> Vec<bool> {
         let mut set = vec![false; self.len()];
         for event in events {
@@ -107,7 +108,7 @@ impl Alphabet {
 }
 
 impl Kind {
-    /// Calls `seen` with every event in it; those of regular expressions are none.
+    /// Calls `seen` with every event, except those of regular expressions.
     pub fn for_each_event(&self, seen: &mut impl FnMut(&Event)) {
         let lists: Vec<&Vec<Event>> = match self {
             Self::Never(events) => vec![events],
@@ -127,24 +128,24 @@ impl Kind {
 /// A rule as an automaton.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Automaton {
-    /// Over the letters of an [`Alphabet`]. Its state 0 is not always the start.
+    /// Automaton over the letters of an [`Alphabet`]. Its state 0 is not always the start.
     pub dfa: Dfa,
-    /// Where it may be at the start, ascending: with its window closed and with it open where the
-    /// initial situation does not say what was called last, else one state.
+    /// Possible start states, ascending: with a closed and with an open window if the initial
+    /// situation does not determine which skill was called last, else one state.
     pub starts: Vec<u32>,
-    /// Its window at the start.
+    /// Window at the start.
     pub window: Window,
-    /// For every state, the one between this call and the next.
+    /// For every state, the state after the end of the call.
     pub over: Vec<u32>,
 }
 
 impl Automaton {
-    /// Where it is at the start when its window stands open or does not.
+    /// Returns the start state for an open or closed window.
     pub(super) fn start(&self, open: bool) -> u32 {
         self.starts[usize::from(open).min(self.starts.len() - 1)]
     }
 
-    /// An automaton for which it does not matter where a call ends.
+    /// Creates an automaton for which the end of a call does not matter.
     fn of_letters(dfa: Dfa, starts: Vec<u32>) -> Self {
         let over = (0..dfa.states() as u32).collect();
         Self {
@@ -155,10 +156,10 @@ impl Automaton {
         }
     }
 
-    /// Explores states from several starts; `over` says what comes of them when a call is over.
+    /// Explores states from several starts; `over` gives the state after the end of a call.
     ///
     /// # Errors
-    /// When there are more than [`MOST_STATES`] states, or the time is over.
+    /// When there are more than [`MOST_STATES`] states, or the deadline has passed.
     pub(super) fn explore<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
@@ -166,8 +167,8 @@ impl Automaton {
         step: impl Fn(&S, usize) -> Option<S>,
         over: impl Fn(&S) -> S,
         complete: impl Fn(&S) -> bool,
-    ) -> Result<(Self, Vec<S>), TooLarge> {
-        // The end of a call is one more letter, so that what it leads to is found as well.
+    ) -> Result<(Self, Vec<S>), BoundExceeded> {
+        // The end of a call is an additional letter, so that its successors are found as well.
         let step = |state: &S, letter: usize| {
             if letter == letters {
                 Some(over(state))
@@ -178,7 +179,7 @@ impl Automaton {
         let found = Dfa::explore_all(
             letters + 1,
             starts,
-            Bound::new(MOST_STATES, until),
+            ExplorationBound::new(MOST_STATES, until),
             step,
             complete,
         )?;
@@ -193,16 +194,16 @@ impl Automaton {
     }
 }
 
-/// The automaton of a rule.
+/// Returns the automaton of a rule.
 ///
 /// # Errors
-/// When it would have more than [`MOST_STATES`] states, or the time is over.
+/// When it would have more than [`MOST_STATES`] states, or the deadline has passed.
 pub fn automaton(
     rule: &Rule,
     skills: &Skills,
     alphabet: &Alphabet,
     until: Deadline,
-) -> Result<Automaton, TooLarge> {
+) -> Result<Automaton, BoundExceeded> {
     let letters = alphabet.len();
     let set = |events: &[Event]| alphabet.set(events);
     // Whether one of these counts as called at the start.
@@ -274,34 +275,34 @@ pub fn automaton(
     }
 }
 
-/// An automaton all of whose states are complete, with several starts.
+/// Creates an automaton all of whose states are complete, with several starts.
 fn one<S: Clone + Eq + Hash>(
     letters: usize,
     starts: &[S],
     step: impl Fn(&S, usize) -> Option<S>,
-) -> Result<Automaton, TooLarge> {
+) -> Result<Automaton, BoundExceeded> {
     let explored = Dfa::explore_all(letters, starts, MOST_STATES, step, |_| true)?;
     Ok(Automaton::of_letters(explored.dfa, explored.starts))
 }
 
-/// How far one is in a word: the word, the place in it, and what is still missing of an event of
-/// several skills whose other skills have just been called.
-type Reached = (usize, usize, u64);
+/// Progress in a word: the word, the position in it, and the missing skills of an event of several
+/// skills whose other skills have just been called.
+type WordProgress = (usize, usize, u64);
 
-/// Where in each word one is: the ends of what was called that begin a word (Aho and Corasick,
-/// "Efficient string matching", 1975, by sets).
+/// Builds the automaton of words in a row. A state is the progress in each word: the suffixes of
+/// the calls that begin a word (Aho and Corasick, "Efficient string matching", 1975, by sets).
 fn in_a_row(
     words: &[Vec<Vec<Event>>],
     alphabet: &Alphabet,
     until: Deadline,
-) -> Result<Automaton, TooLarge> {
+) -> Result<Automaton, BoundExceeded> {
     let words: Vec<Vec<Vec<u64>>> = words
         .iter()
         .map(|word| word.iter().map(|place| masks(place)).collect())
         .collect();
-    let step = |reached: &Vec<Reached>, letter: usize| {
+    let step = |reached: &Vec<WordProgress>, letter: usize| {
         if letter >= alphabet.skills {
-            // The skills of an event of several say it all.
+            // The skills of an event of several are sufficient.
             return Some(reached.clone());
         }
         let skill = 1 << letter;
@@ -326,8 +327,8 @@ fn in_a_row(
         next.dedup();
         Some(next)
     };
-    // What is missing of an event has to come in the same call.
-    let over = |reached: &Vec<Reached>| {
+    // The missing skills of an event have to come in the same call.
+    let over = |reached: &Vec<WordProgress>| {
         let whole = reached.iter().filter(|(_, _, missing)| *missing == 0);
         whole.copied().collect()
     };
@@ -335,15 +336,19 @@ fn in_a_row(
     explored.map(|(automaton, _)| automaton)
 }
 
-/// The beginnings of the words of a regular expression. An event of several skills changes nothing
-/// here.
+/// Builds the automaton of the prefixes of a regular expression's words. An event of several skills
+/// changes nothing here.
 fn sequence(
     regex: &Regex,
     skills: &Skills,
     letters: usize,
     until: Deadline,
-) -> Result<Automaton, TooLarge> {
-    let dfa = regex::automaton(regex, skills.skills.len(), Bound::new(MOST_STATES, until))?;
+) -> Result<Automaton, BoundExceeded> {
+    let dfa = regex::automaton(
+        regex,
+        skills.skills.len(),
+        ExplorationBound::new(MOST_STATES, until),
+    )?;
     let count = skills.skills.len();
     let step = |state: &u32, letter: usize| {
         if letter >= count {

@@ -1,40 +1,41 @@
 //! Several skills at once, as all the orders in which they may be called one after the other.
 //!
-//! The paper tries all n! orders of n skills. The same is found out set by set: which states can a
-//! rule be in when just these of the skills have been called? That is 2^n sets, each from those
-//! with one skill less (Held and Karp, "A dynamic programming approach to sequencing problems",
-//! 1962). Since orders may end in different states, what is known of a rule is a set of states.
+//! The paper tries all n! orders of n skills. This module computes the same set by set: which
+//! states can a rule be in after exactly these skills have been called? That is 2^n sets, each
+//! computed from those with one skill less (Held and Karp, "A dynamic programming approach to
+//! sequencing problems", 1962). Since orders may end in different states, the state of a rule is a
+//! set of states.
 
 use super::Serialisation;
 use super::rule::Automaton;
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use rustc_hash::FxHashMap;
 
-/// So many letters, those that a rule does not tell apart left out, may come at once.
+/// Maximum number of letters at once, without those that the rule does not distinguish.
 pub const MOST_AT_ONCE: usize = 16;
 
-/// A set of states of one rule's automaton, by its number.
-pub type Known = u32;
+/// Number of a set of states of one rule's automaton.
+pub type StateSetId = u32;
 
-/// A rule's automaton, read call by call. What is known after each call is remembered, so that a
-/// call is worked out once.
+/// A rule's automaton, read call by call. The result of each call is cached, so a call is computed
+/// once.
 #[derive(Debug, Clone)]
 pub struct Serial {
     dfa: Dfa,
-    /// For every state, the one between this call and the next.
+    /// For every state, the state after the end of the call.
     over: Vec<u32>,
     serialisation: Serialisation,
     /// Letters that leave every state as it is.
     idle: Vec<bool>,
-    /// The sets of states, each in ascending order.
+    /// Sets of states, each in ascending order.
     sets: Vec<Vec<u32>>,
-    numbers: FxHashMap<Vec<u32>, Known>,
-    calls: FxHashMap<(Known, Vec<usize>), Option<Known>>,
+    numbers: FxHashMap<Vec<u32>, StateSetId>,
+    calls: FxHashMap<(StateSetId, Vec<usize>), Option<StateSetId>>,
 }
 
 impl Serial {
-    /// A rule's automaton, before the first call: the set of number 0.
+    /// Creates a rule's automaton before the first call: the set of number 0.
     pub fn new(automaton: Automaton, serialisation: Serialisation) -> Self {
         let Automaton {
             dfa, starts, over, ..
@@ -51,23 +52,23 @@ impl Serial {
         }
     }
 
-    /// How many sets of states have been met.
+    /// Returns the number of sets of states found so far.
     pub fn met(&self) -> usize {
         self.sets.len()
     }
 
-    /// The states that it may be in.
-    pub fn states(&self, known: Known) -> &[u32] {
+    /// Returns the states that the rule may be in.
+    pub fn states(&self, known: StateSetId) -> &[u32] {
         &self.sets[known as usize]
     }
 
-    /// Whether a letter never matters.
+    /// Returns whether a letter never matters.
     pub fn is_idle(&self, letter: usize) -> bool {
         self.idle[letter]
     }
 
-    /// Whether a program may end here: in every state that it may be in, or in some.
-    pub fn is_complete(&self, known: Known) -> bool {
+    /// Returns whether a program may end here: in every state of the set, or in some.
+    pub fn is_complete(&self, known: StateSetId) -> bool {
         let mut states = self.states(known).iter();
         match self.serialisation {
             Serialisation::Every => states.all(|s| self.dfa.is_complete(*s)),
@@ -75,11 +76,15 @@ impl Serial {
         }
     }
 
-    /// What is known after these letters at once; `None` where they are refused.
+    /// Returns the set after these letters at once; `None` if they are refused.
     ///
     /// # Errors
     /// When there are more than [`MOST_AT_ONCE`] that matter.
-    pub fn call(&mut self, known: Known, letters: &[usize]) -> Result<Option<Known>, TooLarge> {
+    pub fn call(
+        &mut self,
+        known: StateSetId,
+        letters: &[usize],
+    ) -> Result<Option<StateSetId>, BoundExceeded> {
         let letters: Vec<usize> = letters.iter().copied().filter(|l| !self.idle[*l]).collect();
         let key = (known, letters);
         if let Some(after) = self.calls.get(&key) {
@@ -98,7 +103,7 @@ impl Serial {
             }
             states.sort_unstable();
             states.dedup();
-            let new = self.sets.len() as Known;
+            let new = self.sets.len() as StateSetId;
             let number = *self.numbers.entry(states.clone()).or_insert(new);
             if number == new {
                 self.sets.push(states);
@@ -109,7 +114,7 @@ impl Serial {
         Ok(after)
     }
 
-    fn one(&self, known: Known, letter: usize) -> Option<Vec<u32>> {
+    fn one(&self, known: StateSetId, letter: usize) -> Option<Vec<u32>> {
         let states = self.states(known).iter();
         let mut reached: Vec<u32> = states.map(|s| self.dfa.next(*s, letter)).collect();
         reached.sort_unstable();
@@ -123,16 +128,16 @@ impl Serial {
         (!reached.is_empty()).then_some(reached)
     }
 
-    /// For every set of these letters, by mask, the states after calling just those. Where an order
-    /// is refused and every one has to be allowed, the set before, the state and the letter
-    /// instead.
+    /// Returns, for every set of these letters, by mask, the states after calling exactly those. If
+    /// an order is refused and every one has to be allowed, returns the set before, the state and
+    /// the letter instead.
     fn reached(
         &self,
-        known: Known,
+        known: StateSetId,
         letters: &[usize],
-    ) -> Result<Result<Vec<Vec<u32>>, Refused>, TooLarge> {
+    ) -> Result<Result<Vec<Vec<u32>>, Refused>, BoundExceeded> {
         if letters.len() > MOST_AT_ONCE {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "skills at once that one rule speaks of",
                 limit: MOST_AT_ONCE,
             });
@@ -171,17 +176,17 @@ impl Serial {
         Ok(Ok(sets))
     }
 
-    /// An order of these letters that is refused, up to the letter that is; `None` where they are
-    /// allowed. With [`Serialisation::Some`], where all are refused, the given one up to where it
-    /// is.
+    /// Returns a refused order of these letters, up to the refused letter; `None` if they are
+    /// allowed. With [`Serialisation::Some`], if all orders are refused, returns the given one up
+    /// to the refused letter.
     ///
     /// # Errors
     /// When there are more than [`MOST_AT_ONCE`] that matter.
     pub fn refusing(
         &self,
-        known: Known,
+        known: StateSetId,
         letters: &[usize],
-    ) -> Result<Option<Vec<usize>>, TooLarge> {
+    ) -> Result<Option<Vec<usize>>, BoundExceeded> {
         let letters: Vec<usize> = letters.iter().copied().filter(|l| !self.idle[*l]).collect();
         let Err(refused) = self.reached(known, &letters)? else {
             return Ok(None);
@@ -189,8 +194,8 @@ impl Serial {
         if refused.state == REFUSED {
             return Ok(Some(self.refused_in_order(known, &letters)));
         }
-        // Backwards from the state: some letter of the set led to it from a state that the set
-        // without it leads to.
+        // Backwards from the state: some letter of the set led to it from a state of the set
+        // without it.
         let mut order = vec![letters[refused.letter]];
         let (mut called, mut state) = (refused.called, refused.state);
         while called != 0 {
@@ -219,7 +224,7 @@ impl Serial {
         Ok(Some(order))
     }
 
-    fn refused_in_order(&self, known: Known, letters: &[usize]) -> Vec<usize> {
+    fn refused_in_order(&self, known: StateSetId, letters: &[usize]) -> Vec<usize> {
         let mut state = self.states(known)[0];
         let mut order = Vec::new();
         for letter in letters {
@@ -234,7 +239,7 @@ impl Serial {
 }
 
 /// Where an order is refused: the letters called before, by mask, the state after them, and the
-/// letter by its place.
+/// index of the letter.
 struct Refused {
     called: usize,
     state: u32,

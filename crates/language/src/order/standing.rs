@@ -1,16 +1,15 @@
-//! What stands at the start counts as called before it, in some order.
+//! The initial situation counts as called before the start, in some order.
 //!
-//! A unit that stands left and up has been called `Left` and `Up`, and which of them last is not
-//! known. So a window that the one opens and the other closes may stand open or not. Several
-//! windows are not independent of one another there: what one order leads to for each of them is
-//! found from its end, skill by skill.
+//! A unit that starts left and up has been called `Left` and `Up`, in an unknown order. So a window
+//! that one of them opens and the other closes may be open or not. Several windows depend on one
+//! another there: the result of one order for all of them is found from its end, skill by skill.
 
 use super::{Event, Skills};
-use linewright_automata::bound::{MOST_STATES, TooLarge};
+use linewright_automata::bound::{BoundExceeded, MOST_STATES};
 use std::collections::BTreeSet;
 
-/// The skills among these that stand at the start, as a mask. Events of several skills are left
-/// out: where components stand does not say what was called at once.
+/// Returns those of these skills that the initial situation implies, as a mask. Events of several
+/// skills are omitted: the situation does not show what was called at once.
 pub fn standing(events: &[Event], skills: &Skills) -> u64 {
     let stands = |skill: &usize| {
         let skill = &skills.skills[*skill];
@@ -24,17 +23,17 @@ pub fn standing(events: &[Event], skills: &Skills) -> u64 {
     standing.fold(0, |mask, skill| mask | 1 << skill)
 }
 
-/// A window of a rule at the start: by the skill that was called last of these.
+/// A window of a rule at the start: determined by the skill of these that was called last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Window {
-    /// Those that leave it open.
+    /// Skills that leave it open.
     opening: u64,
-    /// Those that leave it closed.
+    /// Skills that leave it closed.
     closing: u64,
 }
 
 impl Window {
-    /// The window from one of these events until one of those.
+    /// Creates the window from one of these events until one of those.
     pub fn new(from: &[Event], until: &[Event], skills: &Skills) -> Self {
         let opening = standing(from, skills);
         Self {
@@ -43,7 +42,7 @@ impl Window {
         }
     }
 
-    /// Whether it stands open: both where that is not known.
+    /// Returns whether it is open; both values if that is unknown.
     pub fn starts(self) -> Vec<bool> {
         match (self.opening, self.closing) {
             (0, _) => vec![false],
@@ -52,19 +51,19 @@ impl Window {
         }
     }
 
-    /// Whether it stands open when this skill was the last of its skills; `None` where it is not
-    /// one of them.
+    /// Returns whether it is open if this skill was the last one; `None` if the skill is not one of
+    /// its own.
     fn after(self, skill: u32) -> Option<bool> {
         let has = |mask: u64| mask >> skill & 1 == 1;
         (has(self.opening) || has(self.closing)).then(|| has(self.opening))
     }
 }
 
-/// Which of these windows may stand open together.
+/// Returns which of these windows may be open together.
 ///
 /// # Errors
 /// When there are too many such sets.
-pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, TooLarge> {
+pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, BoundExceeded> {
     let begin: Vec<Option<bool>> = windows
         .iter()
         .map(|w| (w.opening == 0).then_some(false))
@@ -91,7 +90,7 @@ pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, TooLarge> {
             }
         }
         if seen.len() == MOST_STATES {
-            return Err(TooLarge::Count {
+            return Err(BoundExceeded::Count {
                 what: "states",
                 limit: MOST_STATES,
             });

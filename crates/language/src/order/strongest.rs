@@ -1,72 +1,70 @@
-//! The strongest level by method: which recalls and detours can be left out without losing what can
-//! be reached.
+//! Computation of the strongest level: which recalls and detours can be forbidden without losing
+//! reachable situations.
 //!
 //! The paper leaves the reasonable level to "an engineer understanding the system and not
 //! systematically following a method", and the strongest one to future work. The method here:
 //!
-//! 1. *Candidates.* A recall of a skill: to call it where its component is already where it leads.
-//!    A detour: a word of a few skills after which everything is as some shorter word would have
-//!    left it, wherever it is allowed (`Left Right`, after which nothing has changed, or
-//!    `Grip Left Release`, which is `Left`). Everything means the situation and what is known of
-//!    every rule.
-//! 2. *Test.* A candidate is taken as one more rule. It is kept if from every state that is still
-//!    reached, every useful situation is reached (again) that was reached from there without any
-//!    candidate, and a program can still be completed where it could. Else it is needed, and the
-//!    situation that would be lost is named.
+//! 1. *Candidates.* A recall of a skill: a call when its component is already in its target
+//!    situation. A detour: a word of a few skills with the same result as some shorter word,
+//!    wherever it is allowed (`Left Right`, after which nothing has changed, or
+//!    `Grip Left Release`, which is `Left`). The result is the situation and the states of all
+//!    rules.
+//! 2. *Test.* A candidate is added as a rule. It is kept if two conditions hold in every state that
+//!    is still reached: every useful situation that was reachable from there without any candidate
+//!    is still reachable (again), and a program can still be completed if it could. Otherwise the
+//!    call is needed, and the situation that would be lost is named.
 //! 3. *Order.* Recalls come first, then detours, short ones first, in the order of the skills'
-//!    declaration; each is tested together with all that have been kept. So no candidate that is
-//!    needed can be added to the result: it is a strongest set of them, though others may be as
-//!    strong.
+//!    declaration; each is tested together with all that have been kept. So no rejected candidate
+//!    can be added to the result: it is a strongest set of them, though others may be as strong.
 //!
-//! The engineer may say that a candidate is to be dropped, and which situations are useful; the
-//! rest is found anew.
+//! The engineer may specify candidates to drop, and which situations are useful; the rest is then
+//! recomputed.
 
 use super::fsm::Fsm;
 use super::supervisor::{Call, Options};
 use super::{Event, Kind, Level, Rule, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_automata::search::shortest;
 use std::collections::BTreeSet;
 
-/// A part of a situation: (component, situation), by which useful ones are told.
+/// A partial situation: (component, situation), which selects useful situations.
 pub type Pattern = Vec<(usize, usize)>;
 
-/// What is asked for.
+/// Parameters of the search.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Which rules are kept.
+    /// Options that select the kept rules.
     pub options: Options,
-    /// Detours have so many skills at most; with 1 there are recalls only.
+    /// Maximum number of skills in a detour; with 1 there are recalls only.
     pub longest: usize,
-    /// The situations that matter: those that fit one of these. All where there is none.
+    /// Useful situations: those that match one of these patterns. All if there is none.
     pub useful: Vec<Pattern>,
-    /// The candidates that the engineer does not want, by name.
+    /// Names of candidates that the engineer does not want.
     pub dropped: BTreeSet<String>,
 }
 
-/// A candidate.
+/// A candidate rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
-    /// The rule that forbids it; its text is how it stands in a file, for the level that was asked
-    /// about.
+    /// Rule that forbids the word; its text is as in a file, for the requested level.
     pub rule: Rule,
-    /// The skills that it is about.
+    /// Skills of the word.
     pub word: Vec<usize>,
-    /// What became of it.
+    /// Result of the test.
     pub verdict: Verdict,
 }
 
-/// What became of a candidate.
+/// Result of testing a candidate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Verdict {
-    /// It can be left out: the rule is part of the strongest level.
+    /// The word can be forbidden: the rule is part of the strongest level.
     Kept,
-    /// It is needed: after these calls the situation could no longer be reached.
+    /// The word is needed: after these calls the situation could no longer be reached.
     Needed {
-        /// The shortest calls after which something is lost.
+        /// Shortest calls after which something is lost.
         after: Vec<Call>,
-        /// What is lost; `None` where no program could be completed any more.
+        /// Lost situation; `None` if no program could be completed any more.
         lost: Option<Vec<usize>>,
     },
     /// The engineer does not want the rule.
@@ -78,7 +76,7 @@ pub enum Verdict {
 pub struct Strongest {
     /// All candidates in the order in which they were tested.
     pub candidates: Vec<Candidate>,
-    /// The skills with the rules of the level and those that were kept.
+    /// Skills with the rules of the level and those that were kept.
     pub skills: Skills,
 }
 
@@ -86,11 +84,11 @@ pub struct Strongest {
 ///
 /// # Errors
 /// When an automaton is too large.
-pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLarge> {
+pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, BoundExceeded> {
     let base = Fsm::of(skills, request.options, 1)?;
     let mut search = Search {
         request,
-        wanted: Wanted::new(&base, &request.useful),
+        wanted: ReachabilityGoals::new(&base, &request.useful),
         allowed: base.dfa.clone().prefix_closed(),
         base,
         found: Strongest {
@@ -114,8 +112,8 @@ pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, TooLar
     Ok(search.found)
 }
 
-/// The rule against a recall, as it is written for a level: its component is where the skill leads,
-/// and no other skill has led it away.
+/// Returns the rule against a recall, as written for a level: its component is in the skill's
+/// target situation, and no other skill has led it away.
 pub(super) fn recall(skills: &Skills, skill: usize, level: Level) -> Option<Rule> {
     let of = &skills.skills[skill];
     let effect = of.effect?;
@@ -168,7 +166,7 @@ fn derived(level: Level, name: String, body: &str, kind: Kind) -> Rule {
         name,
         requirement: None,
         doc: String::new(),
-        // It is put to the rules of any level.
+        // It is added to the rules of any level.
         level: Level::Arbitrary,
         kind,
         deletions: Vec::new(),
@@ -176,8 +174,8 @@ fn derived(level: Level, name: String, body: &str, kind: Kind) -> Rule {
     }
 }
 
-/// The words of so many skills that are allowed somewhere, and wherever they are, lead where a
-/// shorter word leads.
+/// Returns the words of this length that are allowed somewhere, and wherever they are, have the
+/// result of a shorter word.
 fn detours(base: &Fsm, length: usize) -> Vec<Vec<usize>> {
     let skills = base.dfa.letters();
     let near: Vec<BTreeSet<u32>> = (0..base.states.len() as u32)
@@ -185,7 +183,7 @@ fn detours(base: &Fsm, length: usize) -> Vec<Vec<usize>> {
         .collect();
     let mut found = Vec::new();
     let mut word = vec![0; length];
-    // The states, with where each came from, after every beginning of the word.
+    // The states, each with its origin, after every prefix of the word.
     let all: Vec<(u32, u32)> = (0..base.states.len() as u32).map(|s| (s, s)).collect();
     lengthen(base, &near, &mut word, 0, &all, skills, &mut found);
     found
@@ -223,7 +221,7 @@ fn lengthen(
     }
 }
 
-/// The states that so many calls lead to at most.
+/// Returns the states reached by at most this many calls.
 fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
     let mut seen = BTreeSet::from([from]);
     let mut last = vec![from];
@@ -242,16 +240,16 @@ fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
     seen
 }
 
-/// What must still be reached from each state of the level without candidates.
-struct Wanted {
-    /// The useful situations, in order.
+/// What must remain reachable from each state of the level without candidates.
+struct ReachabilityGoals {
+    /// Useful situations, in order.
     situations: Vec<Vec<usize>>,
-    /// For each state, which of them can be reached by one call or more; last, whether a program
-    /// can be completed.
+    /// For each state, which of them can be reached by one call or more; the last bit is whether a
+    /// program can be completed.
     reached: Vec<Bits>,
 }
 
-impl Wanted {
+impl ReachabilityGoals {
     fn new(base: &Fsm, useful: &[Pattern]) -> Self {
         let fits = |situation: &[usize]| {
             let mut patterns = useful.iter();
@@ -272,8 +270,8 @@ impl Wanted {
     }
 }
 
-/// For each state, which of these situations can be reached by one call or more, and whether a
-/// program can be completed.
+/// Returns, for each state, which of these situations can be reached by one call or more, and
+/// whether a program can be completed.
 fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
     let states = fsm.states.len();
     let place: Vec<Option<usize>> = fsm
@@ -317,12 +315,12 @@ fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
 struct Bits(Vec<u64>);
 
 impl Bits {
-    /// The empty set of numbers below `count`.
+    /// Creates the empty set of numbers below `count`.
     fn new(count: usize) -> Self {
         Self(vec![0; count.div_ceil(64)])
     }
 
-    /// Whether it is new.
+    /// Adds a number; returns whether it is new.
     fn insert(&mut self, number: usize) -> bool {
         let word = &mut self.0[number / 64];
         let before = *word;
@@ -330,7 +328,7 @@ impl Bits {
         *word != before
     }
 
-    /// Whether any is new.
+    /// Adds all numbers of another set; returns whether any is new.
     fn insert_all(&mut self, other: &Self) -> bool {
         let mut changed = false;
         for (word, more) in self.0.iter_mut().zip(&other.0) {
@@ -340,7 +338,7 @@ impl Bits {
         changed
     }
 
-    /// The least number that is in this set and not in another one.
+    /// Returns the smallest number in this set that is not in the other one.
     fn first_beyond(&self, other: &Self) -> Option<usize> {
         let mut words = self.0.iter().zip(&other.0).enumerate();
         words.find_map(|(at, (word, other))| match word & !other {
@@ -350,20 +348,20 @@ impl Bits {
     }
 }
 
-/// What has been found so far.
+/// Intermediate result of the search.
 struct Search<'a> {
     request: &'a Request,
     /// The level without candidates.
     base: Fsm,
-    wanted: Wanted,
+    wanted: ReachabilityGoals,
     found: Strongest,
-    /// What the rules found so far allow, with every beginning of a word.
+    /// Words allowed by the rules kept so far, with all their prefixes.
     allowed: Dfa,
 }
 
 impl Search<'_> {
-    /// Tests a candidate that forbids something that is allowed so far.
-    fn put_to_the_test(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), TooLarge> {
+    /// Tests a candidate that forbids something allowed so far.
+    fn put_to_the_test(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), BoundExceeded> {
         let mut with = self.found.skills.clone();
         with.rules.push(rule.clone());
         let fsm = Fsm::of(&with, self.request.options, 1)?;
@@ -389,8 +387,9 @@ impl Search<'_> {
     }
 }
 
-/// What is lost first, if anything: states side by side with those of the level without candidates.
-fn loss(fsm: &Fsm, base: &Fsm, wanted: &Wanted) -> Verdict {
+/// Returns what is lost first, if anything: pairs each state with that of the level without
+/// candidates.
+fn loss(fsm: &Fsm, base: &Fsm, wanted: &ReachabilityGoals) -> Verdict {
     let left = reached(fsm, &wanted.situations);
     let missing = |&(now, before): &(u32, u32)| {
         wanted.reached[before as usize].first_beyond(&left[now as usize])

@@ -1,14 +1,14 @@
-//! What may be called when: the rules of a level, read call by call.
+//! Decides which calls are allowed: evaluates the rules of a level call by call.
 //!
-//! A [`Supervisor`] answers each call with the state after it or with why it is refused, in the
+//! A [`Supervisor`] answers each call with the state after it or the reason for refusal, in the
 //! sense of Ramadge and Wonham, "Supervisory control of a class of discrete event processes"
-//! (1987): it allows and forbids, and calls nothing itself. It works out states as they are asked
-//! for; [`super::fsm`] works out all of them.
+//! (1987): it allows and forbids, and calls nothing itself. It computes states on demand;
+//! [`super::fsm`] computes all of them.
 
 use super::rule::{self, Alphabet, Automaton};
-use super::serial::{Known, Serial};
+use super::serial::{Serial, StateSetId};
 use super::{Level, Serialisation, Skills, standing};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_core::deadline::Deadline;
 
@@ -17,39 +17,39 @@ use linewright_core::deadline::Deadline;
 pub struct Call(pub u64);
 
 impl Call {
-    /// One skill.
+    /// Creates a call of one skill.
     pub fn one(skill: usize) -> Self {
         Self(1 << skill)
     }
 
-    /// Its skills in ascending order.
+    /// Returns its skills in ascending order.
     pub fn skills(self) -> impl Iterator<Item = usize> {
         (0..u64::BITS as usize).filter(move |s| self.0 >> s & 1 == 1)
     }
 
-    /// As a person writes it: `Left & Down`.
+    /// Formats the call: `Left & Down`.
     pub fn text(self, skills: &Skills) -> String {
         let names = self.skills().map(|s| skills.skills[s].name.as_str());
         names.collect::<Vec<_>>().join(" & ")
     }
 }
 
-/// Which calls are allowed.
+/// Options that determine which calls are allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// The rules of this level and those before it.
+    /// Level whose rules, and those of the levels before it, are kept.
     pub level: Level,
     /// When several skills at once are allowed.
     pub serialisation: Serialisation,
-    /// Rules that list the transitions that a published model deletes are replaced by these
+    /// Whether rules that list the transitions deleted by a published model are replaced by these
     /// deletions.
     pub paper: bool,
-    /// When to give up.
+    /// Deadline of the computation.
     pub until: Deadline,
 }
 
 impl Options {
-    /// In words, behind the name of the skills: `at the level valid`.
+    /// Describes the options, after the name of the skills: `at the level valid`.
     pub fn text(&self) -> String {
         let mut text = format!("at the level {}", self.level.word());
         if self.serialisation == Serialisation::Some {
@@ -73,52 +73,52 @@ impl Default for Options {
     }
 }
 
-/// What is known after some calls.
+/// State after some calls.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct State {
-    /// The situation of each component.
+    /// Situation of each component.
     pub situation: Vec<usize>,
-    /// What is known of the automata.
-    pub known: Vec<Known>,
+    /// States of the automata.
+    pub known: Vec<StateSetId>,
 }
 
-/// Why a call is refused.
+/// Reason why a call is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refusal {
     /// Two skills of one component at once.
     SameComponent {
-        /// The component.
+        /// Index of the component.
         component: usize,
         /// Two of its skills.
         skills: [usize; 2],
     },
-    /// A skill whose component is where it leads already, at the level reasonable.
+    /// A skill whose component is already in its target situation, at the level reasonable.
     Recall {
-        /// The skill.
+        /// Index of the skill.
         skill: usize,
     },
-    /// A rule.
+    /// A rule forbids the call.
     Rule {
-        /// By its place in [`Skills::rules`].
+        /// Index in [`Skills::rules`].
         rule: usize,
-        /// The order of calling them one after the other that it refuses, up to the skill that it
-        /// refuses; events of several skills are left out.
+        /// Order of calling the skills one after the other that the rule refuses, up to the refused
+        /// skill; events of several skills are omitted.
         order: Vec<usize>,
     },
-    /// A deleted transition.
+    /// The transition was deleted.
     Deleted {
-        /// The rule that lists it.
+        /// Rule that lists it.
         rule: usize,
     },
 }
 
-/// The automata that calls are put to.
+/// Automata that decide on calls.
 #[derive(Debug, Clone)]
 enum Automata {
-    /// One a rule: (place of the rule, its automaton).
+    /// One per rule: (index of the rule, its automaton).
     Each(Vec<(usize, Serial)>),
-    /// All rules together, since one order has to suit all of them: the rules, their states in each
-    /// state of the product, and the product.
+    /// All rules together, since one order has to be allowed by all of them: the rules, their
+    /// states in each state of the product, and the product.
     Together {
         rules: Vec<usize>,
         parts: Vec<Dfa>,
@@ -134,20 +134,20 @@ pub struct Supervisor<'a> {
     options: Options,
     alphabet: Alphabet,
     automata: Automata,
-    /// The rules whose deletions hold.
+    /// Rules whose deletions are applied.
     deleting: Vec<usize>,
-    /// For every component, whether where it stands decides what is allowed.
+    /// For every component, whether its situation decides what is allowed.
     decides: Vec<bool>,
-    /// Whether only those are followed that do.
+    /// Whether only those components are tracked.
     lean: bool,
 }
 
 impl<'a> Supervisor<'a> {
-    /// The rules of a level.
+    /// Creates a supervisor with the rules of a level.
     ///
     /// # Errors
-    /// When a rule's automaton is too large, or the product where one is needed.
-    pub fn new(skills: &'a Skills, options: Options) -> Result<Self, TooLarge> {
+    /// When a rule's automaton is too large, or the product if one is needed.
+    pub fn new(skills: &'a Skills, options: Options) -> Result<Self, BoundExceeded> {
         let alphabet = Alphabet::of(skills);
         let kept = skills
             .rules
@@ -188,15 +188,15 @@ impl<'a> Supervisor<'a> {
         })
     }
 
-    /// The same, but components whose situation decides nothing are taken to stay where they are.
-    /// The same calls are allowed, in fewer states.
+    /// Does not track components whose situation decides nothing: the same calls are allowed, with
+    /// fewer states.
     #[must_use]
     pub fn lean(mut self) -> Self {
         self.lean = true;
         self
     }
 
-    /// As much of a state as decides what is allowed from there on.
+    /// Returns the part of a state that decides what is allowed from there on.
     pub fn essence(&self, state: &State) -> State {
         let situation = state.situation.iter().zip(&self.decides);
         State {
@@ -207,17 +207,17 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// The skills.
+    /// Returns the supervised skills.
     pub fn skills(&self) -> &'a Skills {
         self.skills
     }
 
-    /// What it allows and refuses.
+    /// Returns the options that determine which calls are allowed.
     pub fn options(&self) -> Options {
         self.options
     }
 
-    /// Before the first call.
+    /// Returns the state before the first call.
     pub fn start(&self) -> State {
         let known = match &self.automata {
             Automata::Each(each) => vec![0; each.len()],
@@ -229,7 +229,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Where the components stand after a call, whether or not it is allowed.
+    /// Returns the situations of the components after a call, whether or not it is allowed.
     pub fn moved(&self, state: &State, call: Call) -> Vec<usize> {
         let mut situation = state.situation.clone();
         for skill in call.skills() {
@@ -241,11 +241,15 @@ impl<'a> Supervisor<'a> {
         situation
     }
 
-    /// The state after a call, or why it is refused.
+    /// Returns the state after a call, or why it is refused.
     ///
     /// # Errors
-    /// When one rule speaks of too many of its skills.
-    pub fn call(&mut self, state: &State, call: Call) -> Result<Result<State, Refusal>, TooLarge> {
+    /// When one rule mentions too many of its skills.
+    pub fn call(
+        &mut self,
+        state: &State,
+        call: Call,
+    ) -> Result<Result<State, Refusal>, BoundExceeded> {
         if let Some(refusal) = self.refused_by_components(state, call) {
             return Ok(Err(refusal));
         }
@@ -328,7 +332,7 @@ impl<'a> Supervisor<'a> {
         recalled.map(|skill| Refusal::Recall { skill })
     }
 
-    /// Whether a program may end here: no sequence is in the middle of a word.
+    /// Returns whether a program may end here: no sequence is in the middle of a word.
     pub fn is_complete(&self, state: &State) -> bool {
         match &self.automata {
             Automata::Each(each) => {
@@ -339,9 +343,9 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// The rules that a program must not leave here, by their places: sequences in the middle of a
-    /// word. Where one order has to suit, those that every order leaves there; if there are none,
-    /// those that some order does.
+    /// Returns the rules that prevent a program from ending here, by index: sequences in the middle
+    /// of a word. If one order is enough, returns those unfinished after every order; if there are
+    /// none, those unfinished after some order.
     pub fn unfinished(&self, state: &State) -> Vec<usize> {
         match &self.automata {
             Automata::Each(each) => {
@@ -386,8 +390,8 @@ fn without_events(mut order: Vec<usize>, skills: &Skills) -> Vec<usize> {
     order
 }
 
-/// The rule that refuses first when these letters come in the given order, and the letters up to
-/// there.
+/// Returns the rule that refuses first when these letters come in the given order, and the letters
+/// up to there.
 fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<usize>) {
     let mut states = from.to_vec();
     for (at, letter) in letters.iter().enumerate() {
@@ -401,12 +405,12 @@ fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<
     (0, letters.to_vec())
 }
 
-/// The product of all rules, for what one order has to suit.
+/// Builds the product of all rules, if one order has to be allowed by all of them.
 fn together(
     each: Vec<(usize, Automaton)>,
     letters: usize,
     until: Deadline,
-) -> Result<Automata, TooLarge> {
+) -> Result<Automata, BoundExceeded> {
     let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
     let windows: Vec<_> = automata.iter().map(|a| a.window).collect();
     let starts: Vec<Vec<u32>> = standing::together(&windows)?

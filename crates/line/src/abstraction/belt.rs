@@ -1,29 +1,30 @@
-//! What the contract of a belt says about the room on it.
+//! Derives from a belt's contract how much room on it is certain.
 //!
-//! A belt need not close gaps. One that moves as a whole stands still while its last part waits to
-//! be taken, and then a part on its first place keeps others off it, though there is room in the
-//! middle. What its abstraction has to know is one number: with fewer parts than that, it takes
-//! another one even so. It is asked of the contract, as is that parts come to the end at all.
+//! A belt need not close gaps. A belt that moves as a whole stands still while its last part waits
+//! to be taken; a part on its first place then keeps others off, even if there is room in the
+//! middle. The abstraction needs one number: with fewer parts than that, the belt accepts another
+//! one even then. The number is derived from the contract, as is the fact that parts reach the end
+//! at all.
 
 use super::words::{all, count, is};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
 use linewright_language::contract::line::Belt;
 use linewright_language::contract::machine::Machine;
-use linewright_solver::game::{Budget, Limit, Limits, Rule, RuleKind, Runs, Wanted};
+use linewright_solver::game::{Budget, Limit, Limits, Rule, RuleKind, RunQuery, Runs};
 
-/// What is known of a belt.
+/// Room on a belt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Room {
-    /// With fewer parts on it, another one comes on, even while the first one waits; always at
-    /// least 1.
+    /// With fewer parts on it, another one comes on even while the first one waits; always at least
+    /// 1.
     Sure(u32),
-    /// Its contract does not say that it takes a part when it is empty.
+    /// The contract does not guarantee that an empty belt takes a part.
     TakesNone,
-    /// Its contract does not say that what is on it comes to the end.
+    /// The contract does not guarantee that parts reach the end.
     BringsNone,
 }
 
-/// Asks the contract.
+/// Derives the room from the contract.
 pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     let limits = Limits::default().within(Budget::BELT);
     let (variables, mut rules, mut again) = contract(&belt.machine);
@@ -34,7 +35,7 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     let loaded = on(belt.load).and(on(belt.ready).not());
     let blocked = loaded.clone().and(on(belt.unload_ready).not());
     let with = |n: usize| held.clone().equals(Expr::Const(n as i64));
-    // From some step on for ever: that is how each of these would be broken.
+    // From some step on for ever: this is how each of these guarantees would be violated.
     let last = belt.places.last().map_or(Expr::FALSE, |last| on(*last));
     let some = Expr::binary(BinaryOp::Gt, held.clone(), Expr::Const(0));
     let mut bad = vec![
@@ -49,7 +50,7 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     let again: Vec<usize> = (justices..rules.len()).collect();
     let mut runs = Runs::new(&variables, rules, &limits)?;
     let mut may_stay = |question: usize, again: &[usize]| {
-        let wanted = Wanted {
+        let wanted = RunQuery {
             keep: kept.clone(),
             again: again.to_vec(),
             never_again: vec![first + question],
@@ -59,8 +60,7 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     if may_stay(0, &[])? {
         return Ok(Room::BringsNone);
     }
-    // What follows an empty belt is ready to take: only here may the contract's justice be relied
-    // on.
+    // The place after an empty belt is ready to take; only here may the contract's justice be used.
     if may_stay(1, &again)? {
         return Ok(Room::TakesNone);
     }
@@ -79,8 +79,8 @@ fn justice(expr: Expr) -> Rule {
     }
 }
 
-/// The wires of a machine and the inputs of its components, what is always so between them, and the
-/// justice of all contracts.
+/// The wires of a machine and its components' inputs, their invariants, and the justice of all
+/// contracts.
 fn contract(machine: &Machine) -> (Vec<Variable>, Vec<Rule>, Vec<Rule>) {
     let new = |name: String, domain: &Domain| Variable {
         name,

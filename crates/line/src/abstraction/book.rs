@@ -1,25 +1,25 @@
-//! A claim to which lemmas are added one by one.
+//! Builds a claim by adding lemmas one at a time.
 
 use super::parts::formula;
 use super::vocabulary::Model;
 use linewright_algebra::proof::{Claim, Reach};
-use linewright_algebra::system::{FormulaRef, Half, System, formulas, list_mut};
+use linewright_algebra::system::{ContractSide, FormulaRef, System, formulas, list_mut};
 use linewright_core::gr1::Expr;
 use linewright_language::contract::line::Line;
 use linewright_solver::game::RuleKind;
 use std::collections::BTreeSet;
 
-/// A claim to which lemmas are added.
-pub(super) struct Book<'a> {
+/// A claim under construction.
+pub(super) struct ClaimBuilder<'a> {
     pub(super) model: Model<'a>,
     pub(super) line: &'a Line,
     pub(super) system: &'a System,
     pub(super) claim: &'a mut Claim,
 }
 
-impl Book<'_> {
-    /// A lemma, and what it is shown from, or what stands near where that is empty; gives where it
-    /// stands.
+impl ClaimBuilder<'_> {
+    /// Adds a lemma with the formulas it is proved from, or the formulas close to it if `from` is
+    /// empty; returns its reference.
     pub(super) fn lemma(
         &mut self,
         place: usize,
@@ -32,7 +32,7 @@ impl Book<'_> {
         let list = list_mut(&mut self.claim.goal, kind);
         let at = FormulaRef {
             part: None,
-            half: Half::Guarantees,
+            half: ContractSide::Guarantees,
             kind,
             index: list.len(),
         };
@@ -45,7 +45,7 @@ impl Book<'_> {
         at
     }
 
-    /// What a formula of the goal is tried to be shown from first.
+    /// Sets which formulas to try first in the proof of a goal.
     pub(super) fn rests_on(&mut self, name: &str, from: BTreeSet<FormulaRef>) {
         let found = self.claim.goals().find(|(_, f)| f.name == name);
         if let Some((at, _)) = found {
@@ -53,25 +53,25 @@ impl Book<'_> {
         }
     }
 
-    /// The formula of the goal that says this of a place, if there is one.
+    /// The goal `what` for a place, if there is one.
     pub(super) fn goal(&self, what: &str, place: usize) -> Option<FormulaRef> {
         let name = format!("{what}_at_{}", self.model.shape.places[place].name);
         let mut goals = self.claim.goals();
         goals.find(|(_, f)| f.name == name).map(|(at, _)| at)
     }
 
-    /// What a place guarantees.
+    /// Guarantees of a place.
     pub(super) fn guarantees(&self, place: usize) -> impl Iterator<Item = FormulaRef> {
         formulas(&self.system.parts[place].guarantees).map(move |(kind, index, _)| FormulaRef {
             part: Some(place),
-            half: Half::Guarantees,
+            half: ContractSide::Guarantees,
             kind,
             index,
         })
     }
 
-    /// What is given of a place: all that speaks of nothing but variables of the environment that
-    /// its contract mentions, and its own.
+    /// Given formulas of a place: those that mention only its own variables and the environment
+    /// variables in its contract.
     pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
         let part = &self.system.parts[place];
         let mut known: BTreeSet<_> = part.drives.iter().copied().collect();
@@ -91,7 +91,7 @@ impl Book<'_> {
             .filter(|(_, _, f)| is_known(&f.expr))
             .map(|(kind, index, _)| FormulaRef {
                 part: None,
-                half: Half::Assumptions,
+                half: ContractSide::Assumptions,
                 kind,
                 index,
             })

@@ -1,5 +1,5 @@
-//! Who waits for whom in a state of the abstraction, followed until it closes in a circle or ends
-//! at what does not come.
+//! In a state of the abstraction, follows who waits for whom until a circle closes or the chain
+//! ends at something that never comes.
 
 use super::Abstraction;
 use super::shape::PlaceKind;
@@ -10,27 +10,27 @@ use linewright_core::gr1::{Expr, VarId};
 /// A chain of reasons.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Chain {
-    /// The places, each of which waits for the one after it.
+    /// The places; each waits for the next one.
     pub(super) places: Vec<usize>,
-    /// Why.
+    /// The reason for each place, in words.
     pub(super) texts: Vec<String>,
-    /// The types of the parts that wait in these places, where it is parts that wait.
+    /// Types of the parts that wait in these places, where a part waits.
     pub(super) waiting: Vec<Option<usize>>,
-    /// The last one waits for the first.
+    /// Whether the last place waits for the first.
     pub(super) circle: bool,
 }
 
-/// Why a place does not go on.
+/// Why a place does not proceed.
 #[derive(Debug, Default)]
 struct Reason {
     text: String,
-    /// The type of the part that waits in it, if one does.
+    /// Type of the part that waits in it, if one does.
     waiting: Option<usize>,
-    /// The place that this is due to.
+    /// The place that causes this.
     next: Option<usize>,
 }
 
-/// One state, to be looked at.
+/// A state to examine.
 pub(super) struct View<'a> {
     pub(super) abstraction: &'a Abstraction,
     pub(super) state: &'a [i64],
@@ -49,7 +49,7 @@ impl View<'_> {
         &self.abstraction.shape.places[place].name
     }
 
-    /// The first circle from any of these places, or else the longest chain.
+    /// Returns the first circle reachable from these places, or else the longest chain.
     pub(super) fn chain(&self, starts: impl IntoIterator<Item = usize>) -> Chain {
         let mut open = Chain::default();
         for start in starts {
@@ -87,7 +87,7 @@ impl View<'_> {
         chain
     }
 
-    /// Why a place does not go on.
+    /// Why a place does not proceed.
     fn reason(&self, place: usize) -> Option<Reason> {
         let model = self.abstraction.model();
         let shape = model.shape;
@@ -142,7 +142,7 @@ impl View<'_> {
                 }
                 let part = tasks[task].bill[line].0;
                 let text = format!("{name} waits for a {}", shape.types[part]);
-                // A queue that has one, but not in front, or one that would bring it.
+                // A queue that has such a part, but not in front, or a place that would bring it.
                 let mut from = shape.places[place].from.clone();
                 from.retain(|from| shape.between(*from, place).any(|p| p == part));
                 from.sort_by_key(|from| !self.contains(*from, part));
@@ -155,7 +155,7 @@ impl View<'_> {
                 });
             }
         }
-        // Nothing is here, and nothing comes from where it would.
+        // Nothing is here, and nothing comes from the place that would supply it.
         let from = shape.places[place].from.first()?;
         Some(Reason {
             text: format!("{name} waits for a part from {}", self.name(*from)),
@@ -176,7 +176,7 @@ impl View<'_> {
         }
     }
 
-    /// What is in a place, in words; `None` for nothing.
+    /// Contents of a place in words; `None` if it is empty.
     pub(super) fn contents(&self, place: usize) -> Option<String> {
         let model = self.abstraction.model();
         let shape = model.shape;

@@ -1,10 +1,10 @@
-//! What is claimed of a line, and what is given.
+//! The claim about a line, and what it takes as given.
 //!
 //! Given is what no place can guarantee: that parts come in at all, and that the properties of
-//! parts send them each way again and again, so that a replacement is good in the end. That is no
-//! promise that parts come somewhere: a decision waits until it is made use of, and where none is
-//! any more, it may say so. (That is a guess about the future, which every run has one right answer
-//! to: who says so and is asked again cannot go on.)
+//! parts send them each way again and again, so that a replacement is eventually good. This does
+//! not promise that parts arrive anywhere: a decision waits until it is used, and if it is never
+//! needed again, it may say so. (That is a guess about the future with one right answer in every
+//! run: a place that says so and is asked again cannot proceed.)
 
 use super::lemmas;
 use super::parts::formula;
@@ -19,7 +19,7 @@ use linewright_algebra::system::System;
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Side};
 use linewright_language::contract::line::Line;
 
-/// The claim of a line, whose places have these contracts.
+/// Builds the claim of a line whose places have these contracts.
 pub(super) fn claim(model: Model<'_>, line: &Line, system: &System) -> Claim {
     let mut claim = Claim {
         given: given(model, line),
@@ -130,7 +130,7 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
     goal
 }
 
-/// How many parts are in a place, that can lose some.
+/// Number of parts in a place that can lose some.
 fn load(model: Model<'_>, place: usize) -> Option<Expr> {
     let vars = model.vars(place);
     if let Some(phase) = vars.phase {
@@ -143,8 +143,8 @@ fn load(model: Model<'_>, place: usize) -> Option<Expr> {
     }
 }
 
-/// What was there and what comes is there afterwards, less what goes to one other place; only what
-/// waits is taken.
+/// What was there and what arrives is there afterwards, except for what goes to one other place;
+/// only waiting parts are taken.
 fn kept(model: Model<'_>, place: usize) -> Expr {
     let mut rules = Vec::new();
     for to in model.shape.after(place) {
@@ -159,7 +159,7 @@ fn kept(model: Model<'_>, place: usize) -> Expr {
             .map(|to| model.taken(place, to));
         let mut after = sum([load.clone(), count([model.arrives_any(place)])]);
         after = Expr::binary(BinaryOp::Sub, after, count(out));
-        // Where `n` are joined, there is one.
+        // Joining `n` parts leaves one.
         for (value, task) in &vars.joins {
             let bill = vars.bills[*task].iter().map(|(_, n)| i64::from(*n));
             let fewer = Expr::Const(bill.sum::<i64>() - 1);
@@ -175,7 +175,7 @@ fn kept(model: Model<'_>, place: usize) -> Expr {
     all(rules)
 }
 
-/// Whoever is taken has room.
+/// Every part that is taken has room.
 fn fits(model: Model<'_>, place: usize) -> Expr {
     let vars = model.vars(place);
     let mut rules = Vec::new();
@@ -202,7 +202,7 @@ fn fits(model: Model<'_>, place: usize) -> Expr {
     all(rules)
 }
 
-/// That what is in a place goes on.
+/// Parts in a place proceed.
 fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)> {
     let vars = model.vars(place);
     let name = &model.shape.places[place].name;
@@ -231,7 +231,7 @@ fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)>
     found
 }
 
-/// Something can move here, or is at work.
+/// Something can move here, or is in work.
 fn can_go_on(model: Model<'_>, place: usize) -> Expr {
     let vars = model.vars(place);
     let mut ways = Vec::new();

@@ -1,30 +1,32 @@
-//! Whether a claim holds of all places together, with one look at what can be reached: the quick
-//! answer that `check` gives.
+//! Decides whether a claim holds of all places together from a single exploration of the reachable
+//! states: the quick answer for `check`.
 //!
-//! The table of what rests on what is the business of [`linewright_algebra::proof::prove`]; it asks
-//! these questions again and again with formulas left away.
+//! The table of what rests on what comes from [`linewright_algebra::proof::prove`], which asks
+//! these questions repeatedly with formulas left out.
 
 use super::Abstraction;
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 pub use linewright_algebra::proof::Open;
-use linewright_algebra::proof::{self, Broken, Claim};
+use linewright_algebra::proof::{self, Claim, Refutation};
 use linewright_algebra::system::{FormulaRef, formulas, list, rule};
 use linewright_core::gr1::Side;
 use linewright_language::contract::line::Line;
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 
-/// What came out.
+/// Result of the decision.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Verdict {
-    /// Formulas of the goal that do not hold, with runs that show it. Where something is wrong with
-    /// safety, nothing is asked of what comes in the end.
+    /// Goal formulas that do not hold, with counterexample runs. If safety is violated, justice is
+    /// not examined.
     pub open: Vec<Open>,
-    /// What was not decided: only justice, for safety is decided or else there is no verdict.
+    /// Undecided goals. Only justice can be undecided; without a decision on safety there is no
+    /// verdict.
     pub undecided: Vec<FormulaRef>,
-    /// The limit at which that was given up; none where it was not asked, the line being too large.
+    /// The limit at which justice was given up; `None` if it was not examined because the line is
+    /// too large.
     pub limit: Option<Limit>,
-    /// What is open was found where parts may move late, and whether it is so when they move at
-    /// once was not decided.
+    /// The open goals were found with parts that may move late; whether they are open when parts
+    /// move at once was not decided.
     pub late: bool,
 }
 
@@ -35,12 +37,11 @@ impl Verdict {
     }
 }
 
-/// Where everything that takes time waits for everything that does not, no question is about a few
-/// places only.
+/// Maximum number of variables if parts move at once. There, everything that takes time waits for
+/// everything that does not, so no goal involves only a few places.
 const MOST_AT_ONCE: usize = 24;
 
-/// The rules of a line: what all places guarantee, and what is given. Rules of the goal come after
-/// them.
+/// The rules of a line: guarantees of all places, and what is given. Rules of the goal follow them.
 fn rules(abstraction: &Abstraction) -> Vec<Rule> {
     let sides = abstraction
         .system
@@ -54,17 +55,17 @@ fn rules(abstraction: &Abstraction) -> Vec<Rule> {
         .collect()
 }
 
-/// Decides whether a line is sound, and gives the abstraction that shows it. What comes in the end,
-/// and what holds where parts move at once, is only asked of lines with at most so many variables;
-/// of larger ones it stays undecided.
+/// Decides whether a line is sound, and returns the abstraction that shows it. Justice, and the
+/// case in which parts move at once, is examined only for lines with at most `most_variables`
+/// variables; for larger ones it stays undecided.
 ///
 /// # Errors
-/// The reason why it was not decided.
+/// Returns the reason if it was not decided.
 pub fn examine(
     line: &Line,
     limits: &Limits,
     most_variables: usize,
-) -> Result<(Abstraction, Verdict), Undecided> {
+) -> Result<(Abstraction, Verdict), UndecidedReason> {
     let is_small = |a: &Abstraction| a.system.variables.len() <= most_variables;
     let asked = |abstraction: &Abstraction| -> Result<Verdict, Limit> {
         let mut verdict = safety(abstraction, limits)?;
@@ -93,7 +94,7 @@ pub fn examine(
 /// Decides the claim of one abstraction.
 ///
 /// # Errors
-/// When a limit was reached.
+/// Returns the limit that was reached.
 pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> {
     let mut verdict = safety(abstraction, limits)?;
     if verdict.open.is_empty() {
@@ -102,7 +103,7 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
     Ok(verdict)
 }
 
-/// What is claimed to come again and again.
+/// The goals of justice.
 fn liveness(claim: &Claim) -> impl Iterator<Item = FormulaRef> {
     let goals = claim.goals().map(|(at, _)| at);
     goals.filter(|at| at.kind == RuleKind::Justice && !claim.lemmas.contains_key(at))
@@ -127,17 +128,17 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
         };
         verdict.open.extend(runs.step(&slip)?.map(|trace| Open {
             what,
-            why: Broken::Trace(trace),
+            why: Refutation::Trace(trace),
         }));
     }
     Ok(verdict)
 }
 
-/// What comes in the end, goal by goal: a proof goes from what is near to what is far, so that most
-/// goals are about a few places only.
+/// Decides justice goal by goal: a proof goes from near places to far ones, so most goals involve
+/// only a few places.
 fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     let claim = &abstraction.claim;
-    // What safety shows is known, and places keep their guarantees whatever others do.
+    // Results of safety are known, and places keep their guarantees whatever others do.
     let mut alone = abstraction.system.clone();
     for part in &mut alone.parts {
         part.assumptions = Side::default();
@@ -160,7 +161,7 @@ fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
 }
 
 impl Abstraction {
-    /// The formula of the goal that is pointed at.
+    /// The goal formula at a reference.
     pub fn goal(&self, at: FormulaRef) -> &linewright_core::gr1::Formula {
         &list(&self.claim.goal, at.kind)[at.index]
     }

@@ -1,34 +1,33 @@
-//! What does not hold of a line, in words: who waits for whom, how it comes to that, and the way
-//! out.
+//! Findings about a line, in words: who waits for whom, how this comes about, and the remedy.
 
 use super::Abstraction;
 use super::chain::{Chain, View};
 use super::decide::{Open, Verdict};
 use super::requirements::{NO_CIRCULAR_WAIT, ORDERS_ARE_FINISHED};
 use super::shape::{Place, PlaceKind, Shape};
-use linewright_algebra::proof::Broken;
+use linewright_algebra::proof::Refutation;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::eval::holds;
 use linewright_language::contract::line::{Line, NodeKind};
 use std::collections::BTreeMap;
 
-/// The findings of a verdict: at most one for each thing that is wrong.
+/// The findings of a verdict: at most one per problem.
 pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut told = false;
     for open in &verdict.open {
         let name = &abstraction.goal(open.what).name;
         match &open.why {
-            Broken::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
-            Broken::Lasso(lasso) => {
-                // Where one place does not go on, those before it do not either, and orders are not
-                // finished.
+            Refutation::Trace(trace) if name == NO_CIRCULAR_WAIT => found.push(stuck(line, abstraction, trace)),
+            Refutation::Lasso(lasso) => {
+                // If one place does not proceed, the places before it do not either, and orders are
+                // not finished.
                 if !std::mem::replace(&mut told, true) {
                     let run: Vec<&Vec<i64>> = lasso.prefix.iter().chain(&lasso.cycle).collect();
                     found.push(unfinished(line, abstraction, open, &run, &lasso.cycle));
                 }
             }
-            Broken::Trace(_) => found.push(
+            Refutation::Trace(_) => found.push(
                 Diagnostic::error(
                     codes::LINE_PART_LOST,
                     line.span,
@@ -57,7 +56,7 @@ fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnost
         state: last,
     };
     let chain = view.chain(0..abstraction.shape.places.len());
-    let mut message = "parts can wait for one another for ever".to_owned();
+    let mut message = "parts can deadlock (circular wait)".to_owned();
     if !chain.texts.is_empty() {
         message = format!("{message}: {}", chain.texts.join(", "));
     }
@@ -92,7 +91,7 @@ fn unfinished(
     let goal = abstraction.goal(open.what);
     let state = cycle.first().map_or(&[][..], Vec::as_slice);
     let view = View { abstraction, state };
-    // What never moves in the cycle is what is stuck.
+    // Whatever never moves in the cycle is stuck.
     let model = abstraction.model();
     let quiet = (0..abstraction.shape.places.len()).filter(|place| {
         cycle.iter().all(|s| {
@@ -103,7 +102,7 @@ fn unfinished(
     let (code, mut message) = if chain.circle {
         (
             codes::LINE_CIRCLE,
-            "parts can wait for one another for ever, while others go on".to_owned(),
+            "some parts can deadlock (circular wait) while others go on".to_owned(),
         )
     } else if goal.name == ORDERS_ARE_FINISHED {
         let product = &abstraction.shape.types[abstraction.shape.product];
@@ -135,7 +134,7 @@ fn unfinished(
         .with_help(advice(line, abstraction, &chain))
 }
 
-/// How many parts went which way.
+/// Number of parts per way in a run.
 fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     let model = abstraction.model();
     let shape = model.shape;
@@ -143,7 +142,7 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     for (to, place) in shape.places.iter().enumerate() {
         for from in &place.from {
             let taken = model.taken(*from, to);
-            // What is taken in a step has moved in the next one.
+            // A part taken in one step has moved by the next.
             let moved = run.iter().take(run.len().saturating_sub(1));
             let count = moved.filter(|state| holds(&taken, state, &[])).count();
             if count > 0 {
@@ -165,7 +164,7 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
     }
 }
 
-/// The way out of what a chain shows.
+/// The remedy for what a chain shows.
 fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     let shape = &abstraction.shape;
     if !chain.circle {
@@ -196,21 +195,21 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     let fewer = fewer(line, shape, chain);
     let way_out = "give parts in it a way out by another station";
     match (has_room, fewer.is_empty()) {
-        (true, true) => format!("Make room for more parts in the circle {names}, or {way_out}."),
+        (true, true) => format!("Make room for more parts in the cycle {names}, or {way_out}."),
         (true, false) => format!(
-            "Let fewer parts in than fill the circle {names}: {}. Or {way_out}.",
+            "Let fewer parts in than fill the cycle {names}: {}. Or {way_out}.",
             fewer.join(" or ")
         ),
-        (false, true) => format!("Put a buffer into the circle {names}, or {way_out}."),
+        (false, true) => format!("Put a buffer into the cycle {names}, or {way_out}."),
         (false, false) => format!(
-            "Put a buffer into the circle, or let fewer parts in: {}. Or {way_out}.",
+            "Put a buffer into the cycle, or let fewer parts in: {}. Or {way_out}.",
             fewer.join(" or ")
         ),
     }
 }
 
-/// How to let in fewer of the parts that wait in a circle, and of those that they are made of. A
-/// limit below what one product is made of would leave the line without products.
+/// How to admit fewer of the parts that wait in a circle, and of their components. A limit below
+/// the number of parts in one product would leave the line without products.
 fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     let mut found = Vec::new();
     for (place, part, most) in supplies(line, shape) {
@@ -233,8 +232,7 @@ fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     found
 }
 
-/// The sources: their places, the types of their parts, and how many of these they let into the
-/// line.
+/// The sources: their places, part types, and how many parts of the type they admit to the line.
 fn supplies<'s>(
     line: &'s Line,
     shape: &'s Shape,

@@ -1,13 +1,14 @@
-//! What helps to prove a line, place by place: formulas that hold of most lines and that the claim
-//! may rest on where they do.
+//! Lemmas about single places that help to prove a line: formulas that hold of most lines and that
+//! the claim may rest on where they do.
 //!
-//! A circle of places goes on because it is never full, and a station that joins parts goes on
-//! because its components come. Both are said of few places; without them, whatever goes through a
-//! circle could only be proved of all places at once. Where a supply lets only so many parts into
-//! the line, they rest on a proof of many small steps ([`super::limited`]).
+//! A circle of places keeps moving because it is never full, and a station that joins parts keeps
+//! working because its components arrive. Each lemma involves few places; without them, anything
+//! that passes through a circle could only be proved for all places at once. If a supply limits the
+//! number of its parts in the line, the lemmas rest on a proof in many small steps
+//! ([`super::limited`]).
 
-use super::book::Book;
-use super::limited::Limited;
+use super::book::ClaimBuilder;
+use super::limited::LimitedSupply;
 use super::shape::PlaceKind;
 use super::vocabulary::Model;
 use super::words::is;
@@ -19,23 +20,28 @@ use std::collections::BTreeSet;
 
 /// Adds the lemmas to a claim.
 pub(super) fn add(model: Model<'_>, line: &Line, system: &System, claim: &mut Claim) {
-    let mut book = Book {
+    let mut book = ClaimBuilder {
         model,
         line,
         system,
         claim,
     };
     let supplies = 0..model.shape.places.len();
-    let limited: Vec<Limited> = supplies.filter_map(|s| Limited::new(model, s)).collect();
+    let limited: Vec<LimitedSupply> = supplies
+        .filter_map(|s| LimitedSupply::new(model, s))
+        .collect();
     let others = components(&mut book, &limited);
     for supply in &limited {
         supply.add(&mut book, &others);
     }
 }
 
-/// Of every component that a station joins, but for limited ones: its places there are filled again
-/// and again. Gives the lemmas, by place.
-fn components(book: &mut Book<'_>, limited: &[Limited<'_>]) -> Vec<(usize, FormulaRef)> {
+/// For every component that a station joins, except limited ones: its places are filled again and
+/// again. Returns the lemmas by place.
+fn components(
+    book: &mut ClaimBuilder<'_>,
+    limited: &[LimitedSupply<'_>],
+) -> Vec<(usize, FormulaRef)> {
     let model = book.model;
     let mut found = Vec::new();
     for (place, declared) in model.shape.places.iter().enumerate() {

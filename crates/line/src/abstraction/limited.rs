@@ -1,22 +1,22 @@
-//! Lines into which a supply lets only so many parts: a proof in small steps that it goes on to let
-//! in others.
+//! Lines in which a supply limits the number of its parts: a proof in small steps that it keeps
+//! admitting new parts.
 //!
-//! Whether a station that joins parts gets the next one of a limited kind depends on everything: it
-//! comes when the supply may give it, the supply may give it when others have left the line, and
-//! they leave when they were joined. Asked of all places at once, that takes minutes and explains
-//! nothing. In words it is short:
+//! Whether a joining station gets its next part of a limited type depends on everything: the part
+//! comes when the supply may release it, which is when others have left the line, which they do
+//! once they were joined. Proved for all places at once, this takes minutes and explains nothing.
+//! The argument in words is short:
 //!
-//! 1. What the supply counts is what is in the places.
-//! 2. While the supply gives nothing, one place after the other, from the first on, is rid of what
-//!    it gave, and stays so.
-//! 3. When all are rid of it, the count is 0, and the supply gives again. So it gives again and
-//!    again.
-//! 4. So the first place gets another part again and again, and then the next one, up to the
-//!    station that joins it.
+//! 1. The supply's count equals the number of its parts in the places.
+//! 2. While the supply releases nothing, one place after the other, from the first on, becomes free
+//!    of its parts and stays free.
+//! 3. When all are free, the count is 0, and the supply releases a part. So it releases parts again
+//!    and again.
+//! 4. So the first place receives a part again and again, then the next one, up to the station that
+//!    joins it.
 //!
-//! Each of these steps is one lemma, about one place and the one before it.
+//! Each step is one lemma about one place and its predecessor.
 
-use super::book::Book;
+use super::book::ClaimBuilder;
 use super::requirements::{COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST};
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
@@ -27,38 +27,38 @@ use linewright_core::gr1::{BinaryOp, Expr, VarId};
 use linewright_solver::game::RuleKind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A supply that lets only so many parts into the line, and where they may be.
-pub(super) struct Limited<'a> {
+/// A supply that limits the number of its parts in the line, and where they may be.
+pub(super) struct LimitedSupply<'a> {
     model: Model<'a>,
     supply: usize,
     part: usize,
     in_line: VarId,
     most: u32,
-    /// Where its parts may be. Each comes after those that parts come from, unless they may go
-    /// round in a circle.
+    /// Places where its parts may be. Each follows its predecessors, unless parts may go round in a
+    /// circle.
     stages: Vec<Stage>,
-    /// Whether they may.
+    /// Whether its parts may go round in a circle.
     is_round: bool,
 }
 
-/// A type of part at a place.
+/// A part type at a place.
 struct Stage {
     at: Spot,
-    /// Those that parts come from, by their places in the list; none is the supply.
+    /// Predecessors, as indices into the list; empty means the supply.
     from: Vec<usize>,
 }
 
-/// Where a part of a type may be.
+/// A possible location of a part of a type.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Spot {
     place: usize,
     kind: usize,
-    /// The task and the line of its bill where it waits to be joined.
+    /// If it waits to be joined: the task and the line of its bill.
     bill: Option<(usize, usize)>,
 }
 
-impl<'a> Limited<'a> {
-    /// Of a supply with a limit.
+impl<'a> LimitedSupply<'a> {
+    /// Analyzes a supply with a limit; `None` if it has none.
     pub fn new(model: Model<'a>, supply: usize) -> Option<Self> {
         let (in_line, most) = model.vars(supply).in_line?;
         let PlaceKind::Supply { part, .. } = model.shape.places[supply].kind else {
@@ -103,7 +103,7 @@ impl<'a> Limited<'a> {
         })
     }
 
-    /// Whether a component that a station joins is looked after here.
+    /// Whether the proof covers this component of a joining station.
     pub fn brings(&self, place: usize, task: usize, line: usize) -> bool {
         let wanted = (place, Some((task, line)));
         !self.is_round
@@ -113,8 +113,8 @@ impl<'a> Limited<'a> {
                 .any(|s| (s.at.place, s.at.bill) == wanted)
     }
 
-    /// Its lemmas. `others` are lemmas about components, by place, that come from elsewhere.
-    pub fn add(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) {
+    /// Adds its lemmas. `others` are lemmas about other components, by place.
+    pub fn add(&self, book: &mut ClaimBuilder<'_>, others: &[(usize, FormulaRef)]) {
         let circles = self.circles();
         let joins = !self.is_round && self.stages.iter().any(|s| s.at.bill.is_some());
         if circles.is_empty() && !joins {
@@ -133,23 +133,23 @@ impl<'a> Limited<'a> {
         }
     }
 
-    // ---- 1. what is counted ---------------------------------------------------------------------
+    // ---- 1. the count ---------------------------------------------------------------------
 
-    /// So many parts of a type, as how many that came from the supply they are.
+    /// Converts a number of parts of a type to the number of supplied parts in them.
     fn weighed(&self, kind: usize, number: Expr) -> Expr {
         let content = self.model.shape.contents[kind][self.part];
         let content = i64::try_from(content).unwrap_or(i64::MAX);
         Expr::binary(BinaryOp::Mul, Expr::Const(content), number).simplify()
     }
 
-    /// All that came from the supply and is in some places.
+    /// Number of supplied parts in the selected places.
     fn total(&self, places: impl Fn(usize) -> bool) -> Expr {
         let there = self.stages.iter().filter(|s| places(s.at.place));
         sum(there.map(|s| self.weighed(s.at.kind, self.held(&s.at))))
     }
 
-    /// What the supply counts is what is in the places.
-    fn counts(&self, book: &mut Book<'_>) -> FormulaRef {
+    /// The supply's count equals the number of its parts in the places.
+    fn counts(&self, book: &mut ClaimBuilder<'_>) -> FormulaRef {
         let (model, part) = (self.model, &self.model.shape.types[self.part]);
         let name = &model.shape.places[self.supply].name;
         let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
@@ -207,8 +207,7 @@ impl<'a> Limited<'a> {
         )
     }
 
-    /// The sets of places from each of which parts may come to each other one, as far as its parts
-    /// come there.
+    /// Sets of places within which its parts may move from each place to every other.
     fn circles(&self) -> BTreeSet<BTreeSet<usize>> {
         let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
         let mut circles = all_circles(self.model);
@@ -216,10 +215,10 @@ impl<'a> Limited<'a> {
         circles
     }
 
-    /// There are not more of its parts in a circle than in the line.
+    /// A circle holds no more of its parts than the line.
     fn never_overrun(
         &self,
-        book: &mut Book<'_>,
+        book: &mut ClaimBuilder<'_>,
         circle: &BTreeSet<usize>,
         counted: FormulaRef,
     ) -> FormulaRef {
@@ -248,11 +247,15 @@ impl<'a> Limited<'a> {
         )
     }
 
-    // ---- 2. and 3. the line is emptied, and so something new comes ------------------------------
+    // ---- 2. and 3. the line empties, then new parts come ------------------------------
 
-    /// While the supply gives nothing, place after place is rid of what it gave, and stays so.
-    /// Gives the last of these lemmas.
-    fn drains(&self, book: &mut Book<'_>, others: &[(usize, FormulaRef)]) -> Option<FormulaRef> {
+    /// While the supply releases nothing, place after place becomes free of its parts and stays
+    /// free. Returns the last of these lemmas.
+    fn drains(
+        &self,
+        book: &mut ClaimBuilder<'_>,
+        others: &[(usize, FormulaRef)],
+    ) -> Option<FormulaRef> {
         let model = self.model;
         let gives = model.leaves(self.supply);
         let part = &model.shape.types[self.part];
@@ -308,10 +311,10 @@ impl<'a> Limited<'a> {
         drains
     }
 
-    /// The supply gives something again and again.
+    /// The supply releases a part again and again.
     fn gives_again(
         &self,
-        book: &mut Book<'_>,
+        book: &mut ClaimBuilder<'_>,
         counted: FormulaRef,
         gone: Option<FormulaRef>,
     ) -> FormulaRef {
@@ -337,8 +340,8 @@ impl<'a> Limited<'a> {
 
     // ---- 4. on to the stations that join it -----------------------------------------------------
 
-    /// What the supply gives comes to place after place, as far as stations that join it.
-    fn comes(&self, book: &mut Book<'_>, gives: FormulaRef) {
+    /// Released parts reach place after place, up to the stations that join them.
+    fn comes(&self, book: &mut ClaimBuilder<'_>, gives: FormulaRef) {
         let mut wanted: BTreeSet<usize> = (0..self.stages.len())
             .filter(|i| self.stages[*i].at.bill.is_some())
             .collect();
@@ -398,9 +401,9 @@ impl<'a> Limited<'a> {
         }
     }
 
-    /// What a lemma about a stage is looked for among: the contract of its place, and that no part
-    /// is lost there and in the places before.
-    fn near(&self, book: &Book<'_>, stage: &Stage) -> BTreeSet<FormulaRef> {
+    /// Formulas to search for the proof of a lemma about a stage: the contract of its place, and
+    /// that no part is lost there or in its predecessors.
+    fn near(&self, book: &ClaimBuilder<'_>, stage: &Stage) -> BTreeSet<FormulaRef> {
         let place = stage.at.place;
         let mut from: BTreeSet<FormulaRef> = book.guarantees(place).collect();
         let before = stage.from.iter().map(|i| self.stages[*i].at.place);
@@ -421,7 +424,7 @@ impl<'a> Limited<'a> {
         }
     }
 
-    /// How many are there.
+    /// Number of parts at a spot.
     fn held(&self, at: &Spot) -> Expr {
         let vars = self.model.vars(at.place);
         if let Some((task, line)) = at.bill {
@@ -445,7 +448,7 @@ impl<'a> Limited<'a> {
     }
 }
 
-/// Where a part of a type may come to next from a place.
+/// Where a part of a type may go next from a place.
 fn spots_after(model: Model<'_>, place: usize, kind: usize) -> impl Iterator<Item = Spot> {
     let to = model.shape.to(place, kind).iter();
     to.flat_map(move |to| {
@@ -478,7 +481,7 @@ fn spots_after(model: Model<'_>, place: usize, kind: usize) -> impl Iterator<Ite
     })
 }
 
-/// Where a part comes to next.
+/// Where a part may go next.
 fn after(model: Model<'_>, at: Spot) -> Vec<Spot> {
     let Some((task, _)) = at.bill else {
         return spots_after(model, at.place, at.kind).collect();
@@ -493,7 +496,7 @@ fn after(model: Model<'_>, at: Spot) -> Vec<Spot> {
     }]
 }
 
-/// The sets of places from each of which parts may come to each other one.
+/// Sets of places within which parts may move from each place to every other.
 fn all_circles(model: Model<'_>) -> BTreeSet<BTreeSet<usize>> {
     let reached = |from: usize| {
         let mut seen = BTreeSet::new();

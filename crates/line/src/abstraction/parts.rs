@@ -1,10 +1,9 @@
-//! What every place of the line assumes of its neighbours, and guarantees: one Moore contract a
-//! place.
+//! What every place assumes of its neighbors and guarantees: one Moore contract per place.
 //!
-//! A guarantee of a station that its service ends, and of a belt that what is on it comes to its
-//! end, is what their machines' contracts are proved for; how long that takes is left out. That a
-//! place takes somebody who waits, when it has room, is how the runner moves parts (see [`crate`]):
-//! at once, which in steps of unknown length is "in the end".
+//! That a station's service ends, and that parts on a belt reach its end, are guarantees for which
+//! their machines' contracts are proved; how long that takes is left out. That a place with room
+//! takes a waiting part follows from how the runner moves parts (see [`crate`]): at once, which in
+//! steps of unknown length is "eventually".
 
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
@@ -14,7 +13,7 @@ use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Timing, VarId};
 use linewright_core::source::Span;
 use linewright_language::contract::line::Line;
 
-/// A formula with a name and what it says.
+/// A formula with a name and its description.
 pub(super) fn formula(span: Span, name: &str, text: &str, expr: &Expr) -> Formula {
     Formula {
         defines: false,
@@ -26,8 +25,8 @@ pub(super) fn formula(span: Span, name: &str, text: &str, expr: &Expr) -> Formul
     }
 }
 
-/// The contract of a place.
-/// With `settled`, what takes time waits until everything that moves at once has moved.
+/// The contract of a place. With `settled`, everything that takes time waits until everything that
+/// moves at once has moved.
 pub(super) fn part(model: Model<'_>, line: &Line, place: usize, settled: Option<&Expr>) -> Part {
     let declared = &model.shape.places[place];
     let mut writer = Writer {
@@ -103,7 +102,7 @@ impl Writer<'_> {
         &self.model.shape.places[place].name
     }
 
-    /// What is assumed of those before and after.
+    /// Assumptions about the neighbors.
     fn neighbours(&mut self) {
         let (model, place) = (self.model, self.place);
         for from in &model.shape.places[place].from {
@@ -142,7 +141,7 @@ impl Writer<'_> {
         }
     }
 
-    /// What takes time happens only when nothing moves at once any more.
+    /// Events that take time happen only when nothing moves at once any more.
     fn in_time(&mut self, settled: &Expr) {
         let (model, place) = (self.model, self.place);
         if !model.takes_time(place) {
@@ -170,7 +169,7 @@ impl Writer<'_> {
         );
     }
 
-    /// Who is taken when.
+    /// Which part is taken when.
     fn takes(&mut self) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
@@ -192,7 +191,7 @@ impl Writer<'_> {
             "it takes a part only where one waits to come here, and joins only what is complete",
             &all(offered.chain(join)),
         );
-        // What can be short of room, and not: sinks and stores always have some.
+        // Takers that can lack room; sinks and stores always have room.
         let roomy = |taker: usize| {
             if let Some(&from) = model.shape.places[place].from.get(taker - 1) {
                 let types = model.shape.between(from, place);
@@ -270,7 +269,7 @@ impl Writer<'_> {
             rules.push(first(*a, *b, Expr::now(*earlier).not()));
             rules.push(first(*b, *a, Expr::now(*earlier)));
         }
-        // Those that begin to wait at one instant come in some order, but in one.
+        // Those that begin to wait at the same instant have some order, but a consistent one.
         let order = |x: usize, y: usize| {
             vars.earlier
                 .iter()
@@ -418,7 +417,7 @@ impl Writer<'_> {
         );
     }
 
-    /// Components wait in their places, and are gone when they are joined.
+    /// Components wait in their places and disappear when they are joined.
     fn bills(&mut self) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);
@@ -473,7 +472,7 @@ impl Writer<'_> {
                 let new =
                     new.map(|(i, part)| (model.arrives(place, *part), Expr::Const(i as i64 + 1)));
                 let new = choose(new.collect(), Expr::Const(0));
-                // What is left when the first one is gone.
+                // The queue after the first part has left.
                 let moved = |i: usize| {
                     let next = slots.get(i + 1).map_or(Expr::Const(0), |s| Expr::now(*s));
                     Expr::If(
@@ -545,7 +544,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The part that is offered, where it does not follow from the queue.
+    /// The part that is offered, if the queue does not determine it.
     fn end(&mut self, end: VarId, there: &dyn Fn(usize) -> Expr, text: &str) {
         let (model, place) = (self.model, self.place);
         let vars = model.vars(place);

@@ -1,14 +1,14 @@
-//! The names of what is required of a line.
+//! Names of the requirements on a line.
 
-/// The requirements, by what they are about; the names of the goal's formulas begin with these.
+/// Requirement names; the names of the goal formulas begin with them.
 pub const NO_PART_LOST: &str = "no_part_lost";
-/// No place takes more than it has room for.
+/// No place takes more parts than it has room for.
 pub const NO_OVERFLOW: &str = "no_overflow";
 /// Something can always move.
 pub const NO_CIRCULAR_WAIT: &str = "no_circular_wait";
-/// What is in a place goes on.
+/// Parts in a place proceed.
 pub const GOES_ON: &str = "goes_on";
-/// What waits in a place to be joined is joined.
+/// Components that wait to be joined are joined.
 pub const COMPONENTS_GO_ON: &str = "components_go_on";
 /// End products are finished again and again.
 pub const ORDERS_ARE_FINISHED: &str = "orders_are_finished";

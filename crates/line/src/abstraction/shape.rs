@@ -1,117 +1,118 @@
-//! A line as its abstraction sees it: places with room for parts, and the ways between them.
+//! A line as seen by its abstraction: places with room for parts, and the ways between them.
 //!
-//! A node of the line is one place, with two exceptions. A store is one for what comes in and one
-//! for each type that leaves it, which have nothing to do with each other. A belt with a contract
-//! that takes parts from other such belts has a place before it, as it has in the runner: one belt
-//! can hand over only in its own step, and take only in its own step.
+//! A node of the line is one place, with two exceptions. A store is one place for incoming parts
+//! and one for each type that leaves it, which are independent of each other. A belt with a
+//! contract that takes parts from other such belts has an extra place before it, as in the runner:
+//! a belt can hand over and take parts only in its own step.
 
 use super::belt::{self, Room};
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_language::contract::line::{Belt, Line, Node, NodeKind, Task};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// A place where parts are.
+/// A place that holds parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// Its name: the node's, with the part type where the node has several places.
+    /// The node's name, followed by the part type if the node has several places.
     pub name: String,
-    /// The node it belongs to.
+    /// Index of its node.
     pub node: usize,
-    /// What it is.
+    /// Kind of place.
     pub kind: PlaceKind,
-    /// The types of parts that can be in it and leave it, each with the places that one may go to
-    /// from here, in the order of the text.
+    /// Part types that can be in it and leave it, each with its possible destinations, in source
+    /// order.
     pub ways: Vec<Ways>,
-    /// The places that parts come from.
+    /// Places from which parts come.
     pub from: Vec<usize>,
 }
 
-/// Where parts of a type may go.
+/// Destinations of a part type.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ways {
-    /// The type.
+    /// Index of the type.
     pub part: usize,
-    /// The places; several only where conditions decide.
+    /// Destination places; several only if conditions decide.
     pub to: Vec<usize>,
 }
 
-/// What a place is.
+/// Kind of a place.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PlaceKind {
-    /// Parts of one type come into the line here.
+    /// Entry of parts of one type into the line.
     Supply {
-        /// The type.
+        /// Index of the type.
         part: usize,
-        /// Whether the next part is there as soon as the one before has left; otherwise some time
-        /// may pass.
+        /// Whether the next part is available as soon as the previous one has left; otherwise some
+        /// time may pass.
         always: bool,
-        /// The line takes no more while so many of the type are in it.
+        /// Maximum number of parts of the type in the line before the supply pauses.
         most: Option<u32>,
     },
-    /// Parts leave the line here.
+    /// Exit of parts from the line.
     End {
-        /// The types that are finished here; others are rejected, or wait in a store for their next
+        /// Types that are finished here; others are rejected, or wait in a store for their next
         /// way.
         finishes: Vec<usize>,
-        /// The types that leave the line here in one way or the other.
+        /// Types that leave the line here in either way.
         leaves: Vec<usize>,
     },
     /// A machine that works on one part at a time.
     Station {
-        /// What it does.
+        /// Its tasks.
         tasks: Vec<Work>,
     },
-    /// Parts travel in their order.
+    /// A conveyor: parts travel in order.
     Conveyor {
-        /// How many fit.
+        /// Capacity in parts.
         places: u32,
-        /// With fewer on it, another one is taken in the end even while the first one waits;
-        /// otherwise perhaps only when that has left. What accumulates takes as many as fit.
+        /// With fewer parts on it, another one is eventually taken even while the first one waits;
+        /// otherwise possibly only after that has left. An accumulating conveyor takes as many as
+        /// fit.
         sure: u32,
-        /// Whether a machine moves it, step by step, and so hands over and takes only in its own
-        /// steps.
+        /// Whether a machine moves it step by step, and so hands over and takes parts only in its
+        /// own steps.
         machine: bool,
     },
-    /// Parts wait in their order.
+    /// A queue: parts wait in order.
     Room {
-        /// How many fit.
+        /// Capacity in parts.
         capacity: u32,
     },
 }
 
-/// What a station does.
+/// A task of a station.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Work {
-    /// The type that leaves.
+    /// Type of the part that leaves.
     pub part: usize,
-    /// Whether it takes parts of this type as they are.
+    /// Whether it accepts parts of this type as they are.
     pub plain: bool,
-    /// What it joins them from: types and how many of each. Empty where it joins nothing.
+    /// Component types with counts. Empty if it joins nothing.
     pub bill: Vec<(usize, u32)>,
 }
 
 /// The places of a line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Shape {
-    /// All of them, in the order of the nodes.
+    /// All places, in node order.
     pub places: Vec<Place>,
-    /// The names of the part types.
+    /// Names of the part types.
     pub types: Vec<String>,
-    /// The end product.
+    /// Index of the end product's type.
     pub product: usize,
-    /// How many of part type `b` are in one of part type `a`, at `[a][b]`; 1 for itself.
+    /// Number of parts of type `b` in one of type `a`, at `[a][b]`; 1 for itself.
     pub contents: Vec<Vec<u64>>,
 }
 
 impl Shape {
-    /// The places of a line, and what can be in each.
+    /// Computes the places of a line and their possible contents.
     ///
     /// # Errors
-    /// When something in it has no abstraction.
-    pub fn of(line: &Line) -> Result<Self, Undecided> {
+    /// Returns the reason if something in it has no abstraction.
+    pub fn of(line: &Line) -> Result<Self, UndecidedReason> {
         let mut places = Vec::new();
-        // Of each node: where its parts come in, and the place before a belt.
+        // For each node: the place where parts arrive, and the place before a belt.
         let mut intake = vec![None; line.nodes.len()];
         let mut before = vec![None; line.nodes.len()];
         for (node, declared) in line.nodes.iter().enumerate() {
@@ -163,13 +164,13 @@ impl Shape {
         Ok(shape)
     }
 
-    /// Finds out what can be where, from the supplies on.
+    /// Determines which parts can be where, starting from the supplies.
     fn connect(
         &mut self,
         line: &Line,
         intake: &[Option<usize>],
         before: &[Option<usize>],
-    ) -> Result<(), Undecided> {
+    ) -> Result<(), UndecidedReason> {
         let mut there: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); self.places.len()];
         let mut open: Vec<(usize, usize)> = Vec::new();
         for (place, declared) in self.places.iter().enumerate() {
@@ -177,7 +178,7 @@ impl Shape {
                 open.push((place, part));
             }
         }
-        // What came to a station, joined or not, and what leaves a place.
+        // Types that arrive at a station, joined or not, and types that leave a place.
         let mut leaves = there.clone();
         while let Some((place, part)) = open.pop() {
             if !leaves[place].insert(part) {
@@ -185,7 +186,7 @@ impl Shape {
             }
             let to = self.ways(line, place, part, intake, before);
             if to.is_empty() {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "{} has no way onward from {}",
                     self.types[part], self.places[place].name
                 )));
@@ -214,7 +215,7 @@ impl Shape {
         for (place, there) in self.places.iter_mut().zip(&there) {
             place.from.sort_unstable();
             place.ways.sort_by_key(|w| w.part);
-            // A task that nothing ever comes for is no task.
+            // A task that no part ever comes for is dropped.
             if let PlaceKind::Station { tasks } = &mut place.kind {
                 tasks.retain(|task| {
                     let mut bill = task.bill.iter();
@@ -226,21 +227,21 @@ impl Shape {
         self.check_limits(line)
     }
 
-    /// Somewhere on the way of every part time has to pass, or else all others wait for ever for
-    /// parts that move at once. Work always takes time here; where it takes none is found with the
-    /// values of parts ([`crate::calls`]).
-    pub(super) fn check_time(&self, line: &Line) -> Result<(), Undecided> {
+    /// Checks that time passes somewhere on the way of every part; otherwise everything else waits
+    /// for ever for parts that move at once. Here work always takes time; work without duration is
+    /// found with the values of parts ([`crate::calls`]).
+    pub(super) fn check_time(&self, line: &Line) -> Result<(), UndecidedReason> {
         let Some((from, to)) = self.timeless(line) else {
             return Ok(());
         };
-        Err(Undecided::because(format!(
+        Err(UndecidedReason::because(format!(
             "parts go from {} to {} on and on, and no time passes",
             self.places[from].name, self.places[to].name
         )))
     }
 
-    /// Two places between which parts can go on and on, and no time passes: on a circle, or from a
-    /// source without an end to what is never full, a sink or a store.
+    /// Two places between which parts can move for ever without time passing: on a circle, or from
+    /// an endless source to a sink or a store, which are never full.
     fn timeless(&self, line: &Line) -> Option<(usize, usize)> {
         for (start, declared) in self.places.iter().enumerate() {
             let endless = endless(line, declared);
@@ -266,7 +267,7 @@ impl Shape {
         None
     }
 
-    /// The places that parts may be in next. What a store takes in it may give out again.
+    /// Places where parts may be next. A store may give out again what it takes in.
     fn onward(&self, place: usize) -> BTreeSet<usize> {
         let mut next = self.after(place);
         if let PlaceKind::End { .. } = self.places[place].kind {
@@ -280,8 +281,9 @@ impl Shape {
         next
     }
 
-    /// A limit of work in progress counts a type; what would make that count inexact is refused.
-    fn check_limits(&self, line: &Line) -> Result<(), Undecided> {
+    /// A limit of work in process counts a type; rejects lines in which that count would be
+    /// inexact.
+    fn check_limits(&self, line: &Line) -> Result<(), UndecidedReason> {
         for place in &self.places {
             let PlaceKind::Supply {
                 part,
@@ -296,7 +298,7 @@ impl Shape {
                 matches!(other.kind, PlaceKind::Supply { part: p, .. } if self.contents[p][part] > 0)
             });
             if others.count() > 1 {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "{name} comes from several places, one of which has a limit"
                 )));
             }
@@ -305,7 +307,7 @@ impl Shape {
                     && self.contents[r.part][part] > 0
             });
             if waits {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "{name} has a limit and may lie in a store"
                 )));
             }
@@ -343,14 +345,14 @@ impl Shape {
         found
     }
 
-    /// How many of part type `b` are in one of part type `a`, at `[a][b]`; 1 for itself.
+    /// Number of parts of type `b` in one of type `a`, at `[a][b]`; 1 for itself.
     pub fn contents(line: &Line) -> Vec<Vec<u64>> {
         let types = line.parts.len();
         let mut contents = vec![vec![0_u64; types]; types];
         for (whole, row) in contents.iter_mut().enumerate() {
             let mut level = vec![(whole, 1_u64)];
-            // Bills have no circles (the resolver refuses them); the count of rounds makes that
-            // certain.
+            // Bills have no circles (the resolver rejects them); bounding the rounds guarantees
+            // termination.
             for _ in 0..types {
                 let mut below = Vec::new();
                 for (part, count) in level {
@@ -364,33 +366,33 @@ impl Shape {
         contents
     }
 
-    /// Where parts of a type may go from a place.
+    /// Destinations of a part type from a place.
     pub fn to(&self, place: usize, part: usize) -> &[usize] {
         let ways = self.places[place].ways.iter().find(|w| w.part == part);
         ways.map_or(&[], |w| &w.to)
     }
 
-    /// The types that may go from one place to another.
+    /// Types that may go from one place to another.
     pub fn between(&self, from: usize, to: usize) -> impl Iterator<Item = usize> {
         let ways = self.places[from].ways.iter();
         ways.filter(move |w| w.to.contains(&to)).map(|w| w.part)
     }
 
-    /// The places that parts may go to from here.
+    /// Destinations of parts from this place.
     pub fn after(&self, place: usize) -> BTreeSet<usize> {
         let ways = self.places[place].ways.iter();
         ways.flat_map(|w| w.to.iter().copied()).collect()
     }
 
-    /// The types that can come to a place.
+    /// Types that can come to a place.
     pub fn comes(&self, place: usize) -> BTreeSet<usize> {
         let from = self.places[place].from.iter();
         from.flat_map(|from| self.between(*from, place)).collect()
     }
 }
 
-/// Asks the contracts of belts how much room they are sure of; belts of one machine are alike.
-fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Undecided> {
+/// Derives from the contracts of belts how much room is certain; belts of one machine are alike.
+fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), UndecidedReason> {
     let mut known: Vec<(&Belt, Room)> = Vec::new();
     for place in places {
         let PlaceKind::Conveyor { sure, .. } = &mut place.kind else {
@@ -405,7 +407,7 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Undecided> {
         let same = |other: &Belt| Arc::ptr_eq(&other.machine, &belt.machine);
         let room = match known.iter().find(|(other, _)| same(other)) {
             Some((_, room)) => *room,
-            None => belt::room(belt).map_err(|limit| Undecided {
+            None => belt::room(belt).map_err(|limit| UndecidedReason {
                 why: format!(
                     "the contract of {} is too large to be asked about its room: {limit}",
                     place.name
@@ -417,13 +419,13 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), Undecided> {
         match room {
             Room::Sure(number) => *sure = number,
             Room::TakesNone => {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "the contract of {} does not say that it takes a part while it is empty",
                     place.name
                 )));
             }
             Room::BringsNone => {
-                return Err(Undecided::because(format!(
+                return Err(UndecidedReason::because(format!(
                     "the contract of {} does not say that a part on it comes to its end",
                     place.name
                 )));
@@ -437,8 +439,8 @@ fn belt(node: &Node) -> bool {
     matches!(node.kind, NodeKind::Conveyor { belt: Some(_), .. })
 }
 
-/// What a store gives out. Stock is taken to last, unless parts of the type come in as well: then
-/// they are there when they are there.
+/// What a store gives out. Stock is assumed to last, unless parts of the type also come in: then
+/// they are available only once they arrive.
 fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     let comes = line.routes.iter().any(|r| r.to == node && r.part == part);
     PlaceKind::Supply {
@@ -448,8 +450,8 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     }
 }
 
-/// Whether a source has another part at once, however many it has given. The stock of a store has
-/// an end.
+/// Whether a source always has another part at once, however many it has supplied. The stock of a
+/// store is finite.
 fn endless(line: &Line, place: &Place) -> bool {
     matches!(place.kind, PlaceKind::Supply { always: true, .. })
         && matches!(line.nodes[place.node].kind, NodeKind::Source { .. })
@@ -493,7 +495,8 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
     }
 }
 
-/// What a task does, as [`Task::part`](linewright_language::contract::line::Task::part) says it.
+/// The work of a task, as defined by
+/// [`Task::part`](linewright_language::contract::line::Task::part).
 fn work(line: &Line, node: usize, part: usize, all: &[Task]) -> Work {
     let comes = |kind: usize| line.routes.iter().any(|r| r.to == node && r.part == kind);
     let bill = &line.parts[part].bill;

@@ -1,96 +1,96 @@
-//! The variables of the abstraction, and what can be said with them.
+//! Variables of the abstraction, and expressions over them.
 //!
-//! A step takes as long as it takes. In it, every place may go on by itself (a service ends, a part
-//! comes to the end of its belt), and every place may begin to take a part that is offered to it;
-//! that part moves in the step after. So nobody has to know in a step what another one decides in
-//! it, and the parts of the system are Moore machines. Which of several routes a part takes is
-//! decided by its properties, which are not known here: a variable of the environment says which
-//! way the next one will go.
+//! A step has an arbitrary duration. In each step, every place may progress by itself (a service
+//! ends, a part reaches the end of its belt), and every place may begin to take a part offered to
+//! it; that part moves in the next step. So no place depends on another's decision in the same
+//! step, and the parts of the system are Moore machines. Properties, which decide a part's route,
+//! are not known here: an environment variable says which way the next part will go.
 //!
-//! What does not matter is left out, and nothing is lost by it: a queue in which only one type can
-//! be is a count, for its parts have the same future.
+//! Irrelevant detail is left out without loss: a queue that can hold only one type is a count,
+//! since its parts have the same future.
 
 use super::shape::{PlaceKind, Shape};
 use super::words::{all, any, is};
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, VarId, Variable};
 use linewright_language::contract::line::Line;
 use std::collections::BTreeMap;
 
-/// More slots for parts of different types than this are too many to be told apart.
+/// Maximum number of slots for parts of different types.
 const MOST_SLOTS: usize = 64;
-/// Maximum places whose parts wait for the same one: their turns take a formula for every three of
-/// them.
+/// Maximum number of places whose parts wait for the same one: their turns take a formula for every
+/// three of them.
 const MOST_WAITING: usize = 48;
-/// A queue of parts of one type may be this long.
+/// Maximum length of a queue of parts of one type.
 const MOST_COUNTED: u32 = 4_096;
 
 /// The variables of a place.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Vars {
-    /// Which part it takes: 0 none, then those of [`super::shape::Place::from`], then its own bills
-    /// that it joins.
+    /// Which part it takes: 0 for none, then those of [`super::shape::Place::from`], then its own
+    /// bills that it joins.
     pub takes: Option<VarId>,
-    /// Of a station: 0 free, then those of `phases`.
+    /// For a station: 0 for free, then the entries of `phases`.
     pub phase: Option<VarId>,
-    /// What a station can be at.
+    /// Phases of a station.
     pub phases: Vec<Phase>,
-    /// Of a station: by task and line of its bill, how many are there.
+    /// For a station: by task and bill line, the number of components present.
     pub bills: Vec<Vec<(VarId, u32)>>,
-    /// Of a queue.
+    /// Contents of a queue.
     pub queue: Option<Queue>,
-    /// Of a queue or supply, which part is offered to whom: 0 none, then those of `offers`.
+    /// For a queue or supply, which part is offered to whom: 0 for none, then the entries of
+    /// `offers`.
     pub end: Option<VarId>,
-    /// Of a conveyor that no machine moves: its first place is free again after the last one that
-    /// came on.
+    /// For a conveyor without a machine: its first place is free again after the last arrival.
     pub open: Option<VarId>,
-    /// The type, and the place it is offered to.
+    /// Pairs of a type and the place it is offered to.
     pub offers: Vec<(usize, usize)>,
-    /// Of a supply with a limit: how many of its type are in the line.
+    /// For a supply with a limit: number of parts of its type in the line.
     pub in_line: Option<(VarId, u32)>,
-    /// Of those that take turns: the first one (by its value in `takes`) has waited longer than the
-    /// second one.
+    /// For places that take turns: the first (by its value in `takes`) has waited longer than the
+    /// second.
     pub earlier: Vec<(usize, usize, VarId)>,
-    /// The task whose bill is joined, by its value in `takes`.
+    /// Tasks whose bills are joined, by their value in `takes`.
     pub joins: Vec<(usize, usize)>,
 }
 
-/// What a station is at.
+/// Phase of a station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
-    /// At work; this type will leave.
+    /// In work; a part of this type will leave.
     Work(usize),
-    /// A part of this type waits to go to that place.
+    /// A part of this type (first) waits to go to that place (second).
     Done(usize, usize),
 }
 
 /// The parts of a queue.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Queue {
-    /// All of one type: how many, and how many fit.
+    /// Parts of one type: their number, and the capacity.
     Count(VarId, u32),
-    /// Of each slot, the first to leave in front: 0 nothing, then the types in this order.
+    /// The contents of each slot, the first to leave in front: 0 for nothing, then the types in
+    /// this order.
     Slots(Vec<VarId>, Vec<usize>),
 }
 
-/// The variables of all places, and of the environment.
+/// Variables of all places and of the environment.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Vocabulary {
     /// All variables.
     pub variables: Vec<Variable>,
-    /// By place.
+    /// Variables by place.
     pub places: Vec<Vars>,
-    /// By place and type: which of several ways the next part will go, as a place in the list of
-    /// its ways; one more than there are says that no other part will be sent from here.
+    /// By place and type: which of several ways the next part will go, as an index into its ways;
+    /// one value more says that no further part will be sent from here.
     pub decisions: BTreeMap<(usize, usize), VarId>,
 }
 
 impl Vocabulary {
-    /// The variables that these places need.
+    /// Creates the variables of the places.
     ///
     /// # Errors
-    /// When there would be too many.
-    pub fn of(line: &Line, shape: &Shape) -> Result<Self, Undecided> {
+    /// Returns the reason if there would be too many.
+    pub fn of(line: &Line, shape: &Shape) -> Result<Self, UndecidedReason> {
         let mut new = Self {
             variables: Vec::new(),
             places: Vec::new(),
@@ -105,8 +105,8 @@ impl Vocabulary {
             new.places.push(vars);
         }
         if slots > MOST_SLOTS {
-            return Err(Undecided::because(format!(
-                "its queues have {slots} places for parts of different types, and at most {MOST_SLOTS} are told apart"
+            return Err(UndecidedReason::because(format!(
+                "its queues have {slots} places for parts of different types, and at most {MOST_SLOTS} are distinguished"
             )));
         }
         for (place, declared) in shape.places.iter().enumerate() {
@@ -140,7 +140,7 @@ impl Vocabulary {
         VarId(self.variables.len() as u32 - 1)
     }
 
-    fn place(&mut self, line: &Line, shape: &Shape, place: usize) -> Result<Vars, Undecided> {
+    fn place(&mut self, line: &Line, shape: &Shape, place: usize) -> Result<Vars, UndecidedReason> {
         let declared = &shape.places[place];
         let span = line.nodes[declared.node].span;
         let mut vars = Vars::default();
@@ -212,7 +212,7 @@ impl Vocabulary {
                     vars.open = Some(add("open", Domain::Bool));
                 }
                 if *capacity > MOST_COUNTED {
-                    return Err(Undecided::because(format!(
+                    return Err(UndecidedReason::because(format!(
                         "{} has room for {capacity} parts, and at most {MOST_COUNTED} are counted",
                         declared.name
                     )));
@@ -228,8 +228,8 @@ impl Vocabulary {
                     let mut labels = vec!["none".to_owned()];
                     labels.extend(types.iter().map(|t| shape.types[*t].clone()));
                     if *capacity as usize > MOST_SLOTS {
-                        return Err(Undecided::because(format!(
-                            "{} has {capacity} places for parts of different types, and at most {MOST_SLOTS} are told apart",
+                        return Err(UndecidedReason::because(format!(
+                            "{} has {capacity} places for parts of different types, and at most {MOST_SLOTS} are distinguished",
                             declared.name
                         )));
                     }
@@ -248,15 +248,15 @@ impl Vocabulary {
             let turns = !matches!(declared.kind, PlaceKind::End { .. });
             let waiting = takers.len() - 1;
             if turns && waiting > MOST_WAITING {
-                return Err(Undecided::because(format!(
-                    "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are told apart",
+                return Err(UndecidedReason::because(format!(
+                    "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are distinguished",
                     declared.name
                 )));
             }
             let pairs = (1..takers.len()).flat_map(|a| (a + 1..takers.len()).map(move |b| (a, b)));
             let compete =
                 |(a, b): (usize, usize)| turns && compete(shape, place, &vars.joins, a, b);
-            // From four on, an order of some pairs alone could be a circle.
+            // With four or more, an order of only some pairs could be a circle.
             let of_all = takers.len() > 4 && pairs.clone().any(compete);
             for (a, b) in pairs {
                 {
@@ -273,7 +273,7 @@ impl Vocabulary {
     }
 }
 
-/// Whether two that come to a place, by their values in `takes`, may want the same room.
+/// Whether two that come to a place, by their values in `takes`, may compete for the same room.
 fn compete(shape: &Shape, place: usize, joins: &[(usize, usize)], a: usize, b: usize) -> bool {
     let declared = &shape.places[place];
     let PlaceKind::Station { tasks } = &declared.kind else {
@@ -292,7 +292,7 @@ fn labels_of(labels: Vec<String>) -> Domain {
     Domain::Enum { name: None, labels }
 }
 
-/// The places and their variables together: what is said of the line.
+/// Places together with their variables; expressions about the line.
 #[derive(Debug, Clone, Copy)]
 pub struct Model<'a> {
     /// The places.
@@ -326,7 +326,7 @@ impl<'a> Model<'a> {
         any(types.map(|part| self.offers(from, part, to)))
     }
 
-    /// `to` takes what is offered at `from`, in this step.
+    /// `to` takes the part offered at `from` in this step.
     pub fn taken(&self, from: usize, to: usize) -> Expr {
         let place = self.shape.places[to].from.iter().position(|f| *f == from);
         match (self.vars(to).takes, place) {
@@ -335,7 +335,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Somebody takes what is offered at `from`.
+    /// Some place takes the part offered at `from`.
     pub fn leaves(&self, from: usize) -> Expr {
         any(self
             .shape
@@ -380,8 +380,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// A place for a component of this type is free, at this line of this task's bill and at none
-    /// before it.
+    /// A component place for this type is free in this line of the task's bill, and in none before
+    /// it.
     pub fn component_place(&self, place: usize, part: usize, task: usize, line: usize) -> Expr {
         let PlaceKind::Station { tasks } = &self.shape.places[place].kind else {
             return Expr::FALSE;
@@ -406,7 +406,7 @@ impl<'a> Model<'a> {
         Expr::FALSE
     }
 
-    /// A place for a component of this type is free at a station.
+    /// A station has a free component place for this type.
     pub fn lacks(&self, place: usize, part: usize) -> Expr {
         let PlaceKind::Station { tasks } = &self.shape.places[place].kind else {
             return Expr::FALSE;
@@ -450,20 +450,20 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// A station has nothing at work and nothing that waits to leave.
+    /// A station has no part in work and none that waits to leave.
     pub fn free(&self, place: usize) -> Expr {
         self.vars(place)
             .phase
             .map_or(Expr::FALSE, |phase| is(phase, 0))
     }
 
-    /// All components for a task of a station are there.
+    /// All components for a task of a station are present.
     pub fn complete(&self, place: usize, task: usize) -> Expr {
         let bill = self.vars(place).bills[task].iter();
         all(bill.map(|(there, count)| is(*there, *count as usize)))
     }
 
-    /// What comes to a place by this value of `takes` waits, and there would be room for it.
+    /// The part behind this value of `takes` waits, and there would be room for it.
     pub fn may_take(&self, place: usize, taker: usize) -> Expr {
         let vars = self.vars(place);
         if let Some((_, task)) = vars.joins.iter().find(|(value, _)| *value == taker) {
@@ -478,12 +478,12 @@ impl<'a> Model<'a> {
         }))
     }
 
-    /// Somebody waits who could be taken.
+    /// Some part waits that could be taken.
     pub fn may_take_any(&self, place: usize) -> Expr {
         any(self.takers(place).map(|taker| self.may_take(place, taker)))
     }
 
-    /// Somebody waits and is taken in the end, if all stays as it is.
+    /// A part waits that must eventually be taken if nothing changes.
     pub fn owes(&self, place: usize) -> Expr {
         let vars = self.vars(place);
         let waits = self.may_take_any(place);
@@ -507,7 +507,7 @@ impl<'a> Model<'a> {
         waits.and(is(end, 0).or(few))
     }
 
-    /// A part could be offered here that is not yet.
+    /// A part could be offered here that is not offered yet.
     pub fn may_offer(&self, place: usize) -> Expr {
         let vars = self.vars(place);
         let Some(end) = vars.end else {
@@ -525,8 +525,8 @@ impl<'a> Model<'a> {
         is(end, 0).and(there).simplify()
     }
 
-    /// Whether what happens at a place next takes time, instead of following at once from what has
-    /// happened elsewhere.
+    /// Whether the next event at a place takes time, instead of following at once from events
+    /// elsewhere.
     pub fn takes_time(&self, place: usize) -> bool {
         match self.shape.places[place].kind {
             PlaceKind::Supply { always, .. } => !always,
@@ -535,7 +535,7 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Nothing moves, and nothing would move without something else that takes time. Belts with a
+    /// Nothing moves, and nothing could move before another event that takes time. Belts with a
     /// machine move parts in their own steps, so they are not waited for.
     pub fn settled(&self) -> Expr {
         let belt = |place: usize| {
@@ -563,7 +563,7 @@ impl<'a> Model<'a> {
         all(rules).simplify()
     }
 
-    /// What `takes` of a place may be besides none.
+    /// Values of `takes` at a place other than none.
     pub fn takers(&self, place: usize) -> std::ops::RangeInclusive<usize> {
         1..=self.shape.places[place].from.len() + self.vars(place).joins.len()
     }

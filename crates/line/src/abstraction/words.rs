@@ -1,33 +1,33 @@
-//! Expressions put together in few words.
+//! Shorthands for building expressions.
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, VarId};
 
-/// A variable has this value now.
+/// The variable has this value now.
 pub(crate) fn is(variable: VarId, value: usize) -> Expr {
     Expr::now(variable).equals(Expr::Const(value as i64))
 }
 
-/// A variable has this value in the next step.
+/// The variable has this value in the next step.
 pub(crate) fn becomes(variable: VarId, value: usize) -> Expr {
     Expr::next(variable).equals(Expr::Const(value as i64))
 }
 
-/// A variable keeps its value.
+/// The variable keeps its value.
 pub(crate) fn stays(variable: VarId) -> Expr {
     Expr::next(variable).equals(Expr::now(variable))
 }
 
-/// All of these.
+/// Conjunction.
 pub(crate) fn all(parts: impl IntoIterator<Item = Expr>) -> Expr {
     parts.into_iter().reduce(Expr::and).unwrap_or(Expr::TRUE)
 }
 
-/// Any of these.
+/// Disjunction.
 pub(crate) fn any(parts: impl IntoIterator<Item = Expr>) -> Expr {
     parts.into_iter().reduce(Expr::or).unwrap_or(Expr::FALSE)
 }
 
-/// How many of these hold.
+/// Number of these that hold.
 pub(crate) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
     let one = |e| {
         Expr::If(
@@ -39,25 +39,25 @@ pub(crate) fn count(parts: impl IntoIterator<Item = Expr>) -> Expr {
     sum(parts.into_iter().map(one))
 }
 
-/// The sum of these.
+/// Sum.
 pub(crate) fn sum(parts: impl IntoIterator<Item = Expr>) -> Expr {
     let add = |a, b| Expr::binary(BinaryOp::Add, a, b);
     parts.into_iter().reduce(add).unwrap_or(Expr::Const(0))
 }
 
-/// The first of these values whose condition holds, or else the last one.
+/// The first of these values whose condition holds, or else `otherwise`.
 pub(crate) fn choose(cases: Vec<(Expr, Expr)>, otherwise: Expr) -> Expr {
     let case = |rest, (c, v)| Expr::If(Box::new(c), Box::new(v), Box::new(rest));
     cases.into_iter().rev().fold(otherwise, case)
 }
 
-/// A number kept between 0 and `most`.
+/// A number clamped to between 0 and `most`.
 pub(crate) fn within(number: Expr, most: i64) -> Expr {
     let low = Expr::binary(BinaryOp::Max, Expr::Const(0), number);
     Expr::binary(BinaryOp::Min, Expr::Const(most), low)
 }
 
-/// The same a step later.
+/// The same expression one step later.
 pub(crate) fn later(expr: &Expr) -> Expr {
     expr.substitute(&mut |v, _| Expr::Var(v, Time::Next))
 }

@@ -1,8 +1,8 @@
-//! From where one comes to a goal.
+//! Attractor computation on a graph.
 
-/// The vertices of a goal, and those of which as many ways onward as are `wanted` lead to one that
-/// is in it already; never those of which nothing is wanted. `before` has the ways backward. Linear
-/// in these.
+/// The vertices of a goal, and repeatedly those with at least `wanted` outgoing edges into the set
+/// so far; never those without a `wanted` number. `before` holds the incoming edges, in which the
+/// run time is linear.
 pub(super) fn attractor(
     before: &[Vec<usize>],
     goal: impl Iterator<Item = usize>,

@@ -1,8 +1,8 @@
-//! What a conveyor's contract assumes of the line, and whether it keeps every part.
+//! Checks what a conveyor's contract assumes of the line, and whether it keeps every part.
 //!
-//! A belt is stepped, again and again, with what its neighbours do: whether a part waits to come
-//! on, and whether the next place would take the first one. A part that waits goes on waiting until
-//! it is let on; nothing else is known. Its other inputs are what its file says.
+//! A belt is stepped repeatedly with the behavior of its neighbors: whether a part waits to come
+//! on, and whether the next place would take the first part. A waiting part keeps waiting until it
+//! is let on; nothing else is known. The other inputs are given by the belt's file.
 
 use super::Calls;
 use crate::abstraction::words::{all, any, count, is, later};
@@ -16,7 +16,7 @@ use linewright_language::contract::machine::{Machine, PlantSource};
 use linewright_solver::game::{Limit, Limits, RuleKind};
 use linewright_station::messages;
 
-/// Looks at the belts of a line.
+/// Examines the belts of a line.
 pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
     for (node, declared) in line.nodes.iter().enumerate() {
         let NodeKind::Conveyor {
@@ -41,7 +41,7 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
         }
         match open(belt, limits) {
             Ok(found) => calls.findings.extend(found.into_iter().map(|what| match what {
-                Broken::Assumption(text, formula) => {
+                BeltViolation::Assumption(text, formula) => {
                     Diagnostic::warning(
                         codes::LINE_ASKS,
                         declared.span,
@@ -50,7 +50,7 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
                     .with_label(formula.span, "this would be broken")
                     .with_help("a line only sees to it that a part that waits to come on goes on waiting; weaken the assumption")
                 }
-                Broken::Keeping => Diagnostic::warning(
+                BeltViolation::Keeping => Diagnostic::warning(
                     codes::LINE_PART_LOST,
                     declared.span,
                     format!("the contract of {} does not say that every part on it stays on it, in its order, until it is taken", declared.name),
@@ -62,15 +62,15 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
     }
 }
 
-/// What a belt's contracts leave open.
-enum Broken {
-    /// An assumption, as it is spoken of.
+/// A property that a belt's contracts leave open.
+enum BeltViolation {
+    /// An assumption, with its display name.
     Assumption(String, Formula),
-    /// That every part stays on it, in its order.
+    /// That every part stays on the belt, in order.
     Keeping,
 }
 
-/// A plant input whose constant value is not in its domain.
+/// Finds a plant input whose constant value is outside its domain.
 fn constant_outside(machine: &Machine) -> Option<usize> {
     let defaults: Vec<f64> = machine.properties.iter().map(|p| p.default).collect();
     machine.plant.iter().position(|input| match &input.source {
@@ -79,10 +79,10 @@ fn constant_outside(machine: &Machine) -> Option<usize> {
     })
 }
 
-fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
+fn open(belt: &Belt, limits: &Limits) -> Result<Vec<BeltViolation>, Limit> {
     let machine = &belt.machine;
     let (mut system, claim) = of_machine(machine);
-    // What comes again and again is asked elsewhere: with the whole line.
+    // Justice is examined elsewhere, with the whole line.
     for part in &mut system.parts {
         part.assumptions.justice.clear();
         part.guarantees.justice.clear();
@@ -111,7 +111,7 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
                     linewright_algebra::system::list(side, open.what.kind)[open.what.index].clone();
                 let component = &machine.components[part];
                 if told.insert((part, formula.span)) {
-                    found.push(Broken::Assumption(
+                    found.push(BeltViolation::Assumption(
                         messages::assumed(component, &formula),
                         formula,
                     ));
@@ -119,8 +119,8 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<Broken>, Limit> {
             }
             None if open.what.kind == RuleKind::Justice => {}
             None => {
-                if !found.iter().any(|f| matches!(f, Broken::Keeping)) {
-                    found.push(Broken::Keeping);
+                if !found.iter().any(|f| matches!(f, BeltViolation::Keeping)) {
+                    found.push(BeltViolation::Keeping);
                 }
             }
         }
@@ -139,7 +139,7 @@ fn formula(belt: &Belt, name: &str, expr: &Expr) -> Formula {
     }
 }
 
-/// What the line and the machine's file see to.
+/// What the line and the machine's file guarantee.
 fn given(belt: &Belt) -> Side {
     let mut side = Side::default();
     let on = |wire: usize| is(VarId(wire as u32), 1);
@@ -171,8 +171,9 @@ fn given(belt: &Belt) -> Side {
     side
 }
 
-/// As many places are occupied as there are parts on the belt, and no part moves backwards: behind
-/// each place there never come to be more than there were, but for the one that comes on.
+/// The number of occupied places equals the number of parts on the belt, and no part moves
+/// backward: behind each place there are never more parts than before, except for the one that
+/// comes on.
 fn keeping(belt: &Belt) -> Side {
     let mut side = Side::default();
     let on = |wire: usize| is(VarId(wire as u32), 1);

@@ -1,23 +1,22 @@
-//! Whether chance sees to it that a route is taken again and again.
+//! Determines whether chance guarantees that a route is taken again and again.
 //!
-//! Where several routes remain for parts of a type, which one a part takes is decided by its
-//! values, and these by chance and by what is left open here. A route is taken again and again,
-//! almost surely, where every part of that type, when it is made, has a chance to come to that
-//! route whatever else happens: the vertices from which that is so are the positive attractor of a
-//! game in which chance helps and all that is left open does not (Chatterjee and Henzinger, "A
-//! survey of stochastic omega-regular games", JCSS 78(2), 2012). The line holds finitely many
-//! values, so the chances are bounded from below; each part draws by itself; and only finitely many
-//! parts are on their way at a time, so that infinitely many of those that are made take the route.
-//! That many are made is not said where a part can go round for ever: so a part that goes another
-//! way and may come again has to have a chance still. A store holds any number of parts, so no way
-//! through one counts.
+//! If several routes remain for parts of a type, a part's values decide which one it takes; they
+//! depend on chance and on what is left open here. A route is almost surely taken again and again
+//! if every new part of that type has a chance to reach it whatever else happens. The vertices for
+//! which this holds are the positive attractor of a game in which chance helps and everything left
+//! open opposes (Chatterjee and Henzinger, "A survey of stochastic omega-regular games", JCSS
+//! 78(2), 2012). The line holds finitely many values, so the chances are bounded from below; each
+//! part draws by itself; and only finitely many parts are on their way at a time, so infinitely
+//! many of those that are made take the route. That many are made is not certain if a part can go
+//! round for ever: so a part that goes another way and may return must still have a chance. A store
+//! holds any number of parts, so no way through one counts.
 
 use super::Calls;
 use super::attractor::attractor;
 use super::walk::{Choice, Stage, Walk};
 use linewright_language::contract::line::NodeKind;
 
-/// Marks the routes that chance sees to. Linear in the edges of the walk for each route.
+/// Marks the routes that chance guarantees. Linear in the edges of the walk for each route.
 pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
     let before = walk.before();
     for (index, route) in walk.line.routes.iter().enumerate() {
@@ -36,17 +35,17 @@ pub(super) fn branches(walk: &Walk<'_>, calls: &mut Calls) {
     }
 }
 
-/// A route among several.
+/// One of several alternative routes.
 struct Branch<'a> {
     walk: &'a Walk<'a>,
-    /// The type that takes it.
+    /// Type of the parts that take it.
     part: usize,
-    /// By vertex: it has a chance to come to the route whatever is left open.
+    /// By vertex: whether it has a chance to reach the route whatever is left open.
     sure: Vec<bool>,
-    /// By vertex: it may come to where the route begins.
+    /// By vertex: whether it may reach the beginning of the route.
     comes: Vec<bool>,
-    /// Whether a part may come to where the route begins, go another way, come there again, and
-    /// have no chance of this route any more: it could go round for ever.
+    /// Whether a part may reach the beginning of the route, go another way, return there, and have
+    /// no chance of this route any more: it could go round for ever.
     has_trap: bool,
 }
 
@@ -86,8 +85,8 @@ impl<'a> Branch<'a> {
         !self.has_trap && self.made_surely(self.part, self.walk.line.parts.len())
     }
 
-    /// Whether of infinitely many parts of a type infinitely many come to the route. What is joined
-    /// may owe it to a component.
+    /// Whether infinitely many of infinitely many parts of a type reach the route. A joined part
+    /// may depend on a component for this.
     fn made_surely(&self, part: usize, depth: usize) -> bool {
         let vertices = &self.walk.vertices;
         let counts = |v: &usize| self.comes[*v] && vertices[*v].part == part;

@@ -1,8 +1,8 @@
-//! The calls of one station: every call that can come, in every state that calls can lead to.
+//! The calls of one station: every possible call in every state that calls can lead to.
 //!
-//! A call is a task with the values that the machine is given. After a call that is refused the
-//! station is as it was before the operation that failed, as in the runner; operations of the same
-//! task that went well before it have happened.
+//! A call is a task with the values given to the machine. After a refused call the station is as it
+//! was before the operation that failed, as in the runner; earlier operations of the same task have
+//! taken effect.
 
 use super::{Real, ordered, plain};
 use linewright_language::contract::line::Task;
@@ -11,52 +11,52 @@ use linewright_station::interpret::{Interpreter, Relevance, State};
 use linewright_station::{CallError, ErrorCode};
 use std::collections::{BTreeMap, VecDeque};
 
-/// A station: its states and calls, and what it answers.
+/// A station: its states, its calls, and its answers.
 #[derive(Debug)]
-pub(super) struct Desk {
+pub(super) struct StationModel {
     interpreter: Interpreter,
     relevance: Relevance,
     states: Vec<State>,
     known: BTreeMap<State, usize>,
-    /// By state, from which state and by which call it was first reached.
+    /// By state, the predecessor and call by which it was first reached.
     before: Vec<Option<(usize, usize)>>,
-    /// What is asked for.
+    /// Possible calls.
     pub calls: Vec<Call>,
     asked: BTreeMap<(usize, Vec<Real>), usize>,
-    /// Pairs of state and call that were not tried yet.
+    /// Pairs of state and call still to try.
     open: VecDeque<(usize, usize)>,
 }
 
 /// A task with the values of the machine's properties.
 #[derive(Debug)]
 pub(super) struct Call {
-    /// By its index in the station's tasks.
+    /// Index into the station's tasks.
     pub task: usize,
-    /// The machine's properties.
+    /// Values of the machine's properties.
     pub values: Vec<Real>,
-    /// By state, what is answered.
+    /// Answers by state.
     pub answers: BTreeMap<usize, Result<Answer, Refusal>>,
 }
 
-/// What a task came to.
+/// Result of a task.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Answer {
     /// The machine's properties afterwards.
     pub values: Vec<Real>,
-    /// How long it took, in seconds.
+    /// Duration in seconds.
     pub seconds: Real,
 }
 
-/// A call that is not answered.
+/// A call that is refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Refusal {
-    /// The operation, as an index into the machine's.
+    /// Index of the operation in the machine.
     pub operation: usize,
-    /// What the library says.
+    /// The library's error.
     pub error: CallError,
 }
 
-impl Desk {
+impl StationModel {
     pub fn new(interpreter: Interpreter) -> Self {
         let relevance = Relevance::of(&interpreter);
         let first = relevance.reduce(interpreter.initial());
@@ -72,7 +72,7 @@ impl Desk {
         }
     }
 
-    /// A call that may come; whether it is a new one.
+    /// Adds a possible call; returns whether it is new.
     pub fn ask(&mut self, task: usize, values: Vec<Real>) -> (usize, bool) {
         let key = (task, values);
         if let Some(known) = self.asked.get(&key) {
@@ -89,7 +89,7 @@ impl Desk {
         (index, true)
     }
 
-    /// Tries one call in one state: which call, and the steps it took. `None` when all were tried.
+    /// Tries one call in one state; returns the call and the steps used. `None` if all were tried.
     pub fn try_next(&mut self, tasks: &[Task]) -> Option<(usize, usize, u64)> {
         let (state, call) = self.open.pop_front()?;
         let task = &tasks[self.calls[call].task];
@@ -154,12 +154,12 @@ impl Desk {
         (state, Ok(answer), steps)
     }
 
-    /// How many states calls can lead to.
+    /// Number of states that calls can lead to.
     pub fn states(&self) -> usize {
         self.states.len()
     }
 
-    /// The calls that lead to a state, from the first on.
+    /// The calls that lead to a state, in order.
     pub fn way_to(&self, mut state: usize) -> Vec<usize> {
         let mut calls = Vec::new();
         while let Some((from, call)) = self.before[state] {
@@ -170,8 +170,8 @@ impl Desk {
         calls
     }
 
-    /// How many steps an operation takes that does not end within the machine's limit, if it ends
-    /// within many times that.
+    /// Number of steps taken by an operation that exceeds the machine's limit, if it ends within
+    /// many times that limit.
     pub fn steps_needed(&self, state: usize, task: &Task, call: &Call, most: u64) -> Option<u64> {
         let mut machine = self.interpreter.machine().clone();
         machine.step_limit = machine.step_limit.saturating_mul(1000).min(most);

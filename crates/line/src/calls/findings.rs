@@ -1,7 +1,7 @@
-//! What goes wrong with the parts of a line, in words, with the way of the part as evidence.
+//! Findings about the parts of a line, in words, with the way of the part as evidence.
 
 use super::desk::Refusal;
-use super::walk::{Choice, Misfit, Stage, Vertex, Walk};
+use super::walk::{Choice, RangeViolation, Stage, Vertex, Walk};
 use super::{Calls, machine_of};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Formula;
@@ -10,10 +10,10 @@ use linewright_language::contract::machine::{Component, Machine};
 use linewright_station::{ErrorCode, messages};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum operations, or changes of values, that are listed on the way to a mistake.
+/// Maximum number of operations or value changes listed on the way to a mistake.
 const MOST_TOLD: usize = 8;
 
-/// Adds what was found.
+/// Adds all findings.
 pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
     let writer = Writer {
         walk,
@@ -31,7 +31,7 @@ pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
     }
 }
 
-/// The vertices that some part certainly comes to if the line goes on: nothing on the way there
+/// The vertices that some part certainly reaches if the line keeps running: nothing on the way
 /// depends on what is left open.
 fn certain(walk: &Walk<'_>) -> Vec<bool> {
     let mut certain = vec![false; walk.vertices.len()];
@@ -53,11 +53,11 @@ fn certain(walk: &Walk<'_>) -> Vec<bool> {
     certain
 }
 
-/// How many vertices are on the way to each.
+/// Number of vertices on the way to each vertex.
 fn depth(walk: &Walk<'_>) -> Vec<usize> {
     let mut depth = Vec::with_capacity(walk.vertices.len());
     for vertex in &walk.vertices {
-        // What a vertex was reached by is older.
+        // The vertex by which another was reached is older.
         depth.push(vertex.before.map_or(1, |before| depth[before] + 1));
     }
     depth
@@ -78,8 +78,8 @@ impl Writer<'_> {
         &self.line().nodes[node].name
     }
 
-    /// One finding for each operation and thing that is wrong: the most certain, and then the one
-    /// with the shortest way.
+    /// One finding per operation and kind of problem: the most certain, then the one with the
+    /// shortest way.
     fn refusals(&self, node: usize, findings: &mut Vec<Diagnostic>) {
         let (Some(machine), Some(desk)) = (machine_of(self.line(), node), &self.walk.desks[node])
         else {
@@ -196,7 +196,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The operations that are asked for up to a refusal.
+    /// The operations called up to a refusal.
     fn operations<'m>(
         &self,
         node: usize,
@@ -236,7 +236,7 @@ impl Writer<'_> {
         }
     }
 
-    fn misfit(&self, misfit: &Misfit, vertex: &Vertex) -> Diagnostic {
+    fn misfit(&self, misfit: &RangeViolation, vertex: &Vertex) -> Diagnostic {
         let node = &self.line().nodes[vertex.node];
         let part = &self.line().parts[vertex.part];
         let property = &part.properties[misfit.property];
@@ -299,8 +299,8 @@ impl Writer<'_> {
                 v.stage == Stage::Leaves && (v.node, v.part) == (route.from, route.part)
             };
             let is_stranded = |at: &usize| leaves(&self.walk.vertices[*at]);
-            // What is left over may be nothing, unless a station is there for it alone; and where
-            // no part comes at all, something before is told.
+            // A catch-all route may get no parts, unless a station exists only for it; if no part
+            // comes at all, the cause is reported further upstream.
             let is_net = route.condition.is_none() && !self.is_idle_station(route.to);
             if calls.taken[index]
                 || is_net
@@ -327,7 +327,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Stores that have routes for parts of a type and never any to give.
+    /// Stores that have routes for parts of a type but never any part to give.
     fn empty_stores(&self, calls: &mut Calls) {
         let line = self.line();
         for (node, declared) in line.nodes.iter().enumerate() {
@@ -358,13 +358,13 @@ impl Writer<'_> {
         }
     }
 
-    /// Whether a node is a station to which no part ever comes.
+    /// Whether a node is a station that no part ever reaches.
     fn is_idle_station(&self, node: usize) -> bool {
         let is_station = matches!(self.line().nodes[node].kind, NodeKind::Station { .. });
         is_station && !self.walk.vertices.iter().any(|v| v.node == node)
     }
 
-    /// The vertices on the way of a part, from where it is made on.
+    /// The vertices on the way of a part, from where it is made.
     fn way(&self, at: usize) -> Vec<usize> {
         let mut way = vec![at];
         while let Some(before) = self.walk.vertices[way[way.len() - 1]].before {
@@ -409,7 +409,7 @@ impl Writer<'_> {
         format!("the way of that part: {}", told.join("; "))
     }
 
-    /// The values of a part, or those of them that are others than before.
+    /// The values of a part, or only those that changed.
     fn values(&self, vertex: &Vertex, before: Option<&Vertex>) -> Vec<String> {
         let properties = self.line().parts[vertex.part].properties.iter().enumerate();
         let changed = |i: &usize| before.is_none_or(|b| b.values[*i] != vertex.values[*i]);
@@ -428,8 +428,8 @@ impl Writer<'_> {
     }
 }
 
-/// Smaller is better: whether it depends on something that is left open, how many calls come
-/// before, how long the part's way is.
+/// Rank of a finding, smallest first: whether it depends on something left open, the number of
+/// calls before it, the length of the part's way.
 type Rank = (bool, usize, usize, usize);
 
 #[derive(Clone, Copy)]
@@ -437,7 +437,7 @@ struct Refused<'a> {
     at: usize,
     call: usize,
     state: usize,
-    /// In whatever state the station is.
+    /// Whether it occurs in every state of the station.
     always: bool,
     refusal: &'a Refusal,
 }
@@ -450,7 +450,7 @@ fn with(values: &[String]) -> String {
     }
 }
 
-/// A message without its numbers, which tells alike mistakes from others.
+/// A message without its numbers, to recognize similar mistakes.
 fn without_numbers(message: &str) -> String {
     message.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
@@ -468,8 +468,8 @@ fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'
     })
 }
 
-/// Operations in order, for a message: `` `left` twice, then `right` ``. Of a long sequence only
-/// the end.
+/// Operations in order, for a message: `` `left` twice, then `right` ``. Only the end of a long
+/// sequence.
 pub fn in_turn(operations: &[&str]) -> String {
     let mut told: Vec<(&str, usize)> = Vec::new();
     for name in operations {

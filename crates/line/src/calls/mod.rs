@@ -1,8 +1,8 @@
-//! What a line asks of its stations: every value that a part can carry to them, every state in
-//! which they can be, and what they answer.
+//! What a line demands of its stations: every value that a part can carry to them, every state in
+//! which they can be, and their answers.
 //!
-//! The proof of a line ([`super::abstraction`]) leaves properties and times out. What it takes for
-//! granted is shown here: that no part is refused, that no value leaves its range, that every part
+//! The proof of a line ([`super::abstraction`]) omits properties and times. What it takes for
+//! granted is proved here: that no part is refused, that no value leaves its range, that every part
 //! has a way onward, and that time passes. `docs/proof.md` has the theorem.
 //!
 //! ```text
@@ -11,21 +11,20 @@
 //!
 //! # How
 //!
-//! A station answers a call as its controllers say, and by nothing else: given its state and the
-//! values of the part, the answer is fixed. So the calls of a line are explored one by one, with
-//! the very interpreter that the station libraries are tested against
-//! ([`linewright_station::interpret`]). The order in which parts come to a station is left open:
-//! every part that can come is tried in every state that calls can lead to (`desk.rs`). Chance
-//! branches. Everything else about times and orders is forgotten, so more is explored than can
-//! happen, and never less.
+//! A station's answer to a call is determined by its controllers, its state and the values of the
+//! part. So the calls of a line are explored one by one, with the same interpreter that the station
+//! libraries are tested against ([`linewright_station::interpret`]). The order in which parts reach
+//! a station is left open: every possible part is tried in every state that calls can lead to
+//! (`desk.rs`). Chance branches. All other information about times and orders is dropped, so the
+//! exploration covers at least everything that can happen.
 //!
-//! - What can be explored within its limits is exact but for the order of parts: a refusal that
-//!   does not depend on the state of the station is an error, one that does is a warning.
-//! - What cannot be is undecided, and the line is not proved.
+//! - What can be explored within the limits is exact except for the order of parts: a refusal that
+//!   does not depend on the station's state is an error, one that does is a warning.
+//! - Anything else is undecided, and the line is not proved.
 //!
-//! Where several routes remain for parts of a type, a proof that all goes on needs each of them to
-//! be taken again and again. Chance sees to that, almost surely, where every part that is made has
-//! a chance to come to that route whatever the stations' states are (`chance.rs`).
+//! If several routes remain for parts of a type, a proof of progress needs each of them to be taken
+//! again and again. Chance guarantees this almost surely if every new part has a chance to reach
+//! the route whatever the stations' states are (`chance.rs`).
 
 mod attractor;
 mod belt;
@@ -41,7 +40,7 @@ pub use findings::in_turn;
 pub use premises::{Premise, premises};
 pub use time::Timeless;
 
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_core::diagnostics::Diagnostic;
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::Machine;
@@ -49,33 +48,33 @@ use linewright_solver::game::Limits;
 use linewright_station::interpret::Interpreter;
 use std::cmp::Ordering;
 
-/// How much is explored.
+/// Bounds of the exploration.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {
-    /// Maximum combinations of values of parts, over all places.
+    /// Maximum number of combinations of part values, over all places.
     pub values: usize,
-    /// Maximum steps of controllers.
+    /// Maximum number of controller steps.
     pub steps: u64,
 }
 
-/// What is known of the calls of a line.
+/// Result of exploring the calls of a line.
 #[derive(Debug, Default)]
 pub struct Calls {
-    /// Parts that are refused, values that leave their range, parts without a way: with any of
-    /// these the line is not proved.
+    /// Refused parts, values out of range, parts without a way: any of these prevents a proof of
+    /// the line.
     pub findings: Vec<Diagnostic>,
-    /// What is odd, and breaks nothing: routes that no part takes.
+    /// Harmless oddities: routes that no part takes.
     pub remarks: Vec<Diagnostic>,
-    /// Stations and belts of which it was not decided whether they refuse a part, each with the
+    /// Stations and belts for which it was not decided whether they refuse a part, each with the
     /// reason.
-    pub undecided: Vec<(usize, Undecided)>,
-    /// By route: whether a part can take it. All are where something was not decided.
+    pub undecided: Vec<(usize, UndecidedReason)>,
+    /// By route: whether a part can take it. All are set if something was not decided.
     pub taken: Vec<bool>,
-    /// By route: whether every part that comes as far as to ask for its condition takes it.
+    /// By route: whether every part for which its condition is evaluated takes it.
     pub always: Vec<bool>,
-    /// By route: whether chance sees to it that it is taken again and again as long as parts come.
+    /// By route: whether chance guarantees that it is taken again and again as long as parts come.
     pub by_chance: Vec<bool>,
-    /// A way on which parts move on and on while no time passes.
+    /// A way on which parts keep moving without time passing.
     pub timeless: Option<Timeless>,
 }
 
@@ -101,7 +100,7 @@ impl Calls {
     }
 }
 
-/// Explores the calls of a line that the resolver has passed. `interpreter` gives the machine of a
+/// Explores the calls of a line accepted by the resolver. `interpreter` returns the machine of a
 /// station with its controllers; without one nothing is known of that station.
 pub fn examine(
     line: &Line,
@@ -128,7 +127,7 @@ pub fn examine(
     calls
 }
 
-/// A number that a part carries, with an order.
+/// A number carried by a part, with a total order.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Real(pub f64);
 
@@ -152,17 +151,17 @@ impl Ord for Real {
     }
 }
 
-/// The numbers as they are.
+/// Converts to plain numbers.
 fn plain(numbers: &[Real]) -> Vec<f64> {
     numbers.iter().map(|n| n.0).collect()
 }
 
-/// The numbers with their order.
+/// Converts to ordered numbers.
 fn ordered(numbers: &[f64]) -> Vec<Real> {
     numbers.iter().map(|n| Real(*n)).collect()
 }
 
-/// Whether a route is the only one for its part from where it begins.
+/// Whether a route is the only one for its part from its starting node.
 fn is_alone(line: &Line, route: usize) -> bool {
     let of = |r: &linewright_language::contract::line::Route| (r.from, r.part);
     let rivals = line

@@ -1,19 +1,20 @@
-//! What the proof of a line takes for granted of the world around it, by name.
+//! Premises: what the proof of a line takes for granted of the world around it.
 
 use super::Calls;
 use crate::abstraction::Shape;
 use linewright_language::contract::line::{Line, NodeKind, Supply};
 
-/// Something that a proof rests on and that the line itself does not show.
+/// A premise of a proof that the line itself does not establish.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Premise {
-    /// The name: `stock_of_Brick_at_warehouse`.
+    /// Name, such as `stock_of_Brick_at_warehouse`.
     pub name: String,
-    /// In words: `the stock of Brick at warehouse does not run out`.
+    /// In words, such as `the stock of Brick at warehouse does not run out`.
     pub text: String,
 }
 
-/// The premises of a line, of which `calls` are known. The line is the one that the user wrote.
+/// The premises of a line, given the result of exploring its calls. The line is the one that the
+/// user wrote.
 pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     let mut found = Vec::new();
     for (node, declared) in line.nodes.iter().enumerate() {
@@ -53,7 +54,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
     found
 }
 
-/// Stock is finite, and what a store gives out of what came to it need not come again.
+/// Stock is finite, and what a store gives out of its received parts need not come again.
 fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
     let store = &line.nodes[node].name;
     for (part, kind) in line.parts.iter().enumerate() {
@@ -78,8 +79,8 @@ fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
     }
 }
 
-/// A source on order makes as many parts as the wanted products need. Where one of them leaves the
-/// line otherwise, and is not ordered again, some product lacks it.
+/// A source on order makes as many parts as the wanted products need. If one of them leaves the
+/// line otherwise and is not ordered again, some product lacks it.
 fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Premise> {
     let contents = Shape::contents(line);
     if contents[line.product][part] == 0 {

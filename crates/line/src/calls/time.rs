@@ -1,14 +1,13 @@
-//! Whether parts can move on and on at one instant.
+//! Determines whether parts can keep moving at one instant.
 //!
-//! It takes no time to move, to lie in a buffer or a store, and to be worked on where that work is
-//! shorter than [`SHORTEST_SECONDS`]. Such ways are followed with the values of parts, so that a
-//! part which goes round three times and then leaves is no circle. Parts move for ever at one
-//! instant
+//! Moving, waiting in a buffer or a store, and work shorter than [`SHORTEST_SECONDS`] take no time.
+//! Such ways are followed with the values of parts, so that a part that goes round three times and
+//! then leaves is no circle. Parts move for ever at one instant
 //!
-//! - on a circle of such ways, and
+//! - on a circle of such ways, or
 //! - where a source that always has another part leads to a sink or a store by such ways alone,
-//!   since neither is ever full. The stock of a store comes to an end. What is joined comes as
-//!   often as the slowest of its components.
+//!   since neither is ever full. The stock of a store is finite. A joined part comes as often as
+//!   the slowest of its components.
 
 use super::attractor::attractor;
 use super::walk::{Stage, Vertex, Walk};
@@ -16,37 +15,36 @@ use linewright_language::contract::SHORTEST_SECONDS;
 use linewright_language::contract::line::NodeKind;
 use std::collections::BTreeSet;
 
-/// A way on which parts move on and on while no time passes.
+/// A way on which parts keep moving without time passing.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Timeless {
-    /// The node where it begins.
+    /// Start node.
     pub from: usize,
-    /// The node where it ends: the same one for a circle.
+    /// End node; the same as the start for a circle.
     pub to: usize,
-    /// Whether a part on it is never on any other way; otherwise values, chance or the order of
+    /// Whether a part on it never takes any other way; otherwise values, chance or the order of
     /// parts may lead to where time passes.
     pub always: bool,
-    /// Stations that may work on a part without any time passing.
+    /// Stations that may work on a part without time passing.
     pub stations: Vec<usize>,
 }
 
-/// What happens to a part next.
+/// A next step of a part.
 struct Edge {
     to: usize,
-    /// Whether it can happen without any time passing.
+    /// Whether it can happen without time passing.
     free: bool,
     /// Whether it never takes time.
     always_free: bool,
 }
 
-/// The graph of a walk, with what takes time.
+/// The graph of a walk, with its durations.
 struct Timed<'a> {
     walk: &'a Walk<'a>,
     edges: Vec<Vec<Edge>>,
 }
 
-/// A way on which no time passes, if there is one among the parts of the walk. Linear in its edges,
-/// but for joined parts.
+/// Finds a way on which no time passes. Linear in the edges of the walk, except for joined parts.
 pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
     let all = 0..walk.vertices.len();
     let timed = Timed {
@@ -63,7 +61,7 @@ pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
     })
 }
 
-/// The times of the answers to a call.
+/// Durations of the answers to a call.
 fn seconds(walk: &Walk<'_>, node: usize, call: usize) -> impl Iterator<Item = f64> {
     let desk = walk.desks[node].iter();
     let answers = desk.flat_map(move |d| d.calls[call].answers.values());
@@ -104,8 +102,8 @@ impl Timed<'_> {
         &self.walk.vertices[at]
     }
 
-    /// A circle: what is left when vertices without a way onward, or without one that leads to
-    /// them, are taken away again and again.
+    /// Finds a circle: what is left after repeatedly removing vertices without outgoing or without
+    /// incoming edges.
     fn circle(&self) -> Option<(usize, usize, bool)> {
         let count = self.edges.len();
         let mut before = vec![Vec::new(); count];
@@ -139,7 +137,7 @@ impl Timed<'_> {
         Some((node, node, caught.contains(&true)))
     }
 
-    /// From a source without an end to what is never full.
+    /// Finds a way from an endless source to a place that is never full.
     fn endless(&self) -> Option<(usize, usize, bool)> {
         let is_end = |at: usize| {
             let vertex = self.vertex(at);
@@ -182,7 +180,7 @@ impl Timed<'_> {
         }
     }
 
-    /// Whether all components of what is joined have come.
+    /// Whether all components of a joined part have come.
     fn is_complete(&self, at: usize, origin: &[Option<usize>]) -> bool {
         let joined = self.vertex(at);
         let bill = &self.walk.line.parts[joined.part].bill;
@@ -196,8 +194,8 @@ impl Timed<'_> {
             })
     }
 
-    /// Of these vertices those from which no part comes to where time passes, nor out of them, but
-    /// at an end.
+    /// Those of the given vertices from which parts neither reach a place where time passes, nor
+    /// leave the set except at an end.
     fn never_out_of(&self, there: &[bool], is_end: impl Fn(usize) -> bool) -> Vec<bool> {
         let takes_time = |at: usize| {
             let edges = &self.edges[at];

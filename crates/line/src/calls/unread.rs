@@ -1,11 +1,10 @@
-//! Properties on which nothing depends: no condition, no range, no time and no controller reads
-//! them, be it by way of others.
+//! Properties that nothing depends on: no condition, range, time or controller reads them, not even
+//! indirectly.
 //!
-//! Such a property may take any number of values (a count of the rounds that a part was reworked),
-//! so their values are not followed one by one. All that has to be shown is that they stay finite.
-//! That is an induction: from values within ±[`BOUND`] every change leads to values within it, in
-//! the arithmetic of doubles. Where the induction fails, the property is followed as the others
-//! are.
+//! Such a property may take any number of values (a count of rework rounds), so its values are not
+//! followed one by one. It only has to be shown that they stay finite, by induction: from values
+//! within ±[`BOUND`] every change leads to values within it, in the arithmetic of doubles. If the
+//! induction fails, the property is followed like the others.
 
 use linewright_language::contract::line::{InitialValue, Line, NodeKind, Task};
 use linewright_language::contract::machine::{
@@ -13,7 +12,7 @@ use linewright_language::contract::machine::{
 };
 use std::collections::BTreeSet;
 
-/// Large enough that what adds to a value is lost in its rounding long before.
+/// So large that increments are lost in rounding long before a value reaches it.
 const BOUND: f64 = 1e300;
 
 /// By part type and property: whether nothing depends on it.
@@ -29,25 +28,25 @@ pub(super) fn unread(line: &Line) -> Vec<Vec<bool>> {
         .collect()
 }
 
-/// A number that changes: a property of a part type, or of a machine while it does a task.
+/// A number that changes: a property of a part type, or of a machine during a task.
 type Slot = usize;
 
-/// What a slot may get.
+/// A value that a slot may receive.
 enum Value<'a> {
     Number(f64),
     Copy(Slot),
-    /// Over these slots, and the wires of the machine.
+    /// Computed from these slots and the wires of the machine.
     Computed(&'a RealExpr, Vec<Slot>, Option<&'a Machine>),
 }
 
-/// All slots, and what they may get.
+/// All slots, with the values that they may receive.
 struct Flows<'a> {
     /// By part type, its first slot.
     first: Vec<Slot>,
     changes: Vec<(Slot, Value<'a>)>,
     /// Slots that are read.
     read: BTreeSet<Slot>,
-    /// By slot, its values where these are known beforehand: it only ever gets numbers, or has the
+    /// By slot, its range if it is known in advance: the slot only receives constants, or has the
     /// range of a part's property.
     ranges: Vec<Option<Interval>>,
 }
@@ -129,7 +128,7 @@ impl<'a> Flows<'a> {
             let part = self.first[task.part] + carried;
             self.changes.push((slot, Value::Copy(part)));
             self.changes.push((part, Value::Copy(slot)));
-            // A part whose value is outside its range is not worked on.
+            // A part with a value outside its range is not worked on.
             let domain = &line.parts[task.part].properties[carried].domain;
             let is_written = machine.writes.iter().any(|(written, _)| *written == m);
             self.ranges[slot] = domain.as_ref().filter(|_| !is_written).map(Interval::of);
@@ -165,8 +164,8 @@ impl<'a> Flows<'a> {
         });
     }
 
-    /// Slots whose values have to be known: those that are read, those that may leave the bound,
-    /// and those that these depend on.
+    /// Slots whose values are needed: those that are read, those that may leave the bound, and
+    /// those that these depend on.
     fn needed(&self) -> BTreeSet<Slot> {
         let mut needed = self.read.clone();
         loop {
@@ -220,7 +219,7 @@ impl<'a> Flows<'a> {
         self.ranges[slot].unwrap_or(otherwise)
     }
 
-    /// The ranges of slots that only ever get numbers.
+    /// Ranges of slots that only receive constants.
     fn constants(&mut self) {
         let mut hulls: Vec<Option<Interval>> = vec![None; self.ranges.len()];
         let mut changing = vec![false; self.ranges.len()];
@@ -244,8 +243,8 @@ impl<'a> Flows<'a> {
     }
 }
 
-/// Finite numbers from `low` to `high`, as doubles are added and multiplied. That of whole numbers
-/// is [`linewright_core::gr1::interval`].
+/// Finite numbers from `low` to `high`, with the arithmetic of doubles.
+/// [`linewright_core::gr1::interval`] is the counterpart for integers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Interval {
     low: f64,
@@ -262,7 +261,7 @@ impl Interval {
         high: 1.0,
     };
 
-    /// `None` where a bound is not finite.
+    /// Creates an interval; `None` if a bound is not finite.
     fn new(low: f64, high: f64) -> Option<Self> {
         (low.is_finite() && high.is_finite()).then_some(Self { low, high })
     }
@@ -274,7 +273,7 @@ impl Interval {
         }
     }
 
-    /// The smallest one with both.
+    /// The smallest interval that contains both.
     fn with(self, other: Self) -> Self {
         Self {
             low: self.low.min(other.low),
@@ -282,7 +281,8 @@ impl Interval {
         }
     }
 
-    /// The smallest one with these results of a function that is monotone in each operand.
+    /// The smallest interval that contains all results of a function that is monotone in each
+    /// operand.
     fn corners(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Option<Self> {
         let ends = [
             f(self.low, other.low),
@@ -310,8 +310,8 @@ impl Interval {
         )
     }
 
-    /// All values of an expression; `None` where one may not be finite. Rounding is monotone, so
-    /// the ends decide.
+    /// Range of an expression; `None` if a value may not be finite. Rounding is monotone, so
+    /// evaluating the ends suffices.
     fn eval(
         value: &RealExpr,
         property: &impl Fn(usize) -> Self,

@@ -1,39 +1,38 @@
-//! The parts of a line and their values, from where they are made to where they leave.
+//! The parts of a line and their values, from creation to exit.
 //!
 //! A vertex is a part type at a place with certain values. An edge is what happens to the part
-//! next; where there are several, either chance decides ([`Choice::Chance`]), or something that is
-//! left open here: the state of a station, which part comes first, what is joined with what
-//! ([`Choice::Open`]).
+//! next. If there are several, the choice is up to chance ([`Choice::Chance`]) or left open here
+//! ([`Choice::Open`]): the state of a station, which part comes first, what is joined with what.
 
-use super::desk::{Answer, Desk, Refusal};
+use super::desk::{Answer, Refusal, StationModel};
 use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
-use crate::undecided::Undecided;
+use crate::undecided::UndecidedReason;
 use linewright_language::contract::line::{Defect, InitialValue, Line, NodeKind, Task};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::Limits;
 use linewright_station::interpret::Interpreter;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Where a part is.
+/// Stage of a part at a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stage {
-    /// It comes to the node.
+    /// Arrives at the node.
     Comes,
-    /// It is joined there, and about to be worked on.
+    /// Has been joined there and is about to be worked on.
     Joined,
-    /// The station's work on it is done; defects come next.
+    /// The station has finished work on it; defects come next.
     Served,
-    /// It is about to leave the node.
+    /// Is about to leave the node.
     Leaves,
 }
 
-/// Who decides which edge is taken.
+/// How the next edge is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Choice {
-    /// Each edge has a chance, independent of everything before.
+    /// By chance, independent of the past.
     Chance,
-    /// Something that is left open here.
+    /// By something that is left open here.
     Open,
 }
 
@@ -46,26 +45,25 @@ pub(super) struct Vertex {
     pub values: Vec<Real>,
     /// The vertex by which it was first reached.
     pub before: Option<usize>,
-    /// What happens next.
+    /// Possible next vertices.
     pub next: BTreeSet<usize>,
     pub choice: Choice,
-    /// The call that it is for its station.
+    /// The call that it makes at its station.
     pub call: Option<usize>,
-    /// The route that it leaves by.
+    /// The route by which it leaves.
     pub route: Option<usize>,
 }
 
-/// A value that is not in the range of its property.
+/// A value outside the range of its property.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Misfit {
-    /// The part that gets it.
+pub(super) struct RangeViolation {
+    /// The part that receives it.
     pub vertex: usize,
-    /// The property.
+    /// Index of the property.
     pub property: usize,
-    /// The value.
+    /// The value itself.
     pub value: f64,
-    /// The defect that gives it; otherwise it was written by the station, or taken over from a
-    /// component.
+    /// The defect that causes it; `None` if the station wrote it, or it came from a component.
     pub defect: Option<usize>,
 }
 
@@ -77,8 +75,8 @@ pub(super) struct Walk<'a> {
     pub vertices: Vec<Vertex>,
     known: BTreeMap<(Stage, usize, usize, Vec<Real>), usize>,
     open: Vec<usize>,
-    /// By node, of stations whose controllers are known.
-    pub desks: Vec<Option<Desk>>,
+    /// By node, for stations whose controllers are known.
+    pub desks: Vec<Option<StationModel>>,
     /// By node and call, the vertices that make it.
     askers: BTreeMap<(usize, usize), Vec<usize>>,
     /// Vertices where parts are made.
@@ -86,10 +84,10 @@ pub(super) struct Walk<'a> {
     /// Parts without a way onward.
     pub stranded: Vec<usize>,
     /// Values outside their ranges.
-    pub misfits: Vec<Misfit>,
-    /// Nodes of which not all is known, and why.
-    pub undecided: Vec<(usize, Undecided)>,
-    /// By part type and property: whether its values are left out, since nothing depends on them.
+    pub misfits: Vec<RangeViolation>,
+    /// Nodes that were not decided completely, with the reason.
+    pub undecided: Vec<(usize, UndecidedReason)>,
+    /// By part type and property: whether its values are omitted, since nothing depends on them.
     pub unread: Vec<Vec<bool>>,
     steps: u64,
 }
@@ -106,9 +104,9 @@ impl<'a> Walk<'a> {
             let known = interpreter(machine);
             if known.is_none() {
                 let why = format!("there is no controller for `{}`", machine.name);
-                undecided.push((node, Undecided::because(why)));
+                undecided.push((node, UndecidedReason::because(why)));
             }
-            known.map(Desk::new)
+            known.map(StationModel::new)
         });
         let desks = desks.collect();
         Self {
@@ -133,7 +131,7 @@ impl<'a> Walk<'a> {
         self.undecided.is_empty()
     }
 
-    /// Explores all that can be reached.
+    /// Explores everything that can be reached.
     pub fn explore(mut self, limits: &Limits) -> Self {
         self.begin();
         loop {
@@ -160,7 +158,7 @@ impl<'a> Walk<'a> {
                     "its calls take more than {} steps to look at",
                     self.bounds.steps
                 );
-                self.undecided.push((node, Undecided::because(why)));
+                self.undecided.push((node, UndecidedReason::because(why)));
                 return self;
             }
             if let Err(limit) = limits.check_time() {
@@ -171,11 +169,11 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Records that there are too many combinations of values to follow them all.
+    /// Records that there are too many combinations of values to follow.
     fn give_up(&mut self, node: usize, what: &str) {
         let most = self.bounds.values;
         let why = format!("{what} more than {most} combinations of values");
-        let undecided = (node, Undecided::because(why));
+        let undecided = (node, UndecidedReason::because(why));
         if !self.undecided.contains(&undecided) {
             self.undecided.push(undecided);
         }
@@ -188,7 +186,7 @@ impl<'a> Walk<'a> {
         states.max().map(|(_, node)| node)
     }
 
-    /// Parts that sources make, and those in stock.
+    /// Adds the parts made by sources and those in stock.
     fn begin(&mut self) {
         for (node, declared) in self.line.nodes.iter().enumerate() {
             let made: Vec<usize> = match &declared.kind {
@@ -220,7 +218,7 @@ impl<'a> Walk<'a> {
         routes.any(|r| r.from == node && r.part == part)
     }
 
-    /// The vertex; a new one is followed later.
+    /// Returns the vertex; a new one is explored later.
     fn reach(
         &mut self,
         stage: Stage,
@@ -286,7 +284,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// By the first route whose condition holds.
+    /// Leaves by the first route whose condition holds.
     fn leave(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
@@ -318,7 +316,7 @@ impl<'a> Walk<'a> {
 
     fn come_to_station(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
-        // As the station's own rules say (`plant/station.rs`).
+        // Follows the station's own rules (`plant/station.rs`).
         let comes = |kind: usize| {
             let mut routes = self.line.routes.iter();
             routes.any(|r| r.to == node && r.part == kind)
@@ -348,7 +346,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A component has come: all that it can be joined into.
+    /// A component has arrived: adds everything that it can be joined into.
     fn join(&mut self, at: usize, task: usize) {
         let Vertex {
             node,
@@ -357,7 +355,7 @@ impl<'a> Walk<'a> {
         } = self.vertices[at];
         let made = self.tasks(node)[task].part;
         let declared = &self.line.parts[made];
-        // Only the first component of a type gives its values.
+        // Only the first component of a type passes on its values.
         let mut sites: Vec<(usize, Vec<usize>)> = Vec::new();
         for (kind, count) in &declared.bill {
             let there = self.vertices.iter().enumerate().filter(|(index, v)| {
@@ -399,17 +397,17 @@ impl<'a> Walk<'a> {
             for from in chosen {
                 self.vertices[from].next.insert(joined);
             }
-            // A component of several may give nothing to the whole.
+            // One of several components may pass nothing on to the joined part.
             self.vertices[at].next.insert(joined);
         }
     }
 
-    /// A part is worked on.
+    /// A part calls the station.
     fn ask(&mut self, at: usize, task: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
         if let Some(property) = self.line.parts[part].misfit(&values) {
-            self.misfits.push(Misfit {
+            self.misfits.push(RangeViolation {
                 vertex: at,
                 property,
                 value: values[property],
@@ -443,7 +441,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Tries calls of all stations, until one is answered in a new way. Whether there was one to
+    /// Tries calls of all stations until there is a new answer. Returns whether there was a call to
     /// try.
     fn serve(&mut self) -> bool {
         let mut tried = false;
@@ -486,7 +484,7 @@ impl<'a> Walk<'a> {
         self.connect(at, Stage::Served, node, part, values);
     }
 
-    /// Chance gives the part a defect, or not.
+    /// Gives the part a defect or not, by chance.
     fn defects(&mut self, at: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
@@ -500,7 +498,7 @@ impl<'a> Walk<'a> {
             wrong.push((property, values[property], None));
             outcomes.clear();
         }
-        // Values between two defects may be anything; what the part leaves with may not.
+        // Values between two defects are not restricted; those with which the part leaves are.
         for defect in defects.iter().filter(|d| d.part == part) {
             let mut then = BTreeSet::new();
             for values in &outcomes {
@@ -525,16 +523,18 @@ impl<'a> Walk<'a> {
                 }
             }
         }
-        let wrong = wrong.into_iter().map(|(property, value, defect)| Misfit {
-            vertex: at,
-            property,
-            value,
-            defect,
-        });
+        let wrong = wrong
+            .into_iter()
+            .map(|(property, value, defect)| RangeViolation {
+                vertex: at,
+                property,
+                value,
+                defect,
+            });
         self.misfits.extend(wrong);
     }
 
-    /// Which routes are taken, and which of them always.
+    /// Determines which routes are taken, and which of them always.
     pub fn routes(&self, calls: &mut Calls) {
         let taken: BTreeSet<usize> = self.vertices.iter().filter_map(|v| v.route).collect();
         for (index, route) in self.line.routes.iter().enumerate() {
@@ -549,7 +549,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// The refusals of a station: of each call, and in which states.
+    /// Refused calls of a station, with the states in which they are refused.
     pub fn refusals(&self, node: usize) -> Vec<(usize, usize, &Refusal)> {
         let calls = self.desks[node].iter().flat_map(|d| &d.calls).enumerate();
         let refused = calls.flat_map(|(call, c)| {
@@ -559,7 +559,7 @@ impl<'a> Walk<'a> {
         refused.collect()
     }
 
-    /// For every vertex, those of which it is next.
+    /// Predecessors of each vertex.
     pub fn before(&self) -> Vec<Vec<usize>> {
         let mut before = vec![Vec::new(); self.vertices.len()];
         for (from, vertex) in self.vertices.iter().enumerate() {
@@ -576,7 +576,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// What a part may leave with, as far as one defect goes.
+/// The values with which a part may leave after one defect.
 fn with_defect(defect: &Defect, values: &[Real]) -> Vec<Vec<Real>> {
     let may_be_spared = defect.probability < 1.0 || defect.properties.is_empty();
     let mut outcomes = Vec::new();

@@ -1,62 +1,60 @@
-//! Conveyors with a contract: their controller is stepped, and the runner moves the parts as its
-//! outputs say.
+//! Conveyors with a contract: the runner steps their controller and moves the parts as its outputs
+//! say.
 //!
-//! A belt is a Moore machine: `s[i]` and `ready` of a step tell the state before that step's inputs
-//! take effect. Once every pitch/speed seconds the runner gives it `load` (a part waits to come on)
-//! and `unload_ready` (the next node would take the first part), and reads its outputs. The
-//! occupied places must be as many as the parts that the runner holds, and no part may have moved
-//! backwards, else a part was lost or doubled. Then a part comes off where `unload_ready` met an
-//! occupied last place, and one comes on where `load` met `ready`.
+//! A belt is a Moore machine: `s[i]` and `ready` of a step describe the state before that step's
+//! inputs take effect. Every pitch/speed seconds the runner sets `load` (a part waits to come on)
+//! and `unload_ready` (the next node would take the first part), and reads the outputs. The number
+//! of occupied places must equal the number of parts that the runner holds, and no part may have
+//! moved backward; otherwise a part was lost or doubled. Then a part comes off if `unload_ready`
+//! met an occupied last place, and one comes on if `load` met `ready`.
 //!
-//! A belt whose outputs have not changed for a while, under unchanged inputs, is no longer stepped,
-//! so that a line in which nothing can move has an empty calendar; a neighbour that has something
-//! new for it wakes it, at the next multiple of its period. It is given as many more steps as it
-//! has places before that, because a controller may go through hidden states.
+//! A belt whose outputs have not changed for a while under unchanged inputs is no longer stepped,
+//! so that a line in which nothing can move has an empty calendar. A change at a neighbor wakes it
+//! at the next multiple of its period. Before it sleeps, it gets as many more steps as it has
+//! places, because a controller may go through hidden states.
 //!
-//! One belt can hand over only in its own step and take only in its own step, so there is a place
-//! between two belts. Whose turn it is at the next node is decided as for all others; see
-//! `flow.rs`.
+//! A belt can hand over and take parts only in its own step, so there is a place between two belts.
+//! Turns at the next node are decided as for all other nodes; see `flow.rs`.
 
 use super::{BELT, Event, Place, Run};
 use crate::plant::part::PartIndex;
-use crate::trace::{End, What};
+use crate::trace::{End, EventKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Belt, NodeKind};
 use linewright_language::contract::machine::PlantSource;
 use std::collections::VecDeque;
 
-/// What is on a belt, and what its controller last said.
+/// Parts on a belt, and the last outputs of its controller.
 #[derive(Debug)]
 pub(super) struct BeltState {
-    /// The parts, the first to leave in front, with their places; `None` for one that has just come
-    /// on.
+    /// Parts with their places, the first to leave in front; `None` for one that has just come on.
     pub held: VecDeque<(PartIndex, Option<usize>)>,
-    /// A part handed over by another belt, not yet on this one, and when it came, as a running
-    /// number.
+    /// A part handed over by another belt and not yet on this one, with the sequence number of its
+    /// arrival.
     pub inlet: Option<(PartIndex, u64)>,
-    /// The plant's wires.
+    /// Values of the plant's wires.
     plant: Vec<i64>,
-    /// What plant wires other than the two of the belt are, by the properties' defaults.
+    /// Constant values of plant wires other than the belt's own two, from the properties' defaults.
     constants: Vec<Option<i64>>,
     outputs: Vec<i64>,
     last_outputs: Vec<i64>,
     last_inputs: (bool, bool),
-    /// Steps made.
+    /// Number of steps made.
     steps: u64,
-    /// The multiple of the period at which it is stepped next.
+    /// Multiple of the period at which it is stepped next.
     tick: u64,
     ticking: bool,
-    /// Steps in a row in which nothing changed.
+    /// Number of successive steps without a change.
     quiet: u32,
-    /// A part came on or off in the last step.
+    /// Whether a part came on or off in the last step.
     handed: bool,
-    /// Steps in which it was the first part's turn, and it was not handed over.
+    /// Number of steps in which it was the first part's turn and it was not handed over.
     kept: usize,
     pub moving_seconds: f64,
     pub carried: u64,
 }
 
-/// Who would come on next.
+/// The part that would come on next.
 #[derive(Clone, Copy)]
 enum Next {
     Inlet(PartIndex),
@@ -105,7 +103,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The declaration of a belt, and its period.
+    /// Declaration and period of a belt.
     fn belt_declared(&self, node: usize) -> Option<(&'a Belt, f64)> {
         match &self.line.nodes[node].kind {
             NodeKind::Conveyor {
@@ -118,7 +116,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// A neighbour has something new: the belt is stepped again.
+    /// Steps the belt again because a neighbor has changed.
     pub(super) fn wake(&mut self, node: usize) {
         let now = self.now;
         let Some((_, period)) = self.belt_declared(node) else {
@@ -163,8 +161,8 @@ impl<'a> Run<'a> {
             return;
         };
         if let Err(error) = controller.step(&belt.plant, &mut belt.outputs) {
-            // The step changed nothing and would break the same rule again: it is tried when a
-            // neighbour has changed.
+            // The step changed nothing and would break the same rule again: it is retried when a
+            // neighbor has changed.
             belt.ticking = false;
             self.violate(node, None, error);
             self.ask(node, outlet);
@@ -250,8 +248,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Whether the next node would take the first part; true where there is none, for then nothing
-    /// stands in its way.
+    /// Whether the next node would take the first part; true if there is no part, since then
+    /// nothing is in its way.
     fn unload_ready(&mut self, node: usize, outlet: usize) -> bool {
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return true;
@@ -266,7 +264,8 @@ impl<'a> Run<'a> {
         self.admits(to, self.parts[part].kind, node) && !self.others_first(to, Some(outlet))
     }
 
-    /// Who would come on: what another belt handed over, or who waits, whichever came first.
+    /// The part that would come on: the one handed over by another belt or the first waiting one,
+    /// whichever came first.
     fn next_on(&self, node: usize) -> Option<Next> {
         let Place::Belt(belt) = &self.places[node] else {
             return None;
@@ -292,8 +291,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Gives the parts the places that the controller says are occupied: whether any has moved, or
-    /// what is wrong.
+    /// Assigns the parts to the occupied places that the controller reports. Returns whether any
+    /// has moved, or an error.
     fn compare(&mut self, node: usize, occupied: &[usize]) -> Result<bool, String> {
         let held = self.belt(node).held.len();
         if occupied.len() != held {
@@ -325,13 +324,13 @@ impl<'a> Run<'a> {
             if before != Some(place) {
                 moved = true;
                 self.belt(node).held[position].1 = Some(place);
-                self.record(node, Some(part), What::Place(place as u32));
+                self.record(node, Some(part), EventKind::Place(place as u32));
             }
         }
         Ok(moved)
     }
 
-    /// The first part waits for its next node from now on, if it does not yet.
+    /// Registers that the first part waits for its next node, if it does not already.
     fn ask(&mut self, node: usize, outlet: usize) {
         if self.outlets[outlet].part.is_some() {
             return;
@@ -346,7 +345,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The first part had its turn at the next node and did not come: those behind it go first.
+    /// The first part had its turn at the next node and did not go: those behind it go first.
     fn decline(&mut self, node: usize, outlet: usize) {
         self.belt(node).kept = 0;
         let Some(to) = self.outlets[outlet].to else {
@@ -357,7 +356,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The first part comes off.
+    /// Removes the first part from the belt.
     fn unload(&mut self, node: usize, outlet: usize) {
         let Some(&(part, _)) = self.belt(node).held.front() else {
             return;
@@ -372,21 +371,21 @@ impl<'a> Run<'a> {
                 .of_mut(to)
                 .retain(|request| request.outlet != outlet);
             self.transfer(outlet);
-            // Those behind it in the queue stood back for it.
+            // Parts behind it in the queue gave way to it.
             self.look_at(to);
         }
     }
 
-    /// The first part has come off.
+    /// Updates the belt after the first part has left.
     pub(super) fn belt_left(&mut self, node: usize) {
         let belt = self.belt(node);
         belt.held.pop_front();
         belt.carried += 1;
     }
 
-    /// A part comes on, or into the place before the belt where it comes from another one.
+    /// A part comes on, or, if it comes from another belt, into the place before the belt.
     pub(super) fn belt_arrival(&mut self, from: usize, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         if matches!(self.places[from], Place::Belt(_)) {
             let order = self.queues.next_number();
             self.belt(node).inlet = Some((part, order));

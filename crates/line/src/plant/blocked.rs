@@ -1,9 +1,9 @@
-//! Why a line stands still: who waits for whom, followed until it closes in a circle or ends at
-//! what will never come.
+//! Explains why a line stands still: follows who waits for whom until a circle closes or the chain
+//! ends at something that will never come.
 //!
 //! A part at an outlet waits for one node, so each waiting node has one successor: the node it
-//! waits for; for a station that lacks a component the node that holds one, or makes it. Following
-//! the successors from every outlet in order finds a circle where there is one.
+//! waits for; for a station that lacks a component, the node that holds or makes one. Following the
+//! successors from every outlet in order finds a circle if there is one.
 
 use super::{Place, Run};
 use crate::plant::part::PartIndex;
@@ -11,23 +11,23 @@ use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{NodeKind, Supply};
 
-/// Why one node does not go on, and the node that this is due to.
+/// Why a node does not proceed, and the node that causes this.
 struct Reason {
     text: String,
     next: Option<usize>,
 }
 
-/// A chain of reasons from some node.
+/// A chain of reasons starting at some node.
 struct Chain {
     nodes: Vec<usize>,
     texts: Vec<String>,
-    /// The last one waits for the first.
+    /// Whether the last node waits for the first.
     circle: bool,
 }
 
 impl Run<'_> {
-    /// Nothing will happen any more: a finding, unless the run was only to last for some time and
-    /// everything is done.
+    /// Nothing will happen any more: adds a finding, unless the run was only limited in time and
+    /// all work is done.
     pub(super) fn stand_still(&mut self) -> End {
         let chain = self.chain();
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
@@ -84,7 +84,7 @@ impl Run<'_> {
         End::Blocked
     }
 
-    /// Nothing happens any more but that shifts begin and end.
+    /// Only shifts begin and end from now on.
     fn wait_until(&mut self, horizon: f64) {
         let rest = horizon - self.now;
         let worked = self.line.shift.map_or(rest, |shift| {
@@ -98,7 +98,7 @@ impl Run<'_> {
         self.now = horizon;
     }
 
-    /// How many rejected parts were not ordered again, if any.
+    /// Message on the number of rejected parts that were not ordered again, if any.
     fn not_replaced(&self) -> String {
         match self
             .counters
@@ -126,12 +126,12 @@ impl Run<'_> {
         }
         match (chain.circle, roomy) {
             (true, Some(node)) => format!(
-                "Keep the circle from filling up: more room in {}, fewer parts let in at a time, or a way out by another \
+                "Keep the cycle from filling up: more room in {}, fewer parts let in at a time, or a way out by another \
                  route.",
                 self.name(node)
             ),
             (true, None) => {
-                "Put a buffer into the circle, or give a part in it a way out by another route.".to_owned()
+                "Put a buffer into the cycle, or give a part in it a way out by another route.".to_owned()
             }
             (false, _) => {
                 "See that what is missing is made or stocked in sufficient number, that rejected parts are ordered \
@@ -141,8 +141,7 @@ impl Run<'_> {
         }
     }
 
-    /// The first circle; otherwise the first chain that ends somewhere; none where no part waits at
-    /// all.
+    /// The first circle; otherwise the first chain that ends somewhere; `None` if no part waits.
     fn chain(&self) -> Option<Chain> {
         let waiting = self
             .outlets
@@ -234,7 +233,7 @@ impl Run<'_> {
         }
     }
 
-    /// Why a component does not come to a station.
+    /// Why a component does not reach a station.
     fn lack(&self, node: usize, kind: usize) -> Reason {
         let start = format!(
             "{} waits for a part of type {}",
@@ -281,7 +280,7 @@ impl Run<'_> {
     /// All parts at a node that have entered the line.
     pub(super) fn held(&self, node: usize) -> Vec<PartIndex> {
         match &self.places[node] {
-            // What these keep at an outlet has not entered.
+            // Parts that these keep at an outlet have not entered the line.
             Place::Source(_) | Place::Sink => Vec::new(),
             Place::Store(store) => store.parts().collect(),
             Place::Station(station) => station.parts().collect(),
@@ -296,7 +295,7 @@ impl Run<'_> {
         }
     }
 
-    /// What became of the sources and stocks of a type, or of all.
+    /// State of the sources and stocks of a type, or of all.
     fn supplies(&self, wanted: Option<usize>) -> String {
         let is = |kind: usize| wanted.is_none_or(|wanted| wanted == kind);
         let mut texts = Vec::new();

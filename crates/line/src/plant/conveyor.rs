@@ -1,31 +1,32 @@
-//! Conveyors without a contract: they accumulate.
+//! Accumulating conveyors, that is, conveyors without a contract.
 //!
-//! No part is moved from place to place. A belt of `n` places and a period of `d` seconds a place
-//! is described exactly by when parts come on and off: a part needs `n d` from end to end, comes
-//! off no sooner than `d` after the one before it (which it was at least a pitch behind), and can
-//! come on when the last one has moved up by a pitch, which takes `d` (it cannot be stopped before,
-//! since fewer than `n` are ahead of it). All parts that had closed up start moving together when
-//! the first leaves.
+//! Parts are not moved from place to place. The times at which parts come on and off describe a
+//! belt of `n` places with a period of `d` seconds per place exactly: a part needs `n d` from end
+//! to end, comes off no sooner than `d` after the one before it (which it followed by at least a
+//! pitch), and can come on when the last one has moved up by a pitch, which takes `d` (it cannot be
+//! stopped before, since fewer than `n` are ahead of it). All parts that had closed up start moving
+//! together when the first leaves.
 
 use super::{Event, Place, Run, WORK};
 use crate::plant::part::PartIndex;
-use crate::trace::What;
+use crate::trace::EventKind;
 use linewright_language::contract::line::NodeKind;
 use std::collections::VecDeque;
 
-/// What is on a conveyor.
+/// State of a conveyor.
 #[derive(Debug, Default)]
 pub(super) struct Conveyor {
-    /// The parts, the first to leave in front, and when each would come to the end with a free way.
+    /// Parts, the first to leave in front, with the time at which each would reach the end if its
+    /// way were free.
     pub parts: VecDeque<(PartIndex, f64)>,
-    /// When the next part can come on.
+    /// Time at which the next part can come on.
     opens: f64,
-    /// When the next part can come off.
+    /// Time at which the next part can come off.
     closes: f64,
-    /// An event for that is entered already: for the first part's arrival, for the first place.
+    /// Whether an event is already scheduled, for the first part's arrival and for the first place.
     arriving: bool,
     reopening: bool,
-    /// Something moves until then; moving time is booked up to `booked`.
+    /// Time until which something moves; moving time is counted up to `booked`.
     moving_until: f64,
     booked: f64,
     moving_seconds: f64,
@@ -33,7 +34,7 @@ pub(super) struct Conveyor {
 }
 
 impl Conveyor {
-    /// Books the time in which something moved.
+    /// Counts the time in which something moved.
     fn book(&mut self, now: f64) {
         self.moving_seconds += (self.moving_until.min(now) - self.booked).max(0.0);
         self.booked = now;
@@ -47,7 +48,7 @@ impl Conveyor {
 }
 
 impl Run<'_> {
-    /// Places and seconds a place.
+    /// Number of places, and seconds per place.
     fn belt_of(&self, node: usize) -> (usize, f64) {
         match self.line.nodes[node].kind {
             NodeKind::Conveyor {
@@ -72,7 +73,7 @@ impl Run<'_> {
     }
 
     pub(super) fn conveyor_arrival(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         let now = self.now;
         let (places, period) = self.belt_of(node);
         let Place::Conveyor(conveyor) = &mut self.places[node] else {
@@ -92,7 +93,7 @@ impl Run<'_> {
         }
     }
 
-    /// The first part, if it has come to the end; otherwise it is waited for.
+    /// Returns the first part if it has reached the end; otherwise schedules its arrival.
     pub(super) fn conveyor_end(&mut self, node: usize) -> Option<PartIndex> {
         let now = self.now;
         let Place::Conveyor(conveyor) = &mut self.places[node] else {
@@ -126,7 +127,7 @@ impl Run<'_> {
         conveyor.parts.pop_front();
         conveyor.carried += 1;
         conveyor.closes = now + period;
-        // What is left moves up by one pitch more than it would have.
+        // The remaining parts move up by one pitch more than they would have.
         conveyor.moving_until = if conveyor.parts.is_empty() {
             now
         } else {
@@ -134,7 +135,7 @@ impl Run<'_> {
         };
     }
 
-    /// Sees to it that those who wait are let on as soon as the first place is free.
+    /// Ensures that waiting parts are let on as soon as the first place is free.
     pub(super) fn reopen_later(&mut self, node: usize) {
         let now = self.now;
         let (places, _) = self.belt_of(node);

@@ -1,33 +1,33 @@
-//! What a run counts: parts, products and their times.
+//! Counters of a run: parts, products and their times.
 
 use crate::statistics::LeadTimes;
 
 /// The counters of one run.
 #[derive(Debug)]
 pub(super) struct Counters {
-    /// End products that are complete, in a sink or in a store.
+    /// Number of complete end products, in a sink or in a store.
     pub products: u64,
-    /// Those of them that lie in a store.
+    /// Number of those that are in a store.
     pub stored: u64,
-    /// When the last end product was complete, in seconds.
+    /// Time at which the last end product was complete, in seconds.
     pub makespan: f64,
-    /// The lead times of the end products.
+    /// Lead times of the end products.
     pub lead_times: LeadTimes,
-    /// Parts that have entered the line.
+    /// Number of parts that have entered the line.
     pub entered: u64,
-    /// Parts that have left the line as they should.
+    /// Number of parts that have left the line as finished.
     pub finished: u64,
-    /// Parts that were joined to others.
+    /// Number of parts that were joined to others.
     pub consumed: u64,
-    /// By type: how many have been made or given out and have not left the line, by themselves or
+    /// By type: number of parts made or given out that have not left the line, whether separate or
     /// joined to others.
     pub in_line: Vec<u64>,
-    /// By type: how many were rejected, and how many were ordered again for them.
+    /// By type: number of rejected parts, and number ordered again for them.
     pub rejects: Vec<(u64, u64)>,
 }
 
 impl Counters {
-    /// Nothing counted yet, for this many part types. `seed` draws the sample of lead times.
+    /// Zero counters for this many part types. `seed` seeds the sample of lead times.
     pub(super) fn new(types: usize, seed: u64) -> Self {
         Self {
             products: 0,
@@ -42,7 +42,8 @@ impl Counters {
         }
     }
 
-    /// An end product that entered at `birth` is complete at `now`; `stored` if it lies in a store.
+    /// Counts an end product that entered at `birth` and is complete at `now`; `stored` if it is in
+    /// a store.
     pub(super) fn count_product(&mut self, now: f64, birth: f64, stored: bool) {
         self.products += 1;
         self.stored += u64::from(stored);

@@ -1,4 +1,4 @@
-//! The end of a run: the books are closed, checked, and become a trace.
+//! The end of a run: closes and checks the accounts, and makes a trace of them.
 
 use super::{Place, Run};
 use crate::metric;
@@ -106,7 +106,7 @@ impl Run<'_> {
         trace
     }
 
-    /// The books, checked against the parts that really are in the line.
+    /// The part counts, checked against the parts that are actually in the line.
     fn count_parts(&self) -> PartCounts {
         let in_progress = (0..self.places.len())
             .flat_map(|node| self.held(node))
@@ -128,7 +128,7 @@ impl Run<'_> {
     }
 }
 
-/// The figures of stations and contracted belts, machine by machine.
+/// Figures of stations and contracted belts per machine.
 fn machines(
     stations: &[StationStatistics],
     conveyors: &[ConveyorStatistics],
@@ -156,8 +156,8 @@ fn machines(
     machines
 }
 
-/// The first station with the greatest share of busy, setup and failed time; none where nothing was
-/// done.
+/// The first station with the greatest share of busy, setup and failed time; `None` if all shares
+/// are 0.
 fn bottleneck(stations: &[StationStatistics]) -> Option<usize> {
     let mut best = None;
     let mut greatest = 0.0;

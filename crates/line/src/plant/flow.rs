@@ -1,49 +1,50 @@
-//! How parts get from node to node: ways, outlets, who may come in, and who is next.
+//! Moves parts from node to node: ways, outlets, admission, and order.
 //!
 //! Each node has an *outlet* for the part that would leave next; a store has one for each type that
-//! leaves it. A part at an outlet has chosen its way. It moves when the next node admits it, or
-//! waits in that node's queue. A node that has lost a part, or may have got one to hand on, is put
-//! on the list of nodes to look at again, until nothing moves any more at this instant.
+//! leaves it. A part at an outlet has chosen its way. It moves when the next node admits it;
+//! otherwise it waits in that node's queue. A node that has lost a part, or may have received one
+//! to hand on, is put on a list of nodes to examine again, until nothing moves any more at this
+//! instant.
 //!
 //! # Turns
 //!
-//! A part that is ready to leave and finds no room is a *request* to the next node, and requests
-//! are numbered as they begin. A belt's part is one from the step in which it was seen at the last
-//! place, and the components of a complete bill are one from the moment at which the last of them
-//! came. **Room is given to the oldest request that the node would take**; a newcomer waits as long
-//! as there is such a one. So none is overtaken by a request that began later.
+//! A part that is ready to leave and finds no room is a *request* to the next node. Requests are
+//! numbered as they begin. A belt's part becomes a request in the step in which it is seen at the
+//! last place, and the components of a complete bill when the last of them arrives. **Room is given
+//! to the oldest request that the node would take**; a newcomer waits as long as there is one. So
+//! no request is overtaken by a later one.
 //!
-//! A belt can hand over only when it is stepped. Once it is its turn it is woken, and the room is
-//! kept for it until then, even if another part could go at once. That must not last for ever,
-//! whatever a controller does: a belt that was stepped with its turn as often as it has places, and
-//! twice more, or that refused such a step, or that falls asleep, and has not handed over, goes to
-//! the end of the queue, and is passed over until something changes at the node. So as long as a
-//! node has room that some request waits for, either it will be looked at, or a belt with its turn
-//! will be stepped, or all who could come have had their turn and did not.
+//! A belt can hand over only when it is stepped. When it is its turn, it is woken, and the room is
+//! reserved until then, even if another part could go at once. This must not last for ever,
+//! whatever a controller does. A belt goes to the end of the queue if it did not hand over in as
+//! many steps with its turn as it has places, plus two, or if it refused such a step, or if it
+//! falls asleep without handing over; it is then passed over until something changes at the node.
+//! So as long as a node has room that some request waits for, either it will be examined, or a belt
+//! with its turn will be stepped, or everyone who could come has had a turn and did not.
 
 use super::part::PartIndex;
 use super::queue::Request;
 use super::{Place, Run};
-use crate::trace::{End, What};
+use crate::trace::{End, EventKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Line, NodeKind};
 use linewright_language::contract::machine::RealExpr;
 use std::ops::Range;
 
-/// Where a node's next part waits to leave.
+/// The point where a node's next part waits to leave.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Outlet {
     /// The node.
     pub node: usize,
-    /// The one part type it is for, at a store.
+    /// At a store, the only part type it serves.
     pub kind: Option<usize>,
     /// The part that would leave.
     pub part: Option<PartIndex>,
-    /// Where to; `None` where no route takes it on.
+    /// Index of the next node; `None` if no route applies.
     pub to: Option<usize>,
 }
 
-/// The routes, by node and part type.
+/// Routes by node and part type.
 pub(super) struct Ways {
     types: usize,
     index: Vec<Range<u32>>,
@@ -74,14 +75,14 @@ impl Ways {
         }
     }
 
-    /// The routes of a part type from a node, in order.
+    /// Routes of a part type from a node, in order.
     pub(super) fn from(&self, node: usize, part: usize) -> &[(usize, Option<RealExpr>)] {
         let range = &self.index[node * self.types + part];
         &self.all[range.start as usize..range.end as usize]
     }
 }
 
-/// The outlets of a line, empty, and the first one of each node.
+/// The empty outlets of a line, and the first one of each node.
 pub(super) fn outlets(line: &Line) -> (Vec<Outlet>, Vec<usize>) {
     let mut outlets = Vec::new();
     let mut first = Vec::new();
@@ -117,12 +118,12 @@ impl Run<'_> {
         self.setup.first_outlet[node]..self.setup.first_outlet[node + 1]
     }
 
-    /// The node is to be looked at again.
+    /// Schedules the node to be examined again.
     pub(super) fn look_at(&mut self, node: usize) {
         self.agenda.push(node);
     }
 
-    /// Looks at nodes until nothing moves any more at this instant.
+    /// Examines nodes until nothing moves any more at this instant.
     pub(super) fn settle(&mut self) {
         while self.end.is_none()
             && let Some(node) = self.agenda.pop()
@@ -135,7 +136,7 @@ impl Run<'_> {
         }
     }
 
-    /// Brings a node's next parts to its outlets.
+    /// Moves a node's next parts to its outlets.
     fn hand_on(&mut self, node: usize) {
         for outlet in self.outlets_of(node) {
             while self.outlets[outlet].part.is_none()
@@ -160,7 +161,7 @@ impl Run<'_> {
         }
     }
 
-    /// A part is ready to leave: it chooses its way, and goes or waits.
+    /// A part is ready to leave: chooses its way, then moves it or lets it wait.
     pub(super) fn offer(&mut self, outlet: usize, part: PartIndex) {
         let node = self.outlets[outlet].node;
         let to = self.way(node, part);
@@ -175,12 +176,12 @@ impl Run<'_> {
         }
         self.request(outlet, to, kind);
         if admitted {
-            // It stands back for someone, who has to be served.
+            // It gives way to a request that must be served.
             self.look_at(to);
         }
     }
 
-    /// The outlet waits for a node from now on.
+    /// Registers that the outlet waits for a node.
     pub(super) fn request(&mut self, outlet: usize, to: usize, kind: usize) {
         self.queues.push(to, outlet, kind);
         match self.places[to] {
@@ -190,7 +191,7 @@ impl Run<'_> {
         }
     }
 
-    /// The first route whose condition holds.
+    /// The way by the first route whose condition holds.
     pub(super) fn way(&mut self, node: usize, part: PartIndex) -> Option<usize> {
         let Self { setup, parts, .. } = self;
         let part = &parts[part];
@@ -225,8 +226,8 @@ impl Run<'_> {
         None
     }
 
-    /// Whether a node has room for a part of this type that comes from `from`. Belts take parts
-    /// only when they are stepped, except from one another; see there.
+    /// Whether a node has room for a part of this type coming from `from`. Belts take parts only
+    /// when they are stepped, except from one another; see there.
     pub(super) fn admits(&self, node: usize, kind: usize, from: usize) -> bool {
         match &self.places[node] {
             Place::Source(_) => false,
@@ -243,7 +244,7 @@ impl Run<'_> {
         }
     }
 
-    /// Whether someone who has waited longer for a node than outlet `own` (or than a newcomer)
+    /// Whether a part that has waited longer for a node than outlet `own` (or than a newcomer)
     /// could go there now.
     pub(super) fn others_first(&self, node: usize, own: Option<usize>) -> bool {
         self.queues
@@ -253,7 +254,7 @@ impl Run<'_> {
             .any(|request| self.admits(node, request.kind, self.outlets[request.outlet].node))
     }
 
-    /// Lets in whoever waits for a node, as long as there is room; see [Turns](self#turns).
+    /// Admits waiting parts to a node as long as there is room; see [Turns](self#turns).
     fn serve(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&Request { outlet, kind, .. }) = self.queues.of(node).get(next) {
@@ -291,7 +292,7 @@ impl Run<'_> {
         self.outlets[outlet].part = None;
         self.outlets[outlet].to = None;
         self.enter(node, part);
-        self.record(node, Some(part), What::Left);
+        self.record(node, Some(part), EventKind::Left);
         match &mut self.places[node] {
             Place::Store(store) => store.left(self.parts[part].kind),
             Place::Buffer(parts) => {
@@ -315,7 +316,7 @@ impl Run<'_> {
                 if parts.len() == 1 {
                     self.look_at(node);
                 }
-                self.record(node, Some(part), What::Arrived);
+                self.record(node, Some(part), EventKind::Arrived);
             }
             Place::Station(_) => self.station_arrival(node, part),
             Place::Conveyor(_) => self.conveyor_arrival(node, part),
@@ -332,13 +333,13 @@ impl Run<'_> {
             entering.entered = true;
             entering.birth = now;
             self.counters.entered += 1;
-            self.record(node, Some(part), What::Entered);
+            self.record(node, Some(part), EventKind::Entered);
         }
     }
 
-    /// A part leaves the line as it should; an end product may be the last that was wanted.
+    /// A part leaves the line as finished; an end product may be the last one wanted.
     pub(super) fn complete(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Finished);
+        self.record(node, Some(part), EventKind::Finished);
         self.counters.finished += 1;
         self.count_out(self.parts[part].kind);
         if self.parts[part].kind == self.line.product {
@@ -356,7 +357,7 @@ impl Run<'_> {
 
     /// A part leaves the line as scrap, and a new one is ordered for it.
     pub(super) fn reject(&mut self, node: usize, part: PartIndex, reorder: Option<usize>) {
-        self.record(node, Some(part), What::Rejected);
+        self.record(node, Some(part), EventKind::Rejected);
         let kind = self.parts[part].kind;
         self.counters.rejects[kind].0 += 1;
         self.count_out(kind);
@@ -371,9 +372,9 @@ impl Run<'_> {
         }
     }
 
-    /// The source that replaces a part that was taken out because of a violation: that of the first
-    /// rejecting sink whose source makes the part or something in it, or else that of the first one
-    /// with any.
+    /// The source that replaces a part removed because of a violation: that of the first rejecting
+    /// sink whose source makes the part or something in it, or else that of the first rejecting
+    /// sink with a source.
     pub(super) fn replacement(&self, kind: usize) -> Option<usize> {
         let types = self.line.parts.len();
         let sources = || {

@@ -1,32 +1,31 @@
-//! What a run notes down: the log, violations, and findings.
+//! Records of a run: log, violations, and findings.
 
 use super::Run;
 use super::part::PartIndex;
-use crate::trace::{LogEntry, MAX_VIOLATIONS, Violation, What};
+use crate::trace::{EventKind, LogEntry, MAX_VIOLATIONS, Violation};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_station::{CallError, ErrorCode};
 use std::collections::BTreeMap;
 
-/// What one run notes down.
+/// Records of one run.
 #[derive(Debug, Default)]
 pub(super) struct Journal {
-    /// Every movement and operation, if the options ask for it.
+    /// Every movement and operation, if the options request it.
     pub log: Vec<LogEntry>,
     /// The first violations, up to [`MAX_VIOLATIONS`].
     pub violations: Vec<Violation>,
-    /// How many there were in all.
+    /// Total number of violations.
     pub violation_count: u64,
-    /// By node, rule and code: the finding of the first violation, and how many there were; one
-    /// finding each.
+    /// By node, rule and code: the finding for the first violation, and the number of violations.
     violation_kinds: BTreeMap<(usize, Option<String>, i32), (usize, u64)>,
-    /// The findings of the run.
+    /// Findings of the run.
     pub findings: Vec<Diagnostic>,
-    /// Nodes and types for which there was no way onward.
+    /// Nodes and types without a way onward.
     pub unroutable: Vec<(usize, usize)>,
 }
 
 impl Journal {
-    /// Says in the finding of each rule how often it was broken.
+    /// Adds to the finding of each rule how often it was violated.
     pub(super) fn count_repeated_violations(&mut self) {
         for &(finding, count) in self.violation_kinds.values() {
             if count > 1 {
@@ -37,7 +36,7 @@ impl Journal {
 }
 
 impl Run<'_> {
-    pub(super) fn record(&mut self, node: usize, part: Option<PartIndex>, what: What) {
+    pub(super) fn record(&mut self, node: usize, part: Option<PartIndex>, what: EventKind) {
         if self.setup.options.log {
             self.journal.log.push(LogEntry {
                 time: self.now,
@@ -48,7 +47,7 @@ impl Run<'_> {
         }
     }
 
-    /// A controller answered with an error.
+    /// Records that a controller returned an error.
     pub(super) fn violate(&mut self, node: usize, part: Option<PartIndex>, error: CallError) {
         self.journal.violation_count += 1;
         self.progress.violations_at_instant += 1;

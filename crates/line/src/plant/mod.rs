@@ -1,10 +1,9 @@
-//! The plant: a line with its controllers, ready to run, and the loop that takes one event after
-//! the other.
+//! The plant: a line with its controllers, ready to run, and the event loop.
 //!
-//! One event changes one node; what follows from it at the same instant (a part moves up, so that
-//! another one moves up behind it) is done from a list of nodes to look at again, never by
-//! recursion, so that a line of any length and shape runs in a bounded stack. How each kind of node
-//! behaves stands in its own file here.
+//! One event changes one node. Consequences at the same instant (a part moves up, so that another
+//! one moves up behind it) are handled by a list of nodes to examine again, never by recursion, so
+//! that a line of any length and shape runs with bounded stack. The behavior of each kind of node
+//! is in its own file here.
 
 mod belt;
 mod blocked;
@@ -28,7 +27,7 @@ use conveyor::Conveyor;
 use counters::Counters;
 use flow::{Outlet, Ways};
 use journal::Journal;
-use linewright_core::deadline::Late;
+use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Limit, Line, NodeKind, Shift};
 use linewright_station::Controller;
@@ -40,59 +39,59 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use supply::{Source, Store};
 
-/// The real clock is looked at every so many events.
+/// Number of events between checks of the wall clock.
 const EVENTS_A_LOOK: u64 = 16;
 
-/// A line that can be run, again and again.
+/// A line that can be run repeatedly.
 pub struct Plant {
     setup: Setup,
     controllers: Vec<Option<Box<dyn Controller>>>,
 }
 
-/// All that stays the same from run to run.
+/// Everything that stays the same from run to run.
 struct Setup {
     line: Arc<Line>,
     options: Options,
-    /// End products that are wanted.
+    /// Number of end products wanted.
     target: Option<u64>,
-    /// Seconds after which it is over.
+    /// Simulated seconds after which the run ends.
     horizon: Option<f64>,
     ways: Ways,
-    /// The outlets, without their parts, and each node's first one.
+    /// The outlets without their parts, and each node's first outlet.
     outlets: Vec<Outlet>,
     first_outlet: Vec<usize>,
-    /// How many of part type `b` are in one of part type `a`, at `a * types + b`; 1 on the
+    /// Number of parts of type `b` in one of type `a`, at `a * types + b`; 1 on the
     /// diagonal.
     contents: Vec<u64>,
 }
 
-/// What the calendar holds.
+/// An event in the calendar.
 #[derive(Debug, Clone, Copy)]
 enum Event {
-    /// Setup or service ends, or the station breaks down; outdated where the number is no longer
-    /// the station's.
+    /// Setup or service ends, or the station breaks down; outdated if the number differs from the
+    /// station's.
     Station(u32, u32),
     /// A station is repaired.
     Repair(u32),
     /// A source's next part is due.
     Due(u32),
-    /// The first part on a conveyor has come to its end.
+    /// The first part on a conveyor reaches its end.
     Arrival(u32),
     /// A conveyor's first place is free again.
     Reopen(u32),
     /// A belt's controller is stepped.
     Tick(u32),
-    /// Work begins or ends for the day.
+    /// A shift begins or ends.
     Shift,
 }
 
-/// What stations, sources and conveyors do comes first, then the shift (a service that ends with it
-/// has ended), then the belts, which see all of it.
+/// Stations, sources and conveyors come first, then the shift (a service that ends with it has
+/// ended), then the belts, which see all of it.
 const WORK: u8 = 0;
 const SHIFT: u8 = 1;
 const BELT: u8 = 2;
 
-/// What a node holds.
+/// State of a node.
 enum Place {
     Source(Source),
     Sink,
@@ -111,7 +110,7 @@ struct Run<'a> {
     seed: u64,
     now: f64,
     calendar: Calendar<Event>,
-    /// How many events that can change something are entered: all but those of the shift.
+    /// Number of scheduled events that can change something: all except those of the shift.
     pending: u64,
     events: u64,
     on_shift: bool,
@@ -127,11 +126,11 @@ struct Run<'a> {
 }
 
 impl Plant {
-    /// A line with a controller for each of its stations and contracted belts, by node. `options`
-    /// say when a run ends; where they do not, the line itself does.
+    /// Prepares a line with a controller for each of its stations and contracted belts, by node.
+    /// `options` say when a run ends; if they do not, the line does.
     ///
-    /// The findings are `LW404` where a run would have no end, and `LW401` for a line that the
-    /// resolver should have refused.
+    /// Returns `LW404` if a run would have no end, and `LW401` for a line that the resolver should
+    /// have rejected.
     pub fn new(
         line: Arc<Line>,
         controllers: BTreeMap<usize, Box<dyn Controller>>,
@@ -159,7 +158,7 @@ impl Plant {
                     codes::LINE_LIMIT,
                     line.span,
                     format!(
-                        "the time after which a run of {} ends is no time",
+                        "the time after which a run of {} ends is not a valid time",
                         line.name
                     ),
                 )
@@ -198,17 +197,17 @@ impl Plant {
         &self.setup.line
     }
 
-    /// The seed of the options.
+    /// The seed from the options.
     pub fn seed(&self) -> u64 {
         self.setup.options.seed
     }
 
-    /// Runs the line from its start, with the seed of the options.
+    /// Runs the line from its start with the seed from the options.
     pub fn run(&mut self) -> Trace {
         self.run_seeded(self.setup.options.seed)
     }
 
-    /// Runs the line from its start, with this seed.
+    /// Runs the line from its start with this seed.
     pub fn run_seeded(&mut self, seed: u64) -> Trace {
         for controller in self.controllers.iter_mut().flatten() {
             controller.reset();
@@ -218,8 +217,8 @@ impl Plant {
         run.finish(end)
     }
 
-    /// Why no further run begins, once the deadline of the real clock is past.
-    pub(super) fn late(&self) -> Option<Late> {
+    /// Why no further run begins, once the wall-clock deadline is past.
+    pub(super) fn late(&self) -> Option<StopReason> {
         self.setup.options.deadline.check().err()
     }
 }
@@ -279,7 +278,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Runs to the end and says why it is one.
+    /// Runs to the end and returns the reason for ending.
     fn advance(&mut self) -> End {
         if self.setup.target == Some(0) {
             return End::Products;
@@ -294,7 +293,7 @@ impl<'a> Run<'a> {
             if let Some(end) = self.end {
                 return end;
             }
-            // Off shift, the calendar may hold nothing but the shift, and the line still go on in
+            // Off shift, the calendar may hold only the shift, and the line may still continue in
             // the morning.
             if self.pending == 0 && self.on_shift {
                 return self.stand_still();
@@ -343,7 +342,7 @@ impl<'a> Run<'a> {
         self.calendar.schedule(time, priority, event);
     }
 
-    /// Enters the next change of shift; a shift without an end has none.
+    /// Schedules the next shift change; a shift without an end has none.
     fn schedule_shift(&mut self) {
         const DAY: f64 = Shift::DAY;
         let Some(shift) = self.line.shift else { return };
@@ -371,7 +370,7 @@ impl<'a> Run<'a> {
         self.schedule_shift();
     }
 
-    /// The time as a person reads it.
+    /// The current time in readable form.
     fn moment(&self) -> String {
         super::trace::clock(self.now)
     }
@@ -386,13 +385,13 @@ impl<'a> Run<'a> {
 }
 
 impl Setup {
-    /// How many of part type `b` are in one of `a`, and at least one.
+    /// Number of parts of type `b` in one of `a`, but at least one.
     fn content(&self, a: usize, b: usize) -> u64 {
         self.contents[a * self.line.parts.len() + b].max(1)
     }
 }
 
-/// A stream of this run for a node.
+/// The random stream of this run for a node and purpose.
 fn stream(seed: u64, purpose: super::random::Purpose, name: &str) -> Stream {
     Stream::new(seed, purpose, name)
 }

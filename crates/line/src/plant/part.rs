@@ -1,29 +1,29 @@
-//! Mobile units: where they are kept, and what they are made of.
+//! Mobile units: their storage and composition.
 
 use linewright_language::contract::line::{InitialValue, Line};
 use std::ops::{Index, IndexMut};
 
-/// The place of a part in [`Parts`]; used again after the part is gone.
+/// Index of a part in [`Parts`]; reused after the part is gone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PartIndex(u32);
 
 /// One mobile unit.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Part {
-    /// Unique in its run, from 1.
+    /// Number, unique within the run, from 1.
     pub number: u64,
     /// Its type.
     pub kind: usize,
     /// Whether it has entered the line; before that it is only kept by its source or store.
     pub entered: bool,
-    /// When the first of what is in it entered.
+    /// Time at which the first of its parts entered, in seconds.
     pub birth: f64,
-    /// Its numbers, as the type names them.
+    /// Property values, in the order of the type's properties.
     pub properties: Vec<f64>,
 }
 
-/// All parts that exist. Room of parts that are gone is used again, so that a run needs memory only
-/// for what is in the line.
+/// All existing parts. Slots of removed parts are reused, so that a run needs memory only for what
+/// is in the line.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     slots: Vec<Part>,
@@ -32,7 +32,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// A new part. `component` finds the first component of a type that it is joined from.
+    /// Creates a part. `component` returns the first component of a type that it is joined from.
     pub(super) fn create(
         &mut self,
         line: &Line,
@@ -64,7 +64,7 @@ impl Parts {
         PartIndex(index)
     }
 
-    /// The part is gone.
+    /// Removes a part.
     pub(super) fn remove(&mut self, part: PartIndex) {
         self.free.push(part.0);
     }
@@ -84,9 +84,9 @@ impl IndexMut<PartIndex> for Parts {
     }
 }
 
-/// How many of part type `b` are in one of part type `a`, directly or in its components, at
-/// `a * types + b`; a part contains itself once. Bills in a circle (which the resolver refuses) are
-/// followed only so deep as there are types.
+/// Number of parts of type `b` in one of part type `a`, directly or in its components, at
+/// `a * types + b`; a part contains itself once. Circular bills (which the resolver rejects) are
+/// followed only to a depth equal to the number of types.
 pub(super) fn contents(line: &Line) -> Vec<u64> {
     let types = line.parts.len();
     let mut contents = vec![0; types * types];

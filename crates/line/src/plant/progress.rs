@@ -1,38 +1,38 @@
-//! Whether a run still gets anywhere: guards against a livelock, and against work that leads to no
-//! product.
+//! Detects that a run makes no progress: guards against a livelock, and against work that leads to
+//! no product.
 
 use super::Run;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
-/// More than so many movements and events at one instant, and time is taken to stand still for
-/// good.
+/// Maximum number of movements and events at one instant, beyond which the run counts as standing
+/// still.
 const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
-/// More than so many violations at one instant, likewise; each may cost a whole operation.
+/// Maximum number of violations at one instant, likewise; each may cost a whole operation.
 const MAX_VIOLATIONS_AT_ONE_INSTANT: u64 = 10_000;
-/// More than so many events since the last end product, and a run that waits for products is taken
-/// to make none any more.
+/// Maximum number of events since the last end product, beyond which a run that waits for products
+/// counts as making none.
 const MAX_EVENTS_WITHOUT_PRODUCT: u64 = 5_000_000;
-/// More than so many violations since the last end product, likewise.
+/// Maximum number of violations since the last end product, likewise.
 const MAX_VIOLATIONS_WITHOUT_PRODUCT: u64 = 500;
 
-/// What has happened since time last passed, and since the last end product.
+/// Activity since time last advanced, and since the last end product.
 #[derive(Debug, Default)]
 pub(super) struct Progress {
-    /// When time last passed, in seconds.
+    /// Time of the current instant, in seconds.
     instant: f64,
-    /// Movements and events since then.
+    /// Movements and events at this instant.
     at_instant: u64,
-    /// Violations since then.
+    /// Violations at this instant.
     pub violations_at_instant: u64,
-    /// Events up to the last end product.
+    /// Number of events up to the last end product.
     events_at_product: u64,
-    /// Violations up to the last end product.
+    /// Number of violations up to the last end product.
     violations_at_product: u64,
 }
 
 impl Progress {
-    /// An event has been dealt with at `now`.
+    /// Counts an event handled at `now`.
     fn advance(&mut self, now: f64) {
         if now > self.instant {
             self.instant = now;
@@ -43,18 +43,18 @@ impl Progress {
         }
     }
 
-    /// A part has moved.
+    /// Counts a movement of a part.
     pub(super) fn count_movement(&mut self) {
         self.at_instant += 1;
     }
 
-    /// An end product is complete, after this many events and violations.
+    /// Counts an end product completed after this many events and violations.
     pub(super) fn count_product(&mut self, events: u64, violations: u64) {
         self.events_at_product = events;
         self.violations_at_product = violations;
     }
 
-    /// Whether too much has happened since the clock last moved.
+    /// Whether too much has happened since time last advanced.
     pub(super) fn stands_still(&self) -> bool {
         self.at_instant > MAX_AT_ONE_INSTANT
             || self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT
@@ -68,7 +68,7 @@ impl Progress {
 }
 
 impl Run<'_> {
-    /// Notices when the run no longer gets anywhere.
+    /// Ends a run that no longer makes progress.
     pub(super) fn guard(&mut self) {
         self.progress.advance(self.now);
         if self.end.is_some() {
@@ -82,7 +82,7 @@ impl Run<'_> {
             );
             self.journal.findings.push(
                 Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
-                    "Look for a source without a time, a circle of routes without a station, or a station whose \
+                    "Look for a source without a time, a cycle of routes without a station, or a station whose \
                      every part breaks a rule and is ordered again.",
                 ),
             );
@@ -111,7 +111,7 @@ impl Run<'_> {
         }
     }
 
-    /// Gives up when the deadline of the real clock is reached.
+    /// Gives up at the wall-clock deadline.
     pub(super) fn look_at_clock(&mut self) {
         if self.end.is_some() {
             return;

@@ -1,4 +1,4 @@
-//! Who waits for a node, in which order, and which nodes are to be looked at again.
+//! Queues of waiting parts per node, and the list of nodes to examine again.
 
 use std::collections::VecDeque;
 
@@ -7,24 +7,24 @@ use std::collections::VecDeque;
 pub(super) struct Request {
     /// The outlet.
     pub outlet: usize,
-    /// Its part's type.
+    /// Type of its part.
     pub kind: usize,
-    /// When it began to wait, as a running number.
+    /// Sequence number of the moment it began to wait.
     pub order: u64,
-    /// A belt that had its turn and did not hand over; until the node is looked at.
+    /// Whether a belt had its turn and did not hand over; reset when the node is examined.
     pub declined: bool,
 }
 
-/// The requests to each node, oldest first, and the numbers that order them.
+/// The requests to each node, oldest first, and their sequence numbers.
 #[derive(Debug)]
 pub(super) struct Queues {
     waiting: Vec<VecDeque<Request>>,
-    /// The last number given to a request or a complete bill.
+    /// Last sequence number given to a request or a complete bill.
     last: u64,
 }
 
 impl Queues {
-    /// Empty queues for this many nodes.
+    /// Creates empty queues for this many nodes.
     pub(super) fn new(nodes: usize) -> Self {
         Self {
             waiting: vec![VecDeque::new(); nodes],
@@ -32,7 +32,7 @@ impl Queues {
         }
     }
 
-    /// The next number in the order of requests and complete bills.
+    /// Next sequence number for requests and complete bills.
     pub(super) fn next_number(&mut self) -> u64 {
         self.last += 1;
         self.last
@@ -48,7 +48,7 @@ impl Queues {
         &mut self.waiting[node]
     }
 
-    /// An outlet, whose part has this type, waits for a node from now on.
+    /// Adds a request: an outlet, whose part has this type, waits for a node.
     pub(super) fn push(&mut self, node: usize, outlet: usize, kind: usize) {
         let order = self.next_number();
         self.waiting[node].push_back(Request {
@@ -59,7 +59,7 @@ impl Queues {
         });
     }
 
-    /// The outlet had its turn at a node and goes to the end of the queue; whether it was in it.
+    /// Moves an outlet that had its turn to the end of the queue; returns whether it was in it.
     pub(super) fn decline(&mut self, node: usize, outlet: usize) -> bool {
         let queue = &mut self.waiting[node];
         let Some(at) = queue.iter().position(|request| request.outlet == outlet) else {
@@ -78,7 +78,7 @@ impl Queues {
     }
 }
 
-/// The nodes to look at again, first come, first served, each at most once.
+/// Nodes to examine again, first in, first out, each at most once.
 #[derive(Debug)]
 pub(super) struct Agenda {
     nodes: VecDeque<u32>,
@@ -86,7 +86,7 @@ pub(super) struct Agenda {
 }
 
 impl Agenda {
-    /// An empty list, for this many nodes.
+    /// Creates an empty list for this many nodes.
     pub(super) fn new(nodes: usize) -> Self {
         Self {
             nodes: VecDeque::new(),
@@ -101,7 +101,7 @@ impl Agenda {
         }
     }
 
-    /// Takes the next node off the list.
+    /// Removes and returns the next node.
     pub(super) fn pop(&mut self) -> Option<usize> {
         let node = self.nodes.pop_front()? as usize;
         self.listed[node] = false;

@@ -1,39 +1,39 @@
-//! Stations: taking parts in, joining, setup, service, breakdowns and shifts.
+//! Stations: admission, joining, setup, service, breakdowns and shifts.
 
 use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
 use crate::statistics::{Activity, Clock};
-use crate::trace::What;
+use crate::trace::EventKind;
 use linewright_language::contract::line::{Line, NodeKind, Task};
 use linewright_language::contract::machine::{Failures, PropertyKind};
 use linewright_station::{CallError, ErrorCode};
 
-/// A station at work.
+/// State of a station.
 #[derive(Debug)]
 pub(super) struct Station {
-    /// What is waited for, by task; empty for tasks that join nothing.
+    /// Components waited for, by task; empty for tasks that join nothing.
     pub bills: Vec<Bill>,
-    /// The part type of each task.
+    /// Part type of each task.
     kinds: Vec<usize>,
-    /// By task: it takes parts of its type as they are.
+    /// By task: whether it takes parts of its type as they are.
     plain: Vec<bool>,
     pub phase: Phase,
-    /// The part at work, or the one that is done and waits.
+    /// The part in work, or the finished part that waits to leave.
     pub part: Option<PartIndex>,
     task: usize,
-    /// The part type that left last.
+    /// Type of the part that left last.
     last_kind: Option<usize>,
-    /// Seconds of this phase that are still to be worked, as of `resumed`.
+    /// Seconds of work left in this phase, as of `resumed`.
     remaining: f64,
     resumed: f64,
-    /// The clock runs: neither broken down nor off shift.
+    /// Whether the clock runs: neither broken down nor off shift.
     running: bool,
     pub failed: bool,
-    /// Only the event with this number counts.
+    /// Only the event with this number is valid.
     number: u32,
     failures: Option<(Failures, Stream)>,
-    /// Working seconds to the next breakdown.
+    /// Working seconds until the next breakdown.
     until_failure: f64,
     defects: Stream,
     /// The part's properties after this service, and the machine's during it.
@@ -41,32 +41,32 @@ pub(super) struct Station {
     values: Vec<f64>,
     service_seconds: f64,
     service_joules: f64,
-    // Counters.
+    // Time and energy accounts.
     pub clock: Clock,
     pub joules: f64,
     pub processed: u64,
     pub visited: bool,
 }
 
-/// Where a station is in its cycle.
+/// Phase of a station's cycle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Phase {
-    /// Nothing at work.
+    /// No part.
     Free,
-    /// Being set up for the part.
+    /// Setup for the part.
     Setup,
-    /// At work on the part.
+    /// Work on the part.
     Service,
-    /// The part waits to leave.
+    /// The finished part waits to leave.
     Done,
 }
 
-/// The places for a joining task's components.
+/// The component places of a joining task.
 #[derive(Debug, Default)]
 pub(super) struct Bill {
-    /// For each line of the bill: the type, how many are needed, and those that are there.
+    /// For each line of the bill: type, required number, and the parts present.
     pub lines: Vec<(usize, usize, Vec<PartIndex>)>,
-    /// When the last one came, as a running number.
+    /// Sequence number of the arrival that completed it.
     complete: Option<u64>,
 }
 
@@ -86,8 +86,8 @@ impl Station {
                 .iter()
                 .any(|route| route.to == node && route.part == kind)
         };
-        // Where the product itself comes too, it may be that its components only pass through: they
-        // are joined here only if all of them come, and none for a task of its own.
+        // If the product itself also comes here, its components may only pass through: they are
+        // joined here only if all of them come, and none for a task of its own.
         let joins = |task: &Task| {
             !comes(task.part)
                 || line.parts[task.part]
@@ -140,13 +140,13 @@ impl Station {
         }
     }
 
-    /// Whether it takes a part of this type now.
+    /// Whether the station takes a part of this type now.
     pub(super) fn admits(&self, kind: usize, on_shift: bool) -> bool {
         self.component_place(kind).is_some()
             || (self.phase == Phase::Free && on_shift && self.plain_task(kind).is_some())
     }
 
-    /// The first free place for a component of this type: task and line of its bill.
+    /// The first free place for a component of this type, as task and line of its bill.
     fn component_place(&self, kind: usize) -> Option<(usize, usize)> {
         self.bills.iter().enumerate().find_map(|(task, bill)| {
             bill.lines
@@ -161,7 +161,7 @@ impl Station {
         (0..self.kinds.len()).find(|&task| self.kinds[task] == kind && self.plain[task])
     }
 
-    /// Whether it makes parts of this type from others.
+    /// Whether the station makes parts of this type from others.
     pub(super) fn joins(&self, kind: usize) -> bool {
         self.kinds
             .iter()
@@ -169,8 +169,8 @@ impl Station {
             .any(|(made, bill)| *made == kind && !bill.lines.is_empty())
     }
 
-    /// The part types that incomplete joining tasks wait for; those that some part has come for
-    /// already are named first.
+    /// Part types that incomplete joining tasks wait for; tasks for which some part has already
+    /// come are listed first.
     pub(super) fn missing(&self) -> Vec<usize> {
         let lacking = |bill: &Bill| -> Vec<usize> {
             bill.lines
@@ -184,12 +184,12 @@ impl Station {
         first.into_iter().chain(rest).flat_map(lacking).collect()
     }
 
-    /// The parts in it, at work and waiting to be joined.
+    /// The parts in the station, in work and waiting to be joined.
     pub(super) fn parts(&self) -> impl Iterator<Item = PartIndex> {
         self.components().chain(self.part)
     }
 
-    /// The parts that wait in it to be joined.
+    /// The parts that wait in the station to be joined.
     pub(super) fn components(&self) -> impl Iterator<Item = PartIndex> {
         self.bills
             .iter()
@@ -198,7 +198,7 @@ impl Station {
             .copied()
     }
 
-    /// Stops the clock, and counts what was worked.
+    /// Stops the clock and counts the work done.
     fn pause(&mut self, now: f64) {
         if std::mem::take(&mut self.running) {
             let worked = (now - self.resumed).min(self.remaining);
@@ -209,7 +209,7 @@ impl Station {
         }
     }
 
-    /// Books its time from now on as what it is doing.
+    /// Books time from now on under the current activity.
     fn book(&mut self, now: f64, on_shift: bool) {
         let activity = match self.phase {
             _ if self.failed => Activity::Failed,
@@ -222,15 +222,14 @@ impl Station {
         self.clock.switch(now, activity);
     }
 
-    /// Nothing changes from `now` to `until`, of which so many seconds are on shift.
+    /// Books unchanged time from `now` to `until`, of which the given seconds are on shift.
     pub(super) fn wait(&mut self, now: f64, on_shift_seconds: f64, until: f64) {
         self.book(now, true);
         self.clock.switch(now + on_shift_seconds, Activity::Idle);
         self.clock.switch(until, Activity::Idle);
     }
 
-    /// At the end of a run: books the last stretch, and the part of a service's energy that was
-    /// used.
+    /// Ends a run: books the last stretch, and the energy that a running service has used.
     pub(super) fn close(&mut self, now: f64, idle_watts: f64, on_shift: bool) {
         self.pause(now);
         self.book(now, on_shift);
@@ -250,9 +249,9 @@ impl Run<'_> {
         }
     }
 
-    /// A part comes to a station that admits it.
+    /// A part arrives at a station that admits it.
     pub(super) fn station_arrival(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         let kind = self.parts[part].kind;
         let station = self.station(node);
         station.visited = true;
@@ -302,7 +301,7 @@ impl Run<'_> {
         }
     }
 
-    /// Makes the new part of a complete bill, and begins with it.
+    /// Makes the new part of a complete bill and begins work on it.
     fn join(&mut self, node: usize, task: usize) {
         let station = self.station(node);
         let kind = station.kinds[task];
@@ -324,23 +323,23 @@ impl Run<'_> {
             .map(|component| self.parts[component].birth)
             .fold(self.now, f64::min);
         for component in components() {
-            self.record(node, Some(component), What::Consumed);
+            self.record(node, Some(component), EventKind::Consumed);
             self.parts.remove(component);
             self.counters.consumed += 1;
         }
         self.parts[part].birth = birth;
         self.parts[part].entered = true;
         self.counters.entered += 1;
-        // What it was joined from stays in the line, in it.
+        // Its components stay in the line as parts of it.
         self.counters.in_line[kind] += 1;
-        self.record(node, Some(part), What::Entered);
+        self.record(node, Some(part), EventKind::Entered);
         if !self.refuse_misfit(node, part) {
             self.begin(node, task, part);
         }
         self.look_at(node);
     }
 
-    /// Takes a part out of the line that has a value outside its range; whether it was one.
+    /// Removes a part that has a value outside its range; returns whether it did.
     fn refuse_misfit(&mut self, node: usize, part: PartIndex) -> bool {
         let kind = &self.line.parts[self.parts[part].kind];
         let Some(property) = kind.misfit(&self.parts[part].properties) else {
@@ -362,7 +361,7 @@ impl Run<'_> {
         true
     }
 
-    /// A part whose service breaks a rule leaves the line, and what replaces it is ordered.
+    /// Removes a part whose service breaks a rule, and orders its replacement.
     fn take_out(&mut self, node: usize, part: PartIndex, error: CallError) {
         self.violate(node, Some(part), error);
         self.station_left(node);
@@ -371,7 +370,7 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    /// Begins with a part: with the setup where one is due.
+    /// Begins with a part, with the setup if one is due.
     fn begin(&mut self, node: usize, task: usize, part: PartIndex) {
         let NodeKind::Station { setup_seconds, .. } = self.line.nodes[node].kind else {
             return;
@@ -385,19 +384,19 @@ impl Run<'_> {
         if changed && setup_seconds > 0.0 {
             station.phase = Phase::Setup;
             station.remaining = setup_seconds;
-            self.record(node, Some(part), What::SetupStarted);
+            self.record(node, Some(part), EventKind::SetupStarted);
             self.resume(node);
         } else {
             self.serve_part(node);
         }
     }
 
-    /// Calls the controller for all operations of the task, and is busy from now on.
+    /// Calls the controller for all operations of the task; the station is busy from now on.
     fn serve_part(&mut self, node: usize) {
         let Some(part) = self.station(node).part else {
             return;
         };
-        self.record(node, Some(part), What::Started);
+        self.record(node, Some(part), EventKind::Started);
         match self.simulate(node, part) {
             Ok((seconds, joules)) => {
                 let station = self.station(node);
@@ -411,8 +410,8 @@ impl Run<'_> {
         }
     }
 
-    /// Runs the task's operations at one instant: seconds and joules. The part's new properties are
-    /// kept for the end of the service.
+    /// Runs the task's operations at one instant; returns seconds and joules. The part's new
+    /// properties are kept until the end of the service.
     fn simulate(&mut self, node: usize, part: PartIndex) -> Result<(f64, f64), CallError> {
         let NodeKind::Station { machine, tasks, .. } = &self.line.nodes[node].kind else {
             return Ok((0.0, 0.0));
@@ -463,7 +462,7 @@ impl Run<'_> {
         Ok((seconds, joules))
     }
 
-    /// Lets the clock of setup or service run, if nothing stands against it.
+    /// Starts the clock of setup or service, unless something prevents it.
     fn resume(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
         let station = self.station(node);
@@ -491,8 +490,8 @@ impl Run<'_> {
             return;
         }
         let fails = station.phase == Phase::Service && station.until_failure < station.remaining;
-        // Exactly, not by the difference of two times: rounding must not leave a rest of the
-        // service.
+        // Assigned exactly, not as a difference of two times: rounding must not leave a remainder
+        // of the service.
         let worked = if fails {
             station.until_failure
         } else {
@@ -510,7 +509,7 @@ impl Run<'_> {
                 stream.exponential(failures.mttr)
             });
             station.clock.switch(now, Activity::Failed);
-            self.record(node, None, What::Failed);
+            self.record(node, None, EventKind::Failed);
             self.schedule(now + repair, WORK, Event::Repair(node as u32));
         } else if station.phase == Phase::Setup {
             self.serve_part(node);
@@ -522,11 +521,11 @@ impl Run<'_> {
     /// A station is repaired.
     pub(super) fn repair(&mut self, node: usize) {
         self.station(node).failed = false;
-        self.record(node, None, What::Repaired);
+        self.record(node, None, EventKind::Repaired);
         self.resume(node);
     }
 
-    /// The part gets what was done to it, by chance a defect, and leaves when it can.
+    /// The part gets its new properties and possibly a random defect, and leaves when it can.
     fn end_service(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
         let NodeKind::Station { defects, .. } = &self.line.nodes[node].kind else {
@@ -554,7 +553,7 @@ impl Run<'_> {
             finished.properties[chosen] = value;
         }
         station.book(now, on_shift);
-        self.record(node, Some(part), What::Ended);
+        self.record(node, Some(part), EventKind::Ended);
         if self.refuse_misfit(node, part) {
             return;
         }
@@ -562,7 +561,7 @@ impl Run<'_> {
         self.offer(outlet, part);
     }
 
-    /// The station has nothing at work any more.
+    /// The station has no part in work any more.
     pub(super) fn station_left(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
         let station = self.station(node);
@@ -571,7 +570,7 @@ impl Run<'_> {
         station.book(now, on_shift);
     }
 
-    /// Work begins or ends for the day.
+    /// A shift begins or ends.
     pub(super) fn station_shift(&mut self, node: usize) {
         let (now, on_shift) = (self.now, self.on_shift);
         let station = self.station(node);

@@ -1,29 +1,29 @@
-//! Where parts come from and where they go: sources, stores and sinks.
+//! Where parts come from and go: sources, stores and sinks.
 
 use super::{Event, Place, Run, WORK, stream};
 use crate::plant::part::PartIndex;
 use crate::random::{Purpose, Stream};
-use crate::trace::What;
+use crate::trace::EventKind;
 use linewright_language::contract::line::{NodeKind, Supply};
 use std::collections::VecDeque;
 
-/// A source; the part that it keeps is at its outlet.
+/// State of a source; the part that it keeps is at its outlet.
 #[derive(Debug)]
 pub(super) struct Source {
-    /// How many it has made.
+    /// Number of parts made.
     made: u64,
-    /// How many it may still make; `None` is without end.
+    /// Number of parts still to make; `None` if unlimited.
     left_to_make: Option<u64>,
-    /// Seconds between two parts, and the stream they are drawn from where they are random; `None`
-    /// where it makes parts whenever there is room.
+    /// Seconds between two parts, with the random stream if they are random; `None` if it makes
+    /// parts whenever there is room.
     interval: Option<(f64, Option<Stream>)>,
-    /// The next part is due, or will be then.
+    /// Whether the next part is due or scheduled.
     due: bool,
     next_due: f64,
 }
 
 impl Source {
-    /// `orders` is for sources on order.
+    /// Creates a source. `orders` applies to sources on order.
     pub(super) fn new(name: &str, supply: &Supply, seed: u64, orders: Option<u64>) -> Self {
         let (left_to_make, interval) = match *supply {
             Supply::OnOrder => (orders, None),
@@ -53,18 +53,18 @@ impl Source {
         self.left_to_make == Some(0)
     }
 
-    /// How many it has made.
+    /// Number of parts made.
     pub(super) fn made(&self) -> u64 {
         self.made
     }
 }
 
-/// A store: stock that was there at the start, and parts that came in and will leave again.
+/// State of a store: initial stock, and parts that came in and will leave again.
 #[derive(Debug)]
 pub(super) struct Store {
     stock: Vec<u64>,
     parts: Vec<VecDeque<PartIndex>>,
-    /// By type: the part at the outlet was taken from the stock.
+    /// By type: whether the part at the outlet was taken from the stock.
     from_stock: Vec<bool>,
 }
 
@@ -81,14 +81,14 @@ impl Store {
         }
     }
 
-    /// The part of this type at its outlet has left.
+    /// Updates the store when the part of this type at its outlet has left.
     pub(super) fn left(&mut self, kind: usize) {
         if !std::mem::take(&mut self.from_stock[kind]) {
             self.parts[kind].pop_front();
         }
     }
 
-    /// How many of this type are in stock and not at the outlet.
+    /// Number of parts of this type in stock, without the one at the outlet.
     pub(super) fn stock(&self, kind: usize) -> u64 {
         self.stock[kind]
     }
@@ -132,14 +132,14 @@ impl Run<'_> {
         Some(self.parts.create(self.line, part, |_| None))
     }
 
-    /// A part is in the line from now on, or kept to go into it, with all that it was joined from.
+    /// Counts a part, with everything it was joined from, as in the line, or as kept to enter it.
     fn count_in(&mut self, kind: usize) {
         for (part, count) in self.counters.in_line.iter_mut().enumerate() {
             *count += self.setup.contents[kind * self.line.parts.len() + part];
         }
     }
 
-    /// A part has left the line: a source that has waited for that may go on.
+    /// Counts a part that has left the line; a source that waited for that may continue.
     pub(super) fn count_out(&mut self, kind: usize) {
         for (part, count) in self.counters.in_line.iter_mut().enumerate() {
             let content = self.setup.contents[kind * self.line.parts.len() + part];
@@ -156,8 +156,8 @@ impl Run<'_> {
         }
     }
 
-    /// More parts are wanted of a source: beyond its limit, and by its clock where it has one. One
-    /// without a limit makes them anyway.
+    /// Orders more parts from a source: beyond its limit, and by its clock if it has one. An
+    /// unlimited source makes them anyway.
     pub(super) fn order(&mut self, node: usize, count: u64) {
         let now = self.now;
         let Place::Source(source) = &mut self.places[node] else {
@@ -174,7 +174,7 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    /// A source's next part is due.
+    /// Handles that a source's next part is due.
     pub(super) fn due(&mut self, node: usize) {
         if let Place::Source(source) = &mut self.places[node] {
             source.due = true;
@@ -182,8 +182,7 @@ impl Run<'_> {
         self.look_at(node);
     }
 
-    /// The next part that a store would give out: its stock first, then what came in, in that
-    /// order.
+    /// The next part that a store would give out: first from its stock, then in order of arrival.
     pub(super) fn give_out(&mut self, node: usize, outlet: usize) -> Option<PartIndex> {
         let kind = self.outlets[outlet].kind?;
         let Place::Store(store) = &mut self.places[node] else {
@@ -198,9 +197,9 @@ impl Run<'_> {
         store.parts[kind].front().copied()
     }
 
-    /// A part comes into a store: to its end, or to wait there.
+    /// A part enters a store, to stay or to wait there.
     pub(super) fn store(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         let kind = self.parts[part].kind;
         if self.setup.ways.from(node, kind).is_empty() {
             self.complete(node, part);
@@ -210,9 +209,9 @@ impl Run<'_> {
         }
     }
 
-    /// A part comes into a sink.
+    /// A part enters a sink.
     pub(super) fn sink(&mut self, node: usize, part: PartIndex) {
-        self.record(node, Some(part), What::Arrived);
+        self.record(node, Some(part), EventKind::Arrived);
         match self.line.nodes[node].kind {
             NodeKind::Sink {
                 reject: true,

@@ -1,8 +1,8 @@
-//! The board: a specification's formulas as functions of bits, and the relations the fixpoint works
-//! with.
+//! The game board: a specification's formulas as functions of bits, and the relations used by the
+//! fixpoint.
 //!
 //! Formulas are encoded once ([`Formulas`]); an [`Arena`] conjoins a selection of the guarantees,
-//! so that looking for a core does not encode again. The order of the variables is settled before:
+//! so that searching for a core does not encode again. The variable order is determined earlier:
 //! see [`super::structure`], and the kernel's sifting.
 
 use super::clusters::Clustering;
@@ -19,10 +19,10 @@ use std::collections::BTreeSet;
 struct Encoded<K: Kernel> {
     initial: Vec<K::Function>,
     invariants: Vec<K::Function>,
-    /// Each formula as its conjuncts.
+    /// Conjuncts of each formula.
     safety: Vec<Vec<K::Function>>,
     justice: Vec<K::Function>,
-    /// That the side's variables have values of their domains; over current bits.
+    /// The side's variables have values in their domains; over current bits.
     domains: K::Function,
 }
 
@@ -39,7 +39,7 @@ pub struct Formulas<K: Kernel> {
     outputs: Vec<VarId>,
 }
 
-/// Which formulas are in the game. Domains always are.
+/// Selects the formulas of a game. Domains are always included.
 #[derive(Debug, Clone, Copy)]
 pub enum Selection<'a> {
     /// All of them.
@@ -66,10 +66,10 @@ impl Selection<'_> {
     }
 }
 
-/// The order to begin with: the structure's, or the declaration's.
+/// The initial order: the structure's, or the declaration's.
 pub fn first_order(specification: &Specification, heuristics: Heuristics) -> Order {
     let encoding = Encoding::new(specification);
-    // One more pair than the variables need, at the bottom: the strategy's flag "the goal was
+    // One pair more than the variables need, at the bottom: the strategy's flag "the goal was
     // reached".
     let pairs = encoding.pairs() + 1;
     if heuristics.has(Heuristic::Structure) {
@@ -97,7 +97,7 @@ impl<K: Kernel> Encoded<K> {
 }
 
 impl<K: Kernel> Formulas<K> {
-    /// Encodes everything, with the pairs of bits in this order to begin with.
+    /// Encodes everything, with this initial order of the pairs of bits.
     pub fn encode(
         specification: &Specification,
         order: &Order,
@@ -111,9 +111,9 @@ impl<K: Kernel> Formulas<K> {
             let encoded = formulas.iter().map(|f| encoding.formula(&kernel, &f.expr));
             encoded.collect()
         };
-        // Of a machine that answers first, assumptions may speak of the answer (where the roles are
-        // swapped, guarantees do). A code without a value is no answer: it must not win by leaving
-        // the environment nothing to do.
+        // If the machine moves first, assumptions may mention its answer (with swapped roles,
+        // guarantees do). A code without a value is no answer: it must not win by leaving the
+        // environment without a move.
         let answers = |owner: Owner, expr: &Expr, time: Time, mut function: K::Function| {
             if owner == Owner::Environment && specification.timing == Timing::Moore {
                 let mut answered = BTreeSet::new();
@@ -129,8 +129,8 @@ impl<K: Kernel> Formulas<K> {
             }
             Ok(function)
         };
-        // What a formula says of codes without a value means nothing, but has a size, above all
-        // where it is negated.
+        // What a formula means for codes without a value is irrelevant, but takes nodes, above all
+        // in negations.
         let confined = order.pairs().len() > structure::MANY_PAIRS;
         let part = |part: &Expr| -> Result<K::Function, Limit> {
             let mut function = encoding.formula(&kernel, part)?;
@@ -191,7 +191,7 @@ impl<K: Kernel> Formulas<K> {
         })
     }
 
-    /// The kernel that the formulas live in.
+    /// The kernel that holds the formulas.
     pub fn kernel(&self) -> &K {
         &self.kernel
     }
@@ -206,7 +206,7 @@ impl<K: Kernel> Formulas<K> {
         self.environment.all()
     }
 
-    /// The same with one more assumption.
+    /// Adds an assumption.
     #[must_use]
     pub fn assuming(&self, kind: GuaranteeKind, function: K::Function) -> Self {
         let mut more = self.clone();
@@ -220,7 +220,7 @@ impl<K: Kernel> Formulas<K> {
         more
     }
 
-    /// The same with a guarantee that asks for less: for `function`, too.
+    /// Weakens a guarantee so that it also accepts `function`.
     pub fn weakened(&self, guarantee: GuaranteeRef, function: &K::Function) -> Result<Self, Limit> {
         let mut less = self.clone();
         let (m, side, index) = (&self.kernel, &mut less.system, guarantee.index);
@@ -238,7 +238,7 @@ impl<K: Kernel> Formulas<K> {
         Ok(less)
     }
 
-    /// The same formulas with other limits.
+    /// Uses the same formulas with other limits.
     pub fn with_limits(&self, limits: &Limits) -> Self {
         Self {
             kernel: self.kernel.with_limits(limits),
@@ -252,7 +252,7 @@ impl<K: Kernel> Formulas<K> {
     }
 
     /// The guarantees that a single answer keeps or breaks: those of step 0 (over next bits, as if
-    /// it were the step to come), or those of a later step.
+    /// it were the upcoming step), or those of a later step.
     pub fn rules(&self, at_start: bool) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
         use GuaranteeKind::{Initial, Invariant, Safety};
         let m = &self.kernel;
@@ -276,12 +276,12 @@ impl<K: Kernel> Formulas<K> {
         Ok(rules)
     }
 
-    /// The largest number of nodes that were alive at once.
+    /// Peak number of live nodes.
     pub fn peak_nodes(&self) -> u64 {
         self.kernel.peak_nodes()
     }
 
-    /// The game with the selected guarantees, its relations in clusters.
+    /// Builds the game with the selected guarantees, its relations in clusters.
     pub fn arena(
         &self,
         selection: &Selection<'_>,
@@ -290,7 +290,7 @@ impl<K: Kernel> Formulas<K> {
         self.arena_of(selection, clustering, self.timing)
     }
 
-    /// The same for another timing than the specification's.
+    /// Like `arena`, with another timing than the specification's.
     pub fn arena_of(
         &self,
         selection: &Selection<'_>,
@@ -349,8 +349,8 @@ impl<K: Kernel> Formulas<K> {
         let outputs_next = bits(&self.outputs, Time::Next);
         let environment = Relation::new(m, &env_parts, &inputs_next, clustering, self.heuristics)?;
         if timing == Timing::Moore {
-            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b): the machine's safety can be freed
-            // of x' once and for all.
+            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b), so x' can be eliminated from the
+            // machine's safety in advance.
             for part in &mut sys_parts {
                 *part = m.not(&environment.product(m, &m.not(part)?)?)?;
             }
@@ -379,30 +379,29 @@ impl<K: Kernel> Formulas<K> {
 /// The game.
 #[derive(Debug, Clone)]
 pub struct Arena<K: Kernel> {
-    /// Makes functions.
+    /// The BDD kernel.
     pub kernel: K,
-    /// What is done to be fast.
+    /// Enabled heuristics.
     pub heuristics: Heuristics,
-    /// The bits of the variables.
+    /// Bits of the variables.
     pub encoding: Encoding,
-    /// Who answers first.
+    /// Which side moves first.
     pub timing: Timing,
-    /// The valuations that satisfy the invariants and domains of both sides.
+    /// Valuations that satisfy the invariants and domains of both sides.
     pub states: K::Function,
-    /// What the environment may begin with: its initial conditions, invariants and domains. Over
+    /// Initial moves of the environment: its initial conditions, invariants and domains. Over
     /// current inputs.
     pub env_initial: K::Function,
-    /// What the machine may begin with: its initial conditions, invariants and domains.
+    /// Initial moves of the machine: its initial conditions, invariants and domains.
     pub sys_initial: K::Function,
-    /// What the environment may do next: its safety, and its invariants and domains of the next
-    /// step.
+    /// Next moves of the environment: its safety, and its invariants and domains in the next step.
     pub environment: Relation<K>,
-    /// The machine's safety (for Moore: freed of the next inputs). Its invariants and domains are
-    /// in [`Self::states`], in which every target of the game lies.
+    /// The machine's safety (for Moore, with the next inputs eliminated). Its invariants and
+    /// domains are in [`Self::states`], which contains every target of the game.
     pub system: Relation<K>,
-    /// The environment's justice; never empty.
+    /// Justice of the environment; never empty.
     pub assumptions: Vec<K::Function>,
-    /// The machine's justice; never empty.
+    /// Justice of the machine; never empty.
     pub goals: Vec<K::Function>,
     /// Bits of the current inputs.
     pub inputs_now: BitSet,
@@ -415,7 +414,7 @@ pub struct Arena<K: Kernel> {
 }
 
 impl<K: Kernel> Arena<K> {
-    /// The same game with other limits.
+    /// Creates the same game with other limits.
     pub fn with_limits(&self, limits: &Limits) -> Self {
         Self {
             kernel: self.kernel.with_limits(limits),
@@ -423,7 +422,7 @@ impl<K: Kernel> Arena<K> {
         }
     }
 
-    /// Whether no justice formula speaks of next values.
+    /// Whether no justice formula mentions next values.
     pub fn has_state_justice(&self) -> bool {
         let mut formulas = self.assumptions.iter().chain(&self.goals);
         formulas.all(|f| {
@@ -453,17 +452,17 @@ impl<K: Kernel> Arena<K> {
         }
     }
 
-    /// All that the environment may do, as one relation.
+    /// All moves of the environment as one relation.
     pub fn environment_moves(&self) -> Result<K::Function, Limit> {
         self.environment.whole(&self.kernel)
     }
 
-    /// The machine's safety as one relation (for Moore: freed of the next inputs).
+    /// The machine's safety as one relation (for Moore, with the next inputs eliminated).
     pub fn system_moves(&self) -> Result<K::Function, Limit> {
         self.system.whole(&self.kernel)
     }
 
-    /// Whether the machine has an answer to every initial choice from within `region`.
+    /// Whether the machine can answer every initial choice within `region`.
     ///
     /// ```text
     /// Mealy:  ∀x. θe(x) → ∃y. θs(x, y) ∧ region(x, y)        Moore:  ∃y. ∀x. θe(x) → θs(x, y) ∧ region(x, y)

@@ -1,25 +1,25 @@
-//! Conjuncts put together into clusters, up to a number of nodes: between one large relation (good
-//! for some specifications, bad for others) and one relation a formula (the reverse).
+//! Combines conjuncts into clusters up to a number of nodes: between one large relation (good for
+//! some specifications, bad for others) and one relation per formula (the reverse).
 
 use crate::symbolic::{BitSet, Kernel, Limit};
 
-/// How conjuncts are put together.
+/// How conjuncts are combined.
 #[derive(Debug, Clone, Copy)]
 pub enum Clustering {
-    /// In the order of the file, each cluster of at most so many nodes.
+    /// In file order, each cluster limited to this many nodes.
     InOrder(usize),
-    /// The same, but first those neighbours that alone mention a bit. With the cluster that they
-    /// become, the bit can be quantified before any other cluster is looked at; cut in the middle,
-    /// two clusters would mention nearly the same bits, and what lies between them would be larger
-    /// than what comes out.
+    /// In file order, but first combines neighbors that are the only ones to mention a bit. With
+    /// the resulting cluster, the bit can be quantified before any other cluster is used; otherwise
+    /// two clusters would mention nearly the same bits, and the intermediate result would be larger
+    /// than the final one.
     ByBits(usize),
 }
 
-/// Pieces of at most so many nodes are put together before bits are looked at.
+/// Maximum node count of pieces that are combined before bits are considered.
 const PIECE_NODES: usize = 1_000;
 
 impl Clustering {
-    /// The clusters of `parts`, of which `gone` will be quantified.
+    /// Combines `parts` into clusters; the bits `gone` will be quantified.
     pub fn cluster<K: Kernel>(
         self,
         kernel: &K,
@@ -37,7 +37,7 @@ impl Clustering {
     }
 }
 
-/// Puts conjuncts together, one after the other, until a cluster is large.
+/// Combines consecutive conjuncts until a cluster is large.
 fn in_order<K: Kernel>(
     kernel: &K,
     parts: Vec<K::Function>,
@@ -61,8 +61,8 @@ fn in_order<K: Kernel>(
     Ok(result.into_iter().map(|(f, _)| f).collect())
 }
 
-/// Joins the fewest neighbours that alone mention one of the bits and have at most `bound` nodes
-/// together, if there are any.
+/// Joins the smallest set of neighbors that alone mention one of the bits and have at most `bound`
+/// nodes together, if there is one.
 fn join_neighbours<K: Kernel>(
     kernel: &K,
     pieces: &mut Vec<K::Function>,
@@ -96,7 +96,7 @@ fn join_neighbours<K: Kernel>(
     Ok(false)
 }
 
-/// The conjunction, unless it or one of those on the way to it has more than `bound` nodes.
+/// The conjunction, unless it or an intermediate result has more than `bound` nodes.
 fn conjunction<K: Kernel>(
     kernel: &K,
     pieces: &[K::Function],

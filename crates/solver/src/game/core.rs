@@ -1,15 +1,15 @@
-//! A minimal core: guarantees that clash, none of which can be left out, and the assumptions that
+//! A minimal core: guarantees that clash, none of which can be omitted, and the assumptions that
 //! matter for it.
 //!
 //! `QuickXplain` (Junker, AAAI 2004): halves are tried first, so that a core of `k` among `n`
-//! guarantees costs at most `2k · log2(n / k) + 2k` games, where leaving out one guarantee after
-//! the other costs `n` and delta debugging (Zeller and Hildebrandt, TSE 28, 2002) up to `n² + 3n`.
-//! It is sound here because leaving out a guarantee never makes a specification unrealizable.
+//! guarantees costs at most `2k · log2(n / k) + 2k` games, whereas omitting one guarantee after the
+//! other costs `n` and delta debugging (Zeller and Hildebrandt, TSE 28, 2002) up to `n² + 3n`. It
+//! is sound here because leaving out a guarantee never makes a specification unrealizable.
 //!
-//! With an assumption less, a specification that is unrealizable stays so. What an assumption
-//! contributes is that the *other* guarantees do not clash already: the assumptions that matter are
-//! a minimal set under which the core is still minimal. The same search finds them; a game of it is
-//! up to `k` games, one for each guarantee that is left out.
+//! With an assumption less, an unrealizable specification remains unrealizable. An assumption
+//! contributes by keeping the *other* guarantees from clashing: the assumptions that matter are a
+//! minimal set under which the core is still minimal. The same search finds them; each test takes
+//! up to `k` games, one for each omitted guarantee.
 
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
@@ -19,8 +19,8 @@ use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::Specification;
 
 /// A minimal unrealizable set of guarantees of an unrealizable specification, with the definitions
-/// that it cannot do without. Several guarantees may read what one of them defines; so a definition
-/// is no reason for any guarantee to be in the core.
+/// that it needs. Several guarantees may read what one of them defines, so a definition is no
+/// reason for a guarantee to be in the core.
 pub fn minimal_core<K: Kernel>(
     formulas: &Formulas<K>,
     specification: &Specification,
@@ -36,7 +36,7 @@ pub fn minimal_core<K: Kernel>(
     Ok(core)
 }
 
-/// A minimal set of assumptions under which a minimal core is one: without any other of its
+/// A minimal set of assumptions under which a minimal core stays minimal: without any one of its
 /// guarantees it could be kept.
 pub fn assumptions_that_matter<K: Kernel>(
     formulas: &Formulas<K>,
@@ -63,9 +63,8 @@ pub fn assumptions_that_matter<K: Kernel>(
     Ok(matters)
 }
 
-/// The smallest part of `candidates` that makes `holds` true together with `kept`, for a property
-/// that more formulas never make false. `grown` says that `kept` has changed since it was last
-/// found not to be enough.
+/// The smallest part of `candidates` that makes `holds` true together with `kept`, for a monotone
+/// property. `grown` says that `kept` has changed since it was last found insufficient.
 pub fn quick_xplain<T: Clone>(
     holds: &mut impl FnMut(&[T]) -> Result<bool, Limit>,
     kept: &[T],

@@ -1,17 +1,17 @@
 //! A set of inputs as disjoint cubes of intervals: the function is split variable by variable, not
 //! bit by bit.
 //!
-//! Values next to each other that lead to the same rest go into one interval, so that a cube says
-//! `2 <= desired <= 4` and not three bit patterns. Codes without a value are never looked at. The
-//! inputs are split in the order of the specification, whatever the order of the diagrams is.
+//! Adjacent values that lead to the same rest form one interval, so that a cube reads
+//! `2 <= desired <= 4` instead of three bit patterns. Codes without a value are never considered.
+//! Inputs are split in the order of the specification, independent of the diagrams' order.
 
 use crate::symbolic::{Bit, Encoding, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
 
-/// One condition: the input (by its place among the inputs), the smallest and the largest value.
+/// One condition: index of the input, smallest and largest value.
 pub type Condition = (usize, i64, i64);
 
-/// Turns sets of next inputs into cubes.
+/// Converts sets of next inputs to cubes.
 pub struct Cover<'a, K: Kernel> {
     kernel: &'a K,
     inputs: Vec<Input>,
@@ -24,12 +24,12 @@ struct Input {
 }
 
 impl<'a, K: Kernel> Cover<'a, K> {
-    /// For the inputs of a specification.
+    /// Creates a cover over the inputs of a specification.
     pub fn new(kernel: &'a K, encoding: &Encoding, specification: &Specification) -> Self {
         Self::of(kernel, encoding, specification, specification.inputs())
     }
 
-    /// For its outputs, in whose place whoever plays against the machine sees its inputs.
+    /// Creates a cover over its outputs, which are the inputs of a player against the machine.
     pub fn of_outputs(kernel: &'a K, encoding: &Encoding, specification: &Specification) -> Self {
         Self::of(kernel, encoding, specification, specification.outputs())
     }
@@ -51,7 +51,7 @@ impl<'a, K: Kernel> Cover<'a, K> {
         }
     }
 
-    /// The cubes of a function over the bits of the next inputs, at most `most` of them.
+    /// The cubes of a function over the bits of the next inputs, limited to `most`.
     pub fn cubes(&self, set: &K::Function, most: usize) -> Result<Vec<Vec<Condition>>, Limit> {
         let mut found = Vec::new();
         self.walk(set, 0, &mut Vec::new(), &mut found, most)?;
@@ -95,8 +95,8 @@ impl<'a, K: Kernel> Cover<'a, K> {
         Ok(())
     }
 
-    /// The set by the values of one input, from the smallest up; neighbours with the same rest are
-    /// one piece.
+    /// Splits the set by the values of one input in ascending order; neighbors with the same rest
+    /// are one piece.
     fn split(
         &self,
         set: &K::Function,

@@ -1,9 +1,9 @@
-//! Diagrams that are taken apart and put together beside a kernel.
+//! A small diagram package used beside a kernel.
 //!
-//! Functions are cut out of a relation in thousands of small operations, most of which are asked
-//! for again by the next goal, and they are simplified by where they matter, which no kernel here
-//! can do. So this is a plain diagram package: one thread, one fixed order, no collection (whoever
-//! uses it begins a new one now and then), operands and results in a cache that forgets.
+//! Functions are derived from a relation in thousands of small operations, most of which recur for
+//! the next goal. They are simplified with respect to a care set, which no kernel here supports. So
+//! this is a plain diagram package: one thread, one fixed order, no garbage collection (users start
+//! a new builder from time to time), with operands and results in a lossy cache.
 //!
 //! [`DiagramBuilder::restrict`] is from Coudert and Madre, "A unified framework for the formal
 //! verification of sequential circuits", ICCAD 1990.
@@ -11,30 +11,30 @@
 use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
 use rustc_hash::FxHashMap;
 
-/// How many nodes there may be without a limit on memory.
+/// Maximum number of nodes without a memory limit.
 const MOST_NODES: u64 = 1 << 25;
 
-/// What a node costs with all that refers to it.
+/// Bytes per node, including all references to it.
 const NODE_BYTES: u64 = 48;
 
-/// Results that are remembered; a power of two.
+/// Number of cached results; a power of two.
 const REMEMBERED: usize = 1 << 17;
 
-/// The same for [`Choices`].
+/// Number of cached [`Choices`]; a power of two.
 const CHOICES: usize = 1 << 15;
 
-/// A simplification is given up after so many conjunctions of decisions, and [`EFFORT_PER_NODE`]
-/// more for each node of the function: what it costs to bring `care` to the bits that the function
+/// A simplification is abandoned after this many conjunctions of decisions, plus
+/// [`EFFORT_PER_NODE`] for each node of the function: reducing `care` to the bits that the function
 /// depends on has no other bound.
 const LEAST_EFFORT: usize = 1_000;
 
 /// See [`LEAST_EFFORT`].
 const EFFORT_PER_NODE: usize = 2;
 
-/// The least room for nodes; a power of two.
+/// Minimum number of node slots; a power of two.
 const FEWEST_SLOTS: usize = 1 << 12;
 
-/// Three numbers spread over 2^32.
+/// Hashes three numbers to a value below 2^32.
 fn spread(a: u32, b: u32, c: u32) -> u32 {
     let both = u64::from(b) << 32 | u64::from(c);
     let mixed = (both ^ u64::from(a).wrapping_mul(0x9e37_79b9_7f4a_7c15))
@@ -42,7 +42,7 @@ fn spread(a: u32, b: u32, c: u32) -> u32 {
     ((mixed ^ mixed >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32
 }
 
-/// A decision; the edge for 1 is never negated, so that a function and its negation are one node.
+/// A decision; the edge for 1 is never negated, so that a function and its negation share a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Node {
     level: u32,
@@ -62,44 +62,45 @@ enum Operation {
 /// An operation, its operands, and its result.
 type Remembered = ((Operation, u32, u32), Edge);
 
-/// What a condition says about one of its bits: functions of the others.
+/// What a condition says about one of its bits, as functions of the others.
 #[derive(Debug, Clone, Copy)]
 pub struct Choices {
-    /// Where it holds with the bit 1.
+    /// Where it can hold with the bit 1.
     pub may_set: Edge,
-    /// Where it holds with some value.
+    /// Where it can hold with some value.
     pub possible: Edge,
-    /// Where it holds with one value only.
+    /// Where it holds with exactly one value.
     pub forced: Edge,
 }
 
-/// Functions under work.
+/// A store of functions under construction.
 #[derive(Debug)]
 pub struct DiagramBuilder {
     nodes: Vec<Node>,
-    /// Every node's number plus one, where its hash says or behind; 0 is free. Small, so that much
-    /// of it stays near the processor. A power of two, at least twice the number of nodes.
+    /// Open-addressing hash table of node numbers plus one; 0 is free. Small, so that much of it
+    /// stays in the processor's caches. The size is a power of two, at least twice the number of
+    /// nodes.
     slots: Vec<u32>,
     remembered: Vec<Remembered>,
     choices: Vec<(Edge, u32, Choices)>,
-    /// For every pair its place in the order.
+    /// For every pair, its position in the order.
     positions: Vec<u16>,
-    /// For every node when it was last visited.
+    /// For every node, the mark of its last visit.
     marks: Vec<u32>,
     mark: u32,
     limits: Limits,
     most_nodes: usize,
-    /// How many conjunctions of two decisions were made.
+    /// Number of conjunctions of two decisions so far.
     effort: usize,
-    /// At what effort a simplification is given up.
+    /// Effort at which a simplification is abandoned.
     patience: usize,
 }
 
-/// The level of constants, below all others.
+/// Level of constants, below all others.
 const BOTTOM: u32 = u32::MAX;
 
 impl DiagramBuilder {
-    /// Without functions yet.
+    /// Creates an empty builder.
     pub fn new(order: &Order, limits: &Limits) -> Self {
         let by_memory = limits
             .memory_mib
@@ -120,7 +121,7 @@ impl DiagramBuilder {
         }
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub fn nodes(&self) -> usize {
         self.nodes.len()
     }
@@ -129,12 +130,12 @@ impl DiagramBuilder {
         2 * u32::from(self.positions[usize::from(bit.pair())]) + u32::from(bit.0 & 1)
     }
 
-    /// The place of the topmost decision.
+    /// Level of the topmost decision.
     fn level(&self, edge: Edge) -> u32 {
         edge.node().map_or(BOTTOM, |n| self.nodes[n].level)
     }
 
-    /// The edge to a decision.
+    /// Returns the edge to a decision.
     fn decision(&mut self, level: u32, high: Edge, low: Edge) -> Result<Edge, Limit> {
         if high == low {
             return Ok(high);
@@ -167,12 +168,12 @@ impl DiagramBuilder {
         Ok(Edge::to(fresh).flipped(negate))
     }
 
-    /// Where to look for a node first.
+    /// First slot to search for a node.
     fn slot(&self, node: Node) -> usize {
         spread(node.level, node.high.0, node.low.0) as usize & (self.slots.len() - 1)
     }
 
-    /// Makes room for as many nodes again.
+    /// Doubles the number of slots.
     fn widen(&mut self) {
         self.slots = vec![0; 2 * self.slots.len()];
         for number in 0..self.nodes.len() {
@@ -184,8 +185,8 @@ impl DiagramBuilder {
         }
     }
 
-    /// Where an edge leads to when the bit at this place is 1, and when it is 0; the place is not
-    /// below its topmost decision.
+    /// Targets of an edge for the bit at this level being 1 and 0; the level is not below its
+    /// topmost decision.
     fn branches(&self, edge: Edge, level: u32) -> (Edge, Edge) {
         match edge.node().map(|n| self.nodes[n]) {
             Some(node) if node.level == level => {
@@ -315,8 +316,8 @@ impl DiagramBuilder {
         Ok(choices)
     }
 
-    /// A function that agrees with `f` where `care` holds, and is likely to be smaller: decisions
-    /// of which only one side matters are left out.
+    /// Returns a function that agrees with `f` wherever `care` holds, and is likely to be smaller:
+    /// omits decisions of which only one side matters.
     fn restrict(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
         if care == Edge::TRUE || care == Edge::FALSE || f.node().is_none() {
             return Ok(f);
@@ -351,8 +352,8 @@ impl DiagramBuilder {
         Ok(result)
     }
 
-    /// The smaller one of `f` and a function that agrees with it where `care` holds, as far as that
-    /// is found soon.
+    /// Returns the smaller of `f` and a function that agrees with it wherever `care` holds, within
+    /// the limited effort.
     pub fn simplify(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
         if care == Edge::TRUE || f.node().is_none() {
             return Ok(f);
@@ -366,7 +367,7 @@ impl DiagramBuilder {
         Ok(if shrinks { smaller } else { f })
     }
 
-    /// The number of nodes of a function.
+    /// Number of nodes of a function.
     fn size(&mut self, root: Edge) -> usize {
         self.below(&[root]).len()
     }
@@ -410,7 +411,7 @@ impl DiagramBuilder {
         found
     }
 
-    /// Functions of a kernel whose order is this one.
+    /// Adds functions of a kernel that has the same order.
     pub fn add<'a, K: Kernel>(
         &mut self,
         kernel: &K,
@@ -431,7 +432,7 @@ impl DiagramBuilder {
         Ok(exported.roots.iter().map(|r| at(&edges, *r)).collect())
     }
 
-    /// Functions of another builder with the same order.
+    /// Adds functions of another builder with the same order.
     pub fn copy(&mut self, other: &mut Self, roots: &[Edge]) -> Result<Vec<Edge>, Limit> {
         let mut edges: FxHashMap<usize, Edge> = FxHashMap::default();
         let at = |edges: &FxHashMap<usize, Edge>, edge: Edge| match edge.node() {
@@ -439,7 +440,7 @@ impl DiagramBuilder {
             Some(n) => edges[&n].flipped(edge.is_negated()),
         };
         let mut below = other.below(roots);
-        // A node is made after those that it leads to.
+        // A node is created after its children.
         below.sort_unstable();
         for n in below {
             let Node { level, high, low } = other.nodes[n];
@@ -449,7 +450,7 @@ impl DiagramBuilder {
         Ok(roots.iter().map(|r| at(&edges, *r)).collect())
     }
 
-    /// All of it as plain data, without roots.
+    /// Returns everything as plain data, without roots.
     pub fn into_diagram(self) -> Diagram {
         let mut pairs = vec![0; self.positions.len()];
         for (pair, position) in self.positions.iter().enumerate() {

@@ -1,13 +1,12 @@
-//! A strategy as explicit states with guards, without ever enumerating input letters.
+//! Writes a strategy as explicit states with guards, without ever enumerating input letters.
 //!
-//! The memory of the machine between two steps is what it will do next. So a state *is* the
-//! residual function `R(x′, y′, g)`: the strategy of the pursued goal with the current outputs
-//! fixed, and the current inputs fixed as far as it depends on them. Canonical diagrams make equal
-//! residuals equal. From a state the machine has to know those next inputs that some reachable
-//! valuation behind it allows; they are split by output and by the residual they lead to. Inputs
-//! that neither matters for are left out of the guards, so that these also hold on some inputs that
-//! break an assumption: a guard says what the machine looks at, not what the environment has
-//! promised.
+//! The machine's memory between two steps is what it will do next. So a state *is* the residual
+//! function `R(x′, y′, g)`: the strategy of the pursued goal for fixed current outputs, and for
+//! current inputs fixed as far as it depends on them. Canonical diagrams make equal residuals
+//! identical. In a state the machine must distinguish the next inputs that some reachable valuation
+//! of that state allows; they are split by output and by resulting residual. Inputs that affect
+//! neither are omitted from the guards, so that these also hold on some inputs that break an
+//! assumption: a guard describes what the machine checks, not what the environment promises.
 
 use super::arena::Arena;
 use super::cover::{Condition, Cover};
@@ -16,44 +15,43 @@ use crate::symbolic::{Bit, BitSet, Kernel, Limit, Limits};
 use linewright_core::gr1::{Specification, Time, VarId};
 use std::collections::{BTreeSet, HashMap};
 
-/// More rows than this are not written down.
+/// Maximum number of rows.
 const MOST_ROWS: usize = 200_000;
 
 /// One row of an explicit strategy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
-    /// Disjoint cubes; each condition is an input's place among the inputs, its smallest and its
-    /// largest value.
+    /// Disjoint cubes; each condition gives an input's index, its smallest and its largest value.
     pub cubes: Vec<Vec<Condition>>,
-    /// The outputs of the step, in the order of the specification.
+    /// Outputs of the step, in the order of the specification.
     pub output: Vec<i64>,
-    /// The state it leads to.
+    /// Index of the next state.
     pub to: usize,
 }
 
-/// An explicit strategy. The rows of a state are disjoint, and cover the inputs that keep the
+/// An explicit strategy. The rows of a state are disjoint and cover all inputs that keep the
 /// assumptions.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Explicit {
-    /// Step 0.
+    /// Rows of step 0.
     pub initial: Vec<Row>,
-    /// Every later step.
+    /// Rows of each state, for all later steps.
     pub states: Vec<Vec<Row>>,
 }
 
-/// A state: the goal that is pursued and what will be done.
+/// A state: the pursued goal, and the residual strategy.
 struct State<K: Kernel> {
     goal: usize,
     residual: K::Function,
-    /// The next inputs that keep the assumptions.
+    /// Next inputs that keep the assumptions.
     legal: K::Function,
 }
 
-/// Which state the machine is in, by its current inputs: what it looks at of them, over *next*
-/// bits, and the state. Disjoint.
+/// State of the machine by its current inputs: the relevant part of them, over *next* bits, and the
+/// state. Disjoint.
 type Classes<K> = Vec<(<K as Kernel>::Function, usize)>;
 
-/// An output that is given: its values, the bits that say so, and the classes of what follows.
+/// An output: its values, the bits that represent them, and the classes of what follows.
 type Answer<'a, K> = (Vec<i64>, Vec<(Bit, bool)>, &'a Classes<K>);
 
 struct Explorer<'a, K: Kernel> {
@@ -69,7 +67,7 @@ struct Explorer<'a, K: Kernel> {
     classes: HashMap<(usize, Vec<i64>), Classes<K>>,
 }
 
-/// Writes a strategy down state by state.
+/// Writes a strategy state by state.
 pub fn explore<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
@@ -144,7 +142,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(())
     }
 
-    /// Splits the current `inputs`, which lie on `path`, by the residual they lead to.
+    /// Splits the current `inputs` on `path` by the resulting residual.
     fn split(
         &mut self,
         goal: usize,
@@ -193,8 +191,8 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(())
     }
 
-    /// The rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued one, or
-    /// `None` in step 0.
+    /// Rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued one, or `None` in
+    /// step 0.
     fn rows(
         &self,
         residual: &K::Function,
@@ -240,7 +238,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(rows)
     }
 
-    /// The outputs that a residual gives on legal inputs.
+    /// Outputs that a residual gives on legal inputs.
     fn answers(
         &self,
         residual: &K::Function,
@@ -277,7 +275,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(answers)
     }
 
-    /// In step 0 there is no flag, and nothing depends on it; later it has been fixed.
+    /// In step 0 there is no flag, and nothing depends on it; in later steps it is already fixed.
     fn forget_flag(&self, inputs: &K::Function) -> Result<K::Function, Limit> {
         self.m.exists(inputs, &BitSet::new(self.strategy.flag))
     }

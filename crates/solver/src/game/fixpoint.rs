@@ -1,6 +1,6 @@
-//! The three-nested fixpoint of a GR(1) game, and the record of it that a strategy is made from.
+//! The three-nested fixpoint of a GR(1) game, and the record from which a strategy is made.
 //!
-//! From Bloem et al. 2012, section 3, with justice on transitions, so that goals may speak of next
+//! From Bloem et al. 2012, section 3, with justice on transitions, so that goals may mention next
 //! values:
 //!
 //! ```text
@@ -8,20 +8,20 @@
 //! ```
 //!
 //! `Gⱼ` are the machine's goals, `Aᵢ` the environment's assumptions, `CPre` is
-//! [`Arena::controllable_predecessor`]. Where no justice formula speaks of next values,
-//! predecessors of states do:
+//! [`Arena::controllable_predecessor`]. If no justice formula mentions next values, predecessors of
+//! states suffice:
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ ( (Gⱼ ∧ CPre(Z′)) ∨ CPre(Y′) ∨ (¬Aᵢ ∧ CPre(X′)) )
 //! ```
 //!
 //! The conjunction with Z does not change the result, since everything found for the last Z lies in
-//! it, and lets every X start from Z instead of from all states. The Z that one goal leaves is fed
-//! to the next one. In every later round for a goal, each X can start where the X at the same place
-//! of the round before ended (fixpoint recycling; Browne, Clarke, Jha, Long and Marrero, "An
+//! it, and lets every X start from Z instead of from all states. The Z after one goal is passed to
+//! the next. In every later round for a goal, each X can start where the X at the same position of
+//! the previous round ended (fixpoint recycling; Browne, Clarke, Jha, Long and Marrero, "An
 //! improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997), since Z and with
 //! it every X only shrink. Nothing else is stored while deciding: [`layers`] runs the two inner
-//! fixpoints once more, for the final Z.
+//! fixpoints once more for the final Z.
 
 use super::arena::Arena;
 use super::heuristics::Heuristic;
@@ -29,27 +29,27 @@ use super::statistics::Statistics;
 use crate::symbolic::{Kernel, Limit};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How often each fixpoint took a step, and where it is now.
+/// Iteration counts of the fixpoints, and their current state.
 #[derive(Debug, Default)]
 pub struct Iterations {
-    /// Of the outermost: once a goal and round.
+    /// Outermost iterations, one per goal and round.
     pub outer: AtomicU64,
-    /// Of the middle ones: once an assumption and round.
+    /// Middle iterations, one per assumption and round.
     pub middle: AtomicU64,
-    /// Of the innermost.
+    /// Innermost iterations.
     pub inner: AtomicU64,
-    /// Controllable predecessors that were computed.
+    /// Number of controllable predecessors computed.
     pub predecessors: AtomicU64,
-    /// How many goals there are.
+    /// Number of goals.
     pub goals: AtomicU64,
-    /// For how many goals in a row the region has stayed as it is.
+    /// Number of successive goals for which the region has not changed.
     pub settled: AtomicU64,
-    /// How many nodes there were when one last looked.
+    /// Last sampled node count.
     pub nodes: AtomicU64,
 }
 
 impl Iterations {
-    /// Begins to count anew.
+    /// Resets the counts.
     pub fn reset(&self) {
         for counter in [
             &self.outer,
@@ -64,7 +64,7 @@ impl Iterations {
         }
     }
 
-    /// Writes the counts down.
+    /// Copies the counts to the statistics.
     pub fn add_to(&self, statistics: &mut Statistics) {
         statistics.outer = self.outer.load(Ordering::Relaxed);
         statistics.middle = self.middle.load(Ordering::Relaxed);
@@ -80,8 +80,8 @@ fn count(counter: &AtomicU64) {
 }
 
 /// The states from which the machine wins, or `None` as soon as some initial choice of the
-/// environment is lost. The search begins at `within`, which must hold all of them, or else at all
-/// states.
+/// environment is lost. The search starts at `within`, which must contain all of them, or else at
+/// all states.
 pub fn winning_region<K: Kernel>(
     arena: &Arena<K>,
     within: Option<&K::Function>,
@@ -105,26 +105,26 @@ pub fn winning_region<K: Kernel>(
     })
 }
 
-/// The states from which the machine wins, whatever the initial ones are.
+/// The states from which the machine wins, whatever the initial states are.
 pub fn winning_states<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
     let iterations = Iterations::default();
     let region = Fixpoint::new(arena, &iterations).region(None, |_| Ok(true))?;
     Ok(region.unwrap_or_else(|| arena.kernel.constant(false)))
 }
 
-/// What is kept between the rounds.
+/// Data kept between rounds.
 struct Fixpoint<'a, K: Kernel> {
     arena: &'a Arena<K>,
     iterations: &'a Iterations,
-    /// Whether predecessors of states are enough.
+    /// Whether predecessors of states suffice.
     by_state: bool,
-    /// For every goal the Xs of its last round, in the order in which they were found.
+    /// For every goal, the Xs of its last round in the order found.
     last: Vec<Vec<K::Function>>,
-    /// The last predecessors, the newest last.
+    /// Recent predecessors, the newest last.
     recent: Vec<(K::Function, K::Function)>,
 }
 
-/// How many predecessors are remembered: those of the last Xs, of which one becomes the next Y, of
+/// Number of cached predecessors: those of the last Xs, of which one becomes the next Y, of
 /// `false`, and of Z.
 const REMEMBERED: usize = 16;
 
@@ -141,7 +141,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         }
     }
 
-    /// The outermost fixpoint; `None` as soon as a Z is not `good` any more.
+    /// The outermost fixpoint; `None` as soon as a Z is no longer `good`.
     fn region(
         &mut self,
         within: Option<&K::Function>,
@@ -289,7 +289,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         Ok(y)
     }
 
-    /// Where the X at a place of a goal's round starts.
+    /// Start value of the X at a position in a goal's round.
     fn start(&self, j: usize, place: usize, z: &K::Function) -> Result<K::Function, Limit> {
         let arena = self.arena;
         let begin = if arena.heuristics.has(Heuristic::InnerStart) {
@@ -303,7 +303,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         }
     }
 
-    /// The controllable predecessor of a set of states, perhaps remembered.
+    /// The controllable predecessor of a set of states, possibly cached.
     fn predecessor(&mut self, states: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         if let Some(place) = self.recent.iter().position(|(s, _)| s == states) {
@@ -333,13 +333,13 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
 pub struct Layer<K: Kernel> {
     /// The assumption that fails for ever if the play stays in `wait` for ever.
     pub assumption: usize,
-    /// The X of this step: here the machine may wait, as long as that assumption does not hold.
+    /// The X of this step: the machine may wait here as long as that assumption does not hold.
     pub wait: K::Function,
-    /// The Y after this step: all states from which the goal is at most this far.
+    /// The Y after this step: all states at most this far from the goal.
     pub reached: K::Function,
 }
 
-/// The steps towards goal `j` within the winning region: a move into an earlier `reached` is
+/// The steps toward goal `j` within the winning region: a move into an earlier `reached` is
 /// progress.
 pub fn layers<K: Kernel>(
     arena: &Arena<K>,

@@ -1,21 +1,20 @@
-//! A strategy as functions: every next output bit as a diagram over what the machine knows, for
-//! games whose machine is too large to be written down state by state.
+//! A strategy as functions: every next output bit as a diagram over the machine's known values, for
+//! games whose machine is too large to be written state by state.
 //!
 //! The strategy pursues one goal after the other, as in Bloem et al. 2012, section 4: a move that
 //! reaches the goal and stays in the winning region, or else one into an earlier layer, or else one
-//! that waits where an assumption fails. The goal that is pursued is kept in memory bits; a move
-//! that reaches it passes on to the next one.
+//! that waits while an assumption fails. The pursued goal is stored in memory bits; a move that
+//! reaches it switches to the next one.
 //!
-//! No relation of all moves is ever made. For every goal, the next output bits are eliminated from
+//! No relation of all moves is ever built. For every goal, the next output bits are eliminated from
 //! the parts of the machine's safety and the strategy's target one after the other, from the bottom
 //! of the order up, each only from the parts that mention it (bucket elimination; Dechter, "Bucket
-//! elimination: a unifying framework for reasoning", Artificial Intelligence 113, 1999). What was
-//! conjoined for a bit gives its function over the bits above it: it keeps its value where it may.
-//! Whatever is possible for the bits above can be completed below, so that no function has to look
-//! back.
+//! elimination: a unifying framework for reasoning", Artificial Intelligence 113, 1999). The
+//! conjunction for a bit yields its function over the bits above it: it keeps its value where it
+//! may. Every choice for the bits above can be completed below, so no backtracking is needed.
 //!
-//! With the functions goes what shows why they are right: the [`Certificate`] is checked by a path
-//! of its own (`mealy::certify`).
+//! The functions are accompanied by a proof of their correctness: the [`Certificate`] is checked
+//! independently (`mealy::certify`).
 
 use super::arena::Arena;
 use super::diagram_builder::{Choices, DiagramBuilder};
@@ -24,16 +23,16 @@ use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use linewright_core::gr1::{Specification, Timing};
 use serde::{Deserialize, Serialize};
 
-/// The bench is emptied between two goals when so many nodes lie on it.
+/// Node count at which the builder is emptied between two goals.
 const CROWDED_NODES: usize = 1 << 15;
 
-/// So few layers are not worth the question whether one way would do.
+/// Minimum number of layers for which to examine whether one way suffices.
 const FEW_LAYERS: usize = 2;
 
 /// An assumption that a step may break.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Assumed {
-    /// An initial condition, by its place.
+    /// An initial condition, by index.
     Initial(usize),
     /// An invariant.
     Invariant(usize),
@@ -44,26 +43,26 @@ pub enum Assumed {
 /// One way of pursuing a goal.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mode {
-    /// When it is taken, unless an earlier one is: over current bits, and for Mealy next inputs.
-    /// The last mode's is `true`.
+    /// Condition under which it is taken, unless an earlier mode applies: over current bits, and
+    /// for Mealy next inputs. For the last mode it is `true`.
     pub when: Edge,
-    /// The next output bits in an order in which they can be computed: each may ask for those
+    /// The next output bits in an order in which they can be computed: each may depend on those
     /// before it.
     pub outputs: Vec<(Bit, Edge)>,
-    /// What its steps achieve.
+    /// Effect of its steps.
     pub aim: Aim,
 }
 
-/// What the steps of a mode achieve.
+/// Effect of the steps of a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Aim {
     /// They reach the goal.
     Goal,
-    /// They move into this layer, by its place in [`Certificate::goals`], or wait in it where its
+    /// They move into this layer, an index into [`Certificate::goals`], or wait in it while its
     /// assumption fails.
     Layer(usize),
-    /// Each comes nearer by itself: it reaches the goal, or leaves its layer for a lower one, or
-    /// waits where the layer's assumption fails.
+    /// Each step makes progress by itself: it reaches the goal, or leaves its layer for a lower
+    /// one, or waits while the layer's assumption fails.
     Nearer,
 }
 
@@ -77,15 +76,15 @@ pub struct Pursuit {
     pub reached: Edge,
 }
 
-/// Why the functions are right: a set that is never left, and for every goal a rank that only
-/// falls.
+/// Why the functions are correct: a set that is never left, and for every goal a rank that only
+/// decreases.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Certificate {
-    /// The functions of states, over current bits.
+    /// Functions of states, over current bits.
     pub diagram: Diagram,
     /// The states that are never left.
     pub region: Edge,
-    /// For every goal its layers, the nearest first.
+    /// For every goal, its layers, the nearest first.
     pub goals: Vec<Vec<Stage>>,
 }
 
@@ -94,41 +93,40 @@ pub struct Certificate {
 pub struct Stage {
     /// All states up to this layer.
     pub reached: Edge,
-    /// The assumption, by its place among the justice, that fails whenever the layer is not left.
+    /// Index of the justice assumption that fails whenever the layer is not left.
     pub assumption: usize,
 }
 
-/// A strategy in plain data.
+/// A strategy as plain data.
 ///
-/// Bits are laid out as by [`Encoding`](crate::symbolic::Encoding). What a step is given and gives
-/// are next bits, in step 0, too; step 0 pursues nothing yet, and the first goal is pursued after
-/// it.
+/// Bits are laid out as by [`Encoding`](crate::symbolic::Encoding). A step's inputs and outputs are
+/// next bits, also in step 0. Step 0 pursues no goal; the first goal is pursued after it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Controls {
     /// The decisions that all functions share; it has no roots of its own.
     pub diagram: Diagram,
-    /// What the assumptions say about step 0.
+    /// Assumptions about step 0.
     pub assumed_first: Vec<(Assumed, Edge)>,
-    /// What the assumptions say about a later step.
+    /// Assumptions about later steps.
     pub assumed: Vec<(Assumed, Edge)>,
-    /// The output bits of step 0, as [`Mode::outputs`].
+    /// Output bits of step 0, as in [`Mode::outputs`].
     pub first: Vec<(Bit, Edge)>,
     /// The goals.
     pub goals: Vec<Pursuit>,
     /// An order of the pairs in which the functions are known to be small.
     pub order: Order,
-    /// Why they are right.
+    /// The proof of correctness.
     pub certificate: Certificate,
 }
 
-/// Makes functions for the winning region.
+/// Computes functions for the winning region.
 pub fn functions<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     region: &K::Function,
 ) -> Result<Controls, Limit> {
     let m = &arena.kernel;
-    // All goals are written down in one order, or they would share nothing.
+    // All goals use one order; otherwise they would share nothing.
     m.set_reordering(false);
     let order = m.order();
     let positions = order.positions();
@@ -153,8 +151,8 @@ pub fn functions<K: Kernel>(
             care = m.and(&care, part)?;
         }
     }
-    // The kernel's work for all goals comes first, so that both sides find their own nodes near the
-    // processor.
+    // The kernel's work for all goals comes first, so that both phases find their nodes in the
+    // processor's caches.
     let mut plans = bench();
     let mut ways = Vec::new();
     let mut stages = Vec::new();
@@ -220,7 +218,7 @@ pub fn functions<K: Kernel>(
     })
 }
 
-/// What the assumptions say about a step.
+/// The assumptions about a step.
 fn assumed<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
@@ -257,7 +255,7 @@ fn assumed<K: Kernel>(
     Ok(found)
 }
 
-/// The outputs of step 0. There is no value to keep, so each bit is 0 where it may.
+/// The outputs of step 0. There is no value to keep, so each bit is 0 where possible.
 fn initial<K: Kernel>(
     arena: &Arena<K>,
     region: &K::Function,
@@ -280,15 +278,15 @@ fn initial<K: Kernel>(
     work.keep(&functions)
 }
 
-/// A way of pursuing a goal that no function is written down for yet.
+/// A way of pursuing a goal without functions so far.
 struct Way {
-    /// What a step is to do: over all current and next bits.
+    /// Purpose of a step: over all current and next bits.
     aim: Edge,
-    /// Where it is taken, since it can be and none before it could.
+    /// Where it is taken: it is possible and no earlier way is.
     used: Edge,
-    /// Where it can be taken.
+    /// Where it is possible.
     when: Edge,
-    /// Where none before it could be taken.
+    /// Where no earlier way is possible.
     asked: Edge,
     /// See [`Mode::aim`].
     achieves: Aim,
@@ -297,13 +295,13 @@ struct Way {
 /// The ways of pursuing goal `j`: reach it, or else move into the lowest layer that is possible.
 ///
 /// In a state of layer k the machine can always reach the goal, or move below, or stay within while
-/// the layer's assumption fails. Where a move into some layer is possible, that layer alone says
-/// what to aim at, whatever layer the state is in: it is below, or it is the state's own, and then
-/// the assumption fails. Only an assumption about next values has to be aimed at, and takes a mode
-/// of its own.
+/// the layer's assumption fails. If a move into some layer is possible, that layer alone determines
+/// the aim, whatever layer the state is in: it is below, or it is the state's own, and then the
+/// assumption fails. Only an assumption about next values has to be aimed at, and needs a mode of
+/// its own.
 ///
-/// Where safety leaves no step that does not come nearer, as with work that is done piece by piece
-/// in some order, nothing has to be aimed at, and none of this is needed: see [`Plain`].
+/// If safety allows only steps that make progress, as in work done piece by piece in some order, no
+/// aim is needed, and none of this is: see [`Plain`].
 fn ways<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -317,7 +315,7 @@ fn ways<K: Kernel>(
     let yes = m.constant(true);
     let mut aims: Vec<(K::Function, K::Function, Aim)> =
         vec![(yes.clone(), reach.clone(), Aim::Goal)];
-    // With Moore timing it may depend on the inputs which of several aims a move achieves.
+    // With Moore timing, which of several aims a move achieves may depend on the inputs.
     let or_reach = |aim: K::Function| match arena.timing {
         Timing::Mealy => Ok(aim),
         Timing::Moore => m.or(&aim, &reach),
@@ -367,18 +365,17 @@ fn ways<K: Kernel>(
     Ok(ways)
 }
 
-/// Functions that aim at nothing but to stay in the region, and the steps that they take.
+/// Functions that only stay in the region, and the steps that they take.
 struct Plain<K: Kernel> {
     outputs: Vec<(Bit, Edge)>,
     steps: K::Function,
 }
 
-/// Whether it may be that every step that safety and the region leave comes nearer to goal `j`:
-/// decided for the layers next to the goal. What it says of others is found out with
-/// [`comes_nearer`].
+/// Whether possibly every step allowed by safety and the region makes progress toward goal `j`:
+/// decided only for the layers next to the goal. [`comes_nearer`] decides it for the others.
 ///
-/// Asked for goals about current values only: where a step may reach the goal or not, to reach it
-/// is better than to come nearer. And for Mealy only: a Moore machine's step is a step for all
+/// Only for goals about current values: if a step may or may not reach the goal, reaching it is
+/// better than making progress. And only for Mealy: a Moore machine's step is a step for all
 /// inputs.
 fn may_come_nearer<K: Kernel>(
     arena: &Arena<K>,
@@ -414,7 +411,7 @@ fn may_come_nearer<K: Kernel>(
     Ok(true)
 }
 
-/// Whether all these steps come nearer to goal `j`; see [`Aim::Nearer`].
+/// Whether all these steps make progress toward goal `j`; see [`Aim::Nearer`].
 fn comes_nearer<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -440,25 +437,25 @@ fn comes_nearer<K: Kernel>(
     Ok(m.is_false(&left))
 }
 
-/// Where functions are made, and where they are kept.
+/// Working storage for functions, and the store for finished ones.
 struct Work {
     bench: DiagramBuilder,
     kept: DiagramBuilder,
     /// The machine's safety, formula by formula.
     parts: Vec<Edge>,
-    /// The next output bits by their place in the order.
+    /// The next output bits by their position in the order.
     outputs: Vec<Bit>,
 }
 
 impl Work {
-    /// Keeps functions.
+    /// Stores finished functions.
     fn keep(&mut self, functions: &[(Bit, Edge)]) -> Result<Vec<(Bit, Edge)>, Limit> {
         let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
         let kept = self.kept.copy(&mut self.bench, &roots)?;
         Ok(functions.iter().map(|(bit, _)| *bit).zip(kept).collect())
     }
 
-    /// The functions that aim at nothing but to stay in the region.
+    /// Computes the functions that only stay in the region.
     fn plain<K: Kernel>(
         &mut self,
         arena: &Arena<K>,
@@ -484,7 +481,7 @@ impl Work {
         })
     }
 
-    /// Writes down the functions of a goal.
+    /// Computes the functions of a goal.
     fn modes(&mut self, plans: &mut DiagramBuilder, ways: Vec<Way>) -> Result<Vec<Mode>, Limit> {
         let mut modes = Vec::new();
         for way in ways {
@@ -500,7 +497,7 @@ impl Work {
         }
         match modes.last_mut() {
             Some(last) => last.when = Edge::TRUE,
-            // No step can be asked for at all.
+            // No step can be demanded at all.
             None => modes.push(Mode {
                 when: Edge::TRUE,
                 outputs: self.outputs.iter().map(|b| (*b, Edge::FALSE)).collect(),
@@ -510,7 +507,7 @@ impl Work {
         Ok(modes)
     }
 
-    /// Empties the bench when much lies on it.
+    /// Empties the working storage when it has grown large.
     fn tidy(&mut self, fresh: impl FnOnce() -> DiagramBuilder) -> Result<(), Limit> {
         if self.bench.nodes() > CROWDED_NODES {
             let mut bench = fresh();
@@ -520,9 +517,9 @@ impl Work {
         Ok(())
     }
 
-    /// Eliminates the outputs from the safety and an aim, always the one whose parts are smallest,
-    /// and gives for each a function over the others; those that were eliminated later come first.
-    /// It matters what they are where `care` holds.
+    /// Eliminates the outputs from the safety and an aim, always choosing the one with the smallest
+    /// parts. Gives for each a function over the others; those eliminated later come first. The
+    /// functions matter only where `care` holds.
     fn eliminate(&mut self, aim: Edge, care: Edge) -> Result<Vec<(Bit, Edge)>, Limit> {
         let Self {
             bench,
@@ -545,7 +542,7 @@ impl Work {
                 let bucket = pool.iter().filter(|(_, support, _)| support.contains(*bit));
                 bucket.map(|(_, _, size)| *size).sum::<usize>()
             };
-            // The lowest of the order among equals.
+            // Among equals, the lowest in the order.
             let place = (0..left.len()).min_by_key(|i| (cost(&left[*i]), std::cmp::Reverse(*i)));
             let bit = left.remove(place.unwrap_or(0));
             let (mut bucket, rest): (Vec<_>, Vec<_>) = pool
@@ -562,8 +559,8 @@ impl Work {
                 possible,
                 forced,
             } = bench.choices(both, bit)?;
-            // Where either value will do, it is whatever makes the function small: one that keeps
-            // the bit's value there is two to three times as large.
+            // Where either value is allowed, it is chosen to make the function small: keeping the
+            // bit's value there makes it two to three times as large.
             let function = bench.simplify(may_set, forced)?;
             functions.push((bit, bench.simplify(function, care)?));
             if possible != Edge::TRUE {
@@ -575,7 +572,7 @@ impl Work {
     }
 }
 
-/// The machine's safety, conjunct by conjunct; for Moore, freed of the next inputs.
+/// The machine's safety, conjunct by conjunct; for Moore, with the next inputs eliminated.
 fn safety<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,

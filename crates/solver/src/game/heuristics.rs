@@ -1,50 +1,49 @@
-//! What makes the solver fast, each part with a switch.
+//! Switchable heuristics of the solver.
 //!
-//! No heuristic changes a verdict; the tests turn each of them off in turn. What each is worth
-//! stands in the ablation table of `tests/bench/README.md`.
+//! No heuristic changes a verdict; the tests disable each in turn. The ablation table in
+//! `tests/bench/README.md` shows their effect.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// One of the things that make the solver fast.
+/// A heuristic of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Heuristic {
-    /// Start from an order in which variables that occur together are near each other, instead of
-    /// the declaration's.
+    /// Start from an order that places variables that occur together near each other, instead of
+    /// the declaration order.
     Structure,
     /// Sift once before the fixpoint.
     Sifting,
     /// Sift again at safe points when the functions have grown.
     Resifting,
-    /// Put the conjuncts of a relation together up to a size, instead of keeping them apart.
+    /// Combine the conjuncts of a relation up to a size, instead of keeping them separate.
     Clusters,
     /// Quantify a bit as soon as no later cluster mentions it.
     EarlyQuantification,
     /// Conjoin and quantify in one operation.
     Fusion,
-    /// Compute the predecessors of states, not of transitions, where no justice formula speaks of
-    /// next values.
+    /// Compute the predecessors of states, not of transitions, if no justice formula mentions next
+    /// values.
     StatePredecessors,
-    /// Begin with the states from which the machine can keep its safety for ever.
+    /// Start with the states from which the machine can keep its safety for ever.
     SafetyFirst,
-    /// Feed the region that one goal leaves to the next goal, instead of intersecting a round of
-    /// all goals.
+    /// Pass the region left by one goal to the next, instead of intersecting a round of all goals.
     Carrying,
-    /// Take the goals of the fewest bits first: they shrink the region most often, and whatever
-    /// shrinks it late sends all the goals before through another round.
+    /// Process goals with the fewest bits first: they shrink the region most often, and a late
+    /// shrink sends all earlier goals through another round.
     GoalOrder,
-    /// Begin every inner greatest fixpoint at the region, instead of at all states.
+    /// Start every inner greatest fixpoint at the region, instead of at all states.
     InnerStart,
-    /// Begin every inner greatest fixpoint where the one of the previous round ended.
+    /// Start every inner greatest fixpoint where that of the previous round ended.
     Recycling,
-    /// Remember the last controllable predecessors.
+    /// Cache the last controllable predecessors.
     PredecessorCache,
     /// Stop as soon as an initial choice of the environment is lost.
     EarlyStop,
 }
 
 impl Heuristic {
-    /// All of them, with the name that `--without` takes.
+    /// All heuristics with their `--without` names.
     pub const ALL: [(Self, &'static str); 14] = [
         (Self::Structure, "structure"),
         (Self::Sifting, "sifting"),
@@ -85,41 +84,41 @@ impl FromStr for Heuristic {
     }
 }
 
-/// Which of them are on.
+/// The set of enabled heuristics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heuristics(u16);
 
 impl Default for Heuristics {
-    /// All that help on the whole, see the ablation table.
+    /// The heuristics that help overall; see the ablation table.
     fn default() -> Self {
         Self::all()
     }
 }
 
 impl Heuristics {
-    /// All of them.
+    /// Returns all heuristics.
     pub fn all() -> Self {
         Self((1 << Heuristic::ALL.len()) - 1)
     }
 
-    /// None of them.
+    /// Returns no heuristics.
     pub fn none() -> Self {
         Self(0)
     }
 
-    /// The same without one.
+    /// Removes a heuristic.
     #[must_use]
     pub fn without(self, heuristic: Heuristic) -> Self {
         Self(self.0 & !(1 << heuristic as u16))
     }
 
-    /// The same with one.
+    /// Adds a heuristic.
     #[must_use]
     pub fn with(self, heuristic: Heuristic) -> Self {
         Self(self.0 | 1 << heuristic as u16)
     }
 
-    /// Whether one is on.
+    /// Whether a heuristic is enabled.
     pub fn has(self, heuristic: Heuristic) -> bool {
         self.0 >> heuristic as u16 & 1 == 1
     }

@@ -1,5 +1,5 @@
-//! Plays that last and keep all justice, whoever takes the steps: what is possible at all, where
-//! nobody plays against anybody.
+//! Plays that last for ever and keep all justice with both sides cooperating: what is possible at
+//! all.
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z

@@ -40,20 +40,20 @@ mod tests;
 pub use self::attack::{Attack, Ending, Play, reduced};
 pub use self::core::quick_xplain;
 pub use self::explore::{Explicit, Row};
-pub use self::findings::EnvironmentFindings;
 pub use self::findings::requests::Request;
-pub use self::findings::shape::{Shape, Unframed};
+pub use self::findings::shape::{Shape, UnframedOutput};
+pub use self::findings::{EnvironmentFindings, Situation};
 pub use self::functions::{Aim, Assumed, Certificate, Controls, Mode, Pursuit, Stage};
 pub use self::heuristics::{Heuristic, Heuristics};
-pub use self::outcome::{Lost, Outcome, Won};
+pub use self::outcome::{LostGame, Outcome, WonGame};
 pub use self::progress::{Phase, Progress};
 pub use self::ranking::{Rank, Ranking};
 pub use self::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 pub use self::repair::{Advice, NewAssumption, Weakening, negation};
-pub use self::runs::{Lasso, Rule, RuleKind, Runs, SafetyViolationQuery, Wanted};
+pub use self::runs::{Lasso, Rule, RuleKind, RunQuery, Runs, SafetyViolationQuery};
 pub use self::solver::{
-    KernelChoice, Options, Solved, advise, attack, examine_environment, order_of_variables, solve,
-    solve_with,
+    KernelChoice, Options, Solution, advise, attack, examine_environment, order_of_variables,
+    solve, solve_with,
 };
 pub use self::statistics::Statistics;
 pub use self::strategy::Preference;
@@ -61,8 +61,8 @@ pub use crate::symbolic::{Budget, Diagram, DiagramNode, Edge, Effort, Limit, Lim
 
 use linewright_core::gr1::Specification;
 
-/// An order of the pairs of bits to begin with, from the structure of the formulas, for whoever
-/// encodes them without a game.
+/// An initial order of the pairs of bits from the structure of the formulas, for users that encode
+/// them without a game.
 pub fn order_by_structure(specification: &Specification) -> Order {
     arena::first_order(specification, Heuristics::default())
 }

@@ -1,4 +1,4 @@
-//! The verdict on a game, and what can be had from a game that is won, whatever its kernel.
+//! The verdict on a game, and the results available from a won game, whatever its kernel.
 
 use super::explore::Explicit;
 use super::findings::EnvironmentFindings;
@@ -14,35 +14,35 @@ use std::fmt::Debug;
 /// The verdict on a specification.
 #[derive(Debug)]
 pub enum Outcome {
-    /// There is a machine.
-    Realizable(Won),
-    /// There is none.
-    Unrealizable(Lost),
+    /// A machine exists.
+    Realizable(WonGame),
+    /// No machine exists.
+    Unrealizable(LostGame),
     /// A limit was reached; nothing is known.
     GaveUp(Limit),
 }
 
-/// What is known of a specification that is realizable. [`Won::explore`] makes a strategy of it.
+/// A realizable specification. [`WonGame::explore`] makes a strategy of it.
 #[derive(Debug)]
-pub struct Won {
+pub struct WonGame {
     pub(super) game: Box<dyn Game>,
-    /// The largest number of nodes that were alive at once.
+    /// Peak number of live nodes.
     pub peak_nodes: u64,
 }
 
-/// What is known of a specification that is not.
+/// An unrealizable specification.
 #[derive(Debug)]
-pub struct Lost {
-    /// Guarantees that cannot be kept together under the assumptions, although any smaller set of
-    /// them could: a minimal core. `None` when a limit was reached before it was known.
+pub struct LostGame {
+    /// Guarantees that cannot be kept together under the assumptions, although any proper subset
+    /// could: a minimal core. `None` if a limit was reached first.
     pub core: Option<Vec<GuaranteeRef>>,
-    /// The largest number of nodes that were alive at once.
+    /// Peak number of live nodes.
     pub peak_nodes: u64,
 }
 
-/// What a won game can do, whatever its kernel.
+/// Operations on a won game, whatever its kernel.
 pub trait Game: Debug + Send + Sync {
-    /// See [`Won::explore`].
+    /// See [`WonGame::explore`].
     fn explore(
         &self,
         specification: &Specification,
@@ -50,28 +50,28 @@ pub trait Game: Debug + Send + Sync {
         limits: &Limits,
     ) -> Result<Explicit, Limit>;
 
-    /// See [`Won::functions`].
+    /// See [`WonGame::functions`].
     fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit>;
 
-    /// See [`Won::examine_environment`].
+    /// See [`WonGame::examine_environment`].
     fn examine_environment(
         &self,
         specification: &Specification,
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit>;
 
-    /// See [`Won::shape`].
+    /// See [`WonGame::shape`].
     fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit>;
 
-    /// See [`Won::ranking`].
+    /// See [`WonGame::ranking`].
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
 
-    /// See [`Won::region`].
+    /// See [`WonGame::region`].
     fn region(&self) -> Diagram;
 }
 
-impl Lost {
-    /// The names of the core's formulas, but for definitions; empty when the core is not known.
+impl LostGame {
+    /// Names of the core's formulas, except definitions; empty if the core is not known.
     pub fn core_names(&self, specification: &Specification) -> Vec<String> {
         let core = self.core.iter().flatten();
         core.map(|r| r.formula(&specification.guarantees))
@@ -81,8 +81,8 @@ impl Lost {
     }
 }
 
-impl Won {
-    /// A strategy as explicit states with guards, in plain data.
+impl WonGame {
+    /// Returns a strategy as explicit states with guards, as plain data.
     pub fn explore(
         &self,
         specification: &Specification,
@@ -92,8 +92,8 @@ impl Won {
         self.game.explore(specification, preference, limits)
     }
 
-    /// A strategy as functions, in plain data: for machines that are too large for
-    /// [`Won::explore`].
+    /// Returns a strategy as functions, as plain data: for machines that are too large for
+    /// [`WonGame::explore`].
     pub fn functions(
         &self,
         specification: &Specification,
@@ -102,7 +102,7 @@ impl Won {
         self.game.functions(specification, limits)
     }
 
-    /// What is odd about the assumptions; see [`super::examine_environment`].
+    /// Checks the assumptions; see [`super::examine_environment`].
     pub fn examine_environment(
         &self,
         specification: &Specification,
@@ -111,12 +111,12 @@ impl Won {
         self.game.examine_environment(specification, limits)
     }
 
-    /// Where it asks for less than it seems to; see [`Shape`].
+    /// Finds where the specification demands less than it seems to; see [`Shape`].
     pub fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
         self.game.shape(specification, limits)
     }
 
-    /// Why it is won, for whoever wants to check it.
+    /// Returns the reason why it is won, for an independent check.
     pub fn ranking(
         &self,
         specification: &Specification,
@@ -125,7 +125,7 @@ impl Won {
         self.game.ranking(specification, limits)
     }
 
-    /// The states from which the machine wins, over current bits, as the only root.
+    /// Returns the states from which the machine wins, over current bits, as the only root.
     pub fn region(&self) -> Diagram {
         self.game.region()
     }

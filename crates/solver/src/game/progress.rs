@@ -1,7 +1,7 @@
-//! How far a solve has come, for whoever waits for it on another thread.
+//! Progress of a solve, for a thread that waits for it.
 //!
-//! A single operation of a kernel cannot be interrupted and may take minutes. So who has to end in
-//! time does not wait for the solver, but reads here what it had reached, and leaves it.
+//! A single kernel operation cannot be interrupted and may take minutes. So a caller that must end
+//! in time does not wait for the solver, but reads its progress here and abandons it.
 
 use super::fixpoint::Iterations;
 use super::statistics::Statistics;
@@ -9,21 +9,21 @@ use std::fmt;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What a solve is at.
+/// Phase of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Phase {
-    /// It has not begun.
+    /// Not started.
     #[default]
     Waiting,
-    /// Formulas become functions.
+    /// Formulas are encoded as functions.
     Encoding,
-    /// An order of the variables is looked for.
+    /// A variable order is searched.
     Ordering,
     /// The winning region is computed.
     Fixpoint,
-    /// The verdict is known; guarantees that clash are looked for.
+    /// The verdict is known; a core is searched.
     Core,
-    /// It has ended.
+    /// Finished.
     Ended,
 }
 
@@ -36,7 +36,7 @@ const PHASES: [Phase; 6] = [
     Phase::Ended,
 ];
 
-/// How far a solve has come. One of it belongs to one solve.
+/// Progress of one solve.
 #[derive(Debug, Default)]
 pub struct Progress {
     phase: AtomicU8,
@@ -45,29 +45,29 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// What it is at.
+    /// Current phase.
     pub fn phase(&self) -> Phase {
         PHASES[usize::from(self.phase.load(Ordering::Relaxed)).min(PHASES.len() - 1)]
     }
 
-    /// What is known of its cost so far.
+    /// Effort so far.
     pub fn statistics(&self) -> Statistics {
         let mut statistics = self.locked().clone();
         self.iterations.add_to(&mut statistics);
         statistics
     }
 
-    /// What was reached, as it follows "the time limit was reached":
+    /// Progress as text to follow "the time limit was reached":
     /// `after 12 rounds, with 3 of 40 goals settled`.
     pub fn reached(&self) -> String {
-        Reached(self).to_string()
+        ProgressDisplay(self).to_string()
     }
 
     pub(super) fn enter(&self, phase: Phase) {
         self.phase.store(phase as u8, Ordering::Relaxed);
     }
 
-    /// Begins anew, on this kernel.
+    /// Starts again, on this kernel.
     pub(super) fn begin(&self, statistics: Statistics) {
         self.iterations.reset();
         *self.locked() = statistics;
@@ -89,9 +89,9 @@ impl Progress {
     }
 }
 
-struct Reached<'a>(&'a Progress);
+struct ProgressDisplay<'a>(&'a Progress);
 
-impl fmt::Display for Reached<'_> {
+impl fmt::Display for ProgressDisplay<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let progress = self.0;
         match progress.phase() {

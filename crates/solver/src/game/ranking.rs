@@ -1,8 +1,8 @@
 //! Why a game is won, as plain data: the winning region, and for every goal the layers in which it
 //! is approached.
 //!
-//! This is what an outsider needs to check the verdict without solving anything; the page
-//! `docs/proof.md` says what is to be checked.
+//! An outsider can check the verdict from this without solving anything; `docs/proof.md` describes
+//! the check.
 
 use super::arena::Arena;
 use super::fixpoint::layers;
@@ -12,14 +12,14 @@ use linewright_core::gr1::{Specification, Time, VarId};
 /// The ranking of a winning region.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ranking {
-    /// For each variable of the specification, the numbers of its current bits, the most
-    /// significant first. The next bit of a current one has the next higher number.
+    /// For each variable of the specification, the numbers of its current bits, most significant
+    /// first. The next bit of a current bit has the next higher number.
     pub bits: Vec<Vec<u16>>,
     /// The current bits from the top of the diagram to its bottom, each followed by its next bit.
     pub order: Vec<u16>,
     /// All functions, over current bits. Its first root is the winning region.
     pub diagram: Diagram,
-    /// For every goal its layers, the nearest first. A specification without goals has the single
+    /// For every goal, its layers, the nearest first. A specification without goals has the single
     /// goal `true`.
     pub goals: Vec<Vec<Rank>>,
 }
@@ -27,17 +27,17 @@ pub struct Ranking {
 /// One layer on the way to a goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rank {
-    /// The assumption that fails for ever if the play waits here for ever; without assumptions
-    /// there is one, `true`.
+    /// Index of the assumption that fails for ever if the play waits here for ever; without
+    /// assumptions there is a single one, `true`.
     pub assumption: usize,
-    /// The root of the states in which the machine comes nearer to the goal, or waits while that
-    /// assumption does not hold.
+    /// Root of the states in which the machine makes progress, or waits while that assumption does
+    /// not hold.
     pub wait: usize,
-    /// The root of all states of this layer and those before.
+    /// Root of all states of this layer and the layers before it.
     pub reached: usize,
 }
 
-/// The ranking of a winning region.
+/// Computes the ranking of a winning region.
 pub fn ranking<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
@@ -65,7 +65,7 @@ pub fn ranking<K: Kernel>(
         bits: variables
             .map(|v| encoding.bits(v, Time::Now).map(|b| b.0).collect())
             .collect(),
-        // The last pair is the strategy's own; no function here depends on it.
+        // The last pair belongs to the strategy; no function here depends on it.
         order: order
             .pairs()
             .iter()

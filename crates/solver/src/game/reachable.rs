@@ -1,10 +1,10 @@
-//! What can be reached, whoever takes the steps.
+//! Reachable states with both sides cooperating.
 
 use super::arena::Arena;
 use crate::symbolic::{BitSet, Kernel, Limit};
 use linewright_core::gr1::Timing;
 
-/// The states within the arena's that can be reached from some by these moves.
+/// The arena's states that can be reached from `from` by these moves.
 pub fn reachable<K: Kernel>(
     arena: &Arena<K>,
     from: &K::Function,
@@ -15,7 +15,7 @@ pub fn reachable<K: Kernel>(
     let legal = m.prime(&arena.states)?;
     let mut moves = m.and(moves, &legal)?;
     if arena.timing == Timing::Moore {
-        // Only answers that are right whatever is given.
+        // Only answers that are correct for all inputs.
         moves = m.and(&moves, &arena.for_all_inputs(&legal)?)?;
     }
     let mut reachable = from.clone();

@@ -1,18 +1,18 @@
-//! Points at the formulas of a specification, side by side and list by list.
+//! References to the formulas of a specification, by side and list.
 
 use linewright_core::gr1::{Formula, Side};
 use serde::{Deserialize, Serialize};
 
-/// Points at one guarantee of a specification.
+/// A reference to a guarantee of a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct GuaranteeRef {
-    /// Its list.
+    /// Kind of formula, that is, its list.
     pub kind: GuaranteeKind,
-    /// Its place in that list.
+    /// Index in that list.
     pub index: usize,
 }
 
-/// Points at one assumption of a specification.
+/// A reference to an assumption of a specification.
 pub type AssumptionRef = GuaranteeRef;
 
 /// The lists of [`Side`].
@@ -29,7 +29,7 @@ pub enum GuaranteeKind {
 }
 
 impl GuaranteeRef {
-    /// The formula it points at.
+    /// Returns the referenced formula.
     pub fn formula(self, guarantees: &Side) -> &Formula {
         match self.kind {
             GuaranteeKind::Initial => &guarantees.initial[self.index],
@@ -40,14 +40,14 @@ impl GuaranteeRef {
     }
 }
 
-/// What only defines monitors, and what asks for something.
+/// Separates guarantees that only define monitors from those that demand something.
 pub fn definitions(guarantees: &Side) -> (Vec<GuaranteeRef>, Vec<GuaranteeRef>) {
     let (definitions, asked): (Vec<_>, Vec<_>) = all(guarantees).partition(|(_, f)| f.defines);
     let refs = |list: Vec<(GuaranteeRef, &Formula)>| list.into_iter().map(|(at, _)| at).collect();
     (refs(definitions), refs(asked))
 }
 
-/// All formulas of a side, with their places.
+/// All formulas of a side with their references.
 pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
     let lists = [
         (GuaranteeKind::Initial, &side.initial),

@@ -1,8 +1,8 @@
 //! A transition relation as clusters, and its product with a set: conjoin and quantify, cluster by
 //! cluster.
 //!
-//! A product goes through the clusters in an order in which bits can be quantified early (after
-//! Ranjan, Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and
+//! A product visits the clusters in an order in which bits can be quantified early (after Ranjan,
+//! Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and
 //! verification", IWLS 1995): a bit is quantified together with the last cluster that mentions it.
 
 use super::clusters::Clustering;
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// A conjunction of clusters and the bits to be quantified in a product with it.
 #[derive(Debug, Clone)]
 pub struct Relation<K: Kernel> {
-    /// Each with the bits that are quantified together with it.
+    /// Each cluster with the bits that are quantified together with it.
     clusters: Vec<(K::Function, BitSet)>,
     /// Bits to quantify that no cluster mentions.
     first: BitSet,
@@ -21,7 +21,8 @@ pub struct Relation<K: Kernel> {
 }
 
 impl<K: Kernel> Relation<K> {
-    /// The conjunction of `parts`, put together by `clustering`; `gone` will be quantified.
+    /// Creates the conjunction of `parts`, combined by `clustering`; the bits `gone` will be
+    /// quantified.
     pub fn new(
         kernel: &K,
         parts: &[K::Function],
@@ -30,7 +31,7 @@ impl<K: Kernel> Relation<K> {
         heuristics: Heuristics,
     ) -> Result<Self, Limit> {
         let clusters = if heuristics.has(Heuristic::Clusters) {
-            // Conjuncts that say nothing of the bits to quantify stay apart, and come last.
+            // Conjuncts without bits to quantify stay separate and come last.
             let mentions = |part: &K::Function| {
                 let support = kernel.support(part);
                 support.into_iter().any(|bit| gone.contains(bit))
@@ -91,7 +92,7 @@ impl<K: Kernel> Relation<K> {
         Ok(result)
     }
 
-    /// The relation in one piece.
+    /// The relation as a single function.
     pub fn whole(&self, kernel: &K) -> Result<K::Function, Limit> {
         kernel.all(self.clusters.iter().map(|(c, _)| c))
     }
@@ -112,9 +113,9 @@ impl<K: Kernel> Relation<K> {
     }
 }
 
-/// The order in which a product goes through clusters of these supports: next comes the one that
-/// lets most bits go for the fewest that it brings; those that let none go come last, when the
-/// product is smallest.
+/// The order in which a product visits clusters with these supports: next is the one that releases
+/// most bits for the fewest new ones; clusters that release none come last, when the product is
+/// smallest.
 fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     let mut left: Vec<usize> = (0..supports.len()).collect();
     let mut present = BitSet::default();
@@ -136,7 +137,7 @@ fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
             });
             (frees[index], worth.sum::<i64>())
         };
-        // The first among equals, so that the order of the file decides.
+        // The first among equals, so that file order decides.
         let (place, index) = left
             .iter()
             .copied()

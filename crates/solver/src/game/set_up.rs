@@ -1,10 +1,10 @@
-//! The board before the fixpoint: formulas encoded, a good order of the variables, the relations in
+//! The board before the fixpoint: encoded formulas, a good variable order, the relations in
 //! clusters.
 //!
-//! The order is sifted for small clusters first, so that larger ones can be built in it. Whether
-//! the pieces of a relation belong together is then a matter of size: if the larger clusters take
-//! far more nodes than the smaller ones did, the game is set up once more, with clusters that are
-//! sifted but not put together further.
+//! The order is sifted for small clusters first, so that larger ones can be built in it. Whether to
+//! combine the pieces of a relation is then decided by size: if the larger clusters take far more
+//! nodes than the smaller ones, the game is set up again with clusters that are sifted but not
+//! combined further.
 
 use super::arena::{Arena, Formulas, Selection, first_order};
 use super::clusters::Clustering;
@@ -14,32 +14,32 @@ use crate::symbolic::{Kernel, Limit, Limits, Order};
 use linewright_core::gr1::Specification;
 use std::time::Instant;
 
-/// Bounds of the clusters, in nodes. Some relations want to be in one piece (generators of buffers,
+/// Bounds of the clusters in nodes. Some relations are best in one piece (generators of buffers,
 /// three to four times faster), others in a few (AMBA's arbiter, the reverse).
 const FIRST: Clustering = Clustering::InOrder(1_000);
 
 /// For relations that may be in one piece.
 const WHOLE: Clustering = Clustering::InOrder(5_000);
 
-/// For those that took well to it, when they are built anew.
+/// For relations that benefited from it, when they are rebuilt.
 const WHOLE_AGAIN: Clustering = Clustering::ByBits(5_000);
 
-/// For relations that had better stay in pieces.
+/// For relations that should stay in pieces.
 pub const SPLIT: Clustering = Clustering::InOrder(3_000);
 
-/// So few clusters need not become fewer.
+/// Number of clusters that need not be reduced further.
 const FEW_CLUSTERS: usize = 3;
 
-/// How often larger clusters are built anew in the order that the last ones led to, while that
-/// makes them fewer.
+/// Maximum number of times that larger clusters are rebuilt in the latest order, as long as their
+/// number decreases.
 const MORE_ROUNDS: usize = 3;
 
-/// A relation stays in pieces when putting it together takes more than this many percent of the
-/// nodes that its pieces have.
+/// A relation stays in pieces if combining it takes more than this percentage of the nodes of its
+/// pieces.
 const WHOLE_PERCENT: usize = 180;
 
-/// The formulas and the whole game, in a good order. What each took is noted, also when a limit
-/// ends it.
+/// Builds the formulas and the whole game in a good order. The effort of each step is recorded,
+/// even if a limit ends it.
 pub fn set_up<K: Kernel>(
     specification: &Specification,
     order: &Order,
@@ -65,7 +65,7 @@ pub fn set_up<K: Kernel>(
     found
 }
 
-/// The same in the usual way, for whoever examines a specification beside its verdict.
+/// Builds both with default options, for examining a specification beside its verdict.
 pub fn set_up_default<K: Kernel>(
     specification: &Specification,
     limits: &Limits,

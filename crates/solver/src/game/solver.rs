@@ -1,9 +1,9 @@
-//! From a specification to a verdict: which kernel, which order, and what it took.
+//! From a specification to a verdict: choice of kernel and order, and statistics.
 //!
-//! Small games are played on biodivine's kernel, which starts at once; a game that outgrows
-//! [`SMALL_NODES`] there, or takes more than [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs
-//! of bits, is played on `OxiDD`'s. The choice depends on the specification only, so that the same
-//! input always gives the same machine.
+//! Small games are played on biodivine's kernel, which starts at once. A game that exceeds
+//! [`SMALL_NODES`] there, or [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs of bits, is
+//! played on `OxiDD`'s. The choice depends only on the specification, so that the same input always
+//! gives the same machine.
 
 use super::arena::{Arena, Formulas, first_order};
 use super::attack::{self, Attack, Play};
@@ -14,7 +14,7 @@ use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
 use super::functions::{self, Controls};
 use super::heuristics::Heuristics;
-use super::outcome::{Game, Lost, Outcome, Won};
+use super::outcome::{Game, LostGame, Outcome, WonGame};
 use super::progress::{Phase, Progress};
 use super::ranking::{self, Ranking};
 use super::reference::GuaranteeRef;
@@ -27,25 +27,25 @@ use linewright_core::gr1::{Formula, Specification, Time, VarId};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A game of more pairs of bits than this is not small.
+/// Maximum number of bit pairs of a small game.
 const SMALL_PAIRS: usize = 48;
 
-/// A game that needs more nodes than this at once is not small.
+/// Maximum number of nodes at once in a small game.
 const SMALL_NODES: u64 = 13_000;
 
-/// A game is not small, either, when so many nodes were made in all: about a hundredth of a second.
+/// Maximum number of nodes made in total in a small game: about a hundredth of a second.
 const SMALL_MADE: u64 = 50_000;
 
-/// A game that needs more nodes than this at once is large.
+/// Number of nodes at once above which a game is large.
 const LARGE_NODES: u64 = 100_000;
 
-/// The same where dead nodes count until they are collected.
+/// The same bound where dead nodes count until they are collected.
 const LARGE_NODES_SHARED: u64 = 1 << 20;
 
-/// Which kernel a game is played on.
+/// The kernel that a game is played on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum KernelChoice {
-    /// By the size of the game.
+    /// Chosen by the size of the game.
     #[default]
     Automatic,
     /// biodivine-lib-bdd: every function owns its nodes.
@@ -54,47 +54,47 @@ pub enum KernelChoice {
     OxiDd,
 }
 
-/// How to solve.
+/// Options of the solver.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// When to give up.
+    /// Time and memory limits.
     pub limits: Limits,
-    /// Which kernel.
+    /// Kernel to use.
     pub kernel: KernelChoice,
-    /// What is done to be fast.
+    /// Enabled heuristics.
     pub heuristics: Heuristics,
-    /// Whether no core is looked for when there is no machine.
+    /// Whether to skip the search for a core if there is no machine.
     pub without_core: bool,
-    /// An order to begin with, instead of looking for one. With the automatic kernel, only a large
-    /// game begins with it.
+    /// Initial variable order, instead of searching for one. With the automatic kernel, only a
+    /// large game uses it.
     pub first_order: Option<Order>,
-    /// A set of states, as the first root, to which the winning region is known to belong. With the
-    /// automatic kernel, only a large game begins with it.
+    /// A set of states, as the first root, that is known to contain the winning region. With the
+    /// automatic kernel, only a large game uses it.
     pub first_region: Option<Diagram>,
-    /// Where to publish how far it is. Options that are cloned publish to the same place.
+    /// Where progress is published. Cloned options publish to the same place.
     pub progress: Arc<Progress>,
 }
 
-/// A verdict and what it took.
+/// A verdict and its statistics.
 #[derive(Debug)]
-pub struct Solved {
+pub struct Solution {
     /// The verdict.
     pub outcome: Outcome,
-    /// What it took; what was reached when a limit ended it.
+    /// Statistics; if a limit was reached, up to that point.
     pub statistics: Statistics,
 }
 
-/// A game that was won on one kernel.
+/// A game won on one kernel.
 #[derive(Debug)]
-struct WonGame<K: Kernel> {
-    /// One by one; not kept of a large game.
+struct RealizedGame<K: Kernel> {
+    /// Separate formulas; not kept for a large game.
     formulas: Option<Formulas<K>>,
     arena: Arena<K>,
     /// The states from which the machine wins.
     region: K::Function,
 }
 
-impl<K: Kernel> Game for WonGame<K> {
+impl<K: Kernel> Game for RealizedGame<K> {
     fn explore(
         &self,
         specification: &Specification,
@@ -138,8 +138,8 @@ impl<K: Kernel> Game for WonGame<K> {
     }
 }
 
-/// Decides whether a machine exists, in the usual way; where there is none, also looks for a
-/// minimal core of guarantees.
+/// Decides whether a machine exists, with default options; if there is none, also finds a minimal
+/// core of guarantees.
 pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
     let options = Options {
         limits: *limits,
@@ -149,7 +149,7 @@ pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
 }
 
 /// Decides whether a machine exists.
-pub fn solve_with(specification: &Specification, options: &Options) -> Solved {
+pub fn solve_with(specification: &Specification, options: &Options) -> Solution {
     let order = first_order(specification, options.heuristics);
     if let Some(limits) = small(&order, options) {
         let solved = if options.kernel == KernelChoice::Automatic {
@@ -167,7 +167,7 @@ pub fn solve_with(specification: &Specification, options: &Options) -> Solved {
     play::<OxiDd>(specification, &order, &options.limits, options, start)
 }
 
-/// What is known beforehand.
+/// Prior knowledge for a solve.
 #[derive(Clone, Copy, Default)]
 struct Start<'a> {
     order: Option<&'a Order>,
@@ -182,7 +182,7 @@ impl<'a> Start<'a> {
         }
     }
 
-    /// Nothing that does not fit the bits of the game.
+    /// Drops everything that does not fit the bits of the game.
     fn fitting(self, pairs: usize) -> Self {
         Self {
             order: self.order.filter(|o| o.pairs().len() == pairs),
@@ -193,7 +193,7 @@ impl<'a> Start<'a> {
     }
 }
 
-/// The limits for a try on biodivine's kernel, if there shall be one.
+/// Limits for an attempt on biodivine's kernel, if one is to be made.
 fn small(order: &Order, options: &Options) -> Option<Limits> {
     match options.kernel {
         KernelChoice::Biodivine => Some(options.limits),
@@ -207,7 +207,7 @@ fn small(order: &Order, options: &Options) -> Option<Limits> {
     }
 }
 
-/// Examines the environment's side. Independent of whether the specification is realizable.
+/// Examines the environment. Independent of whether the specification is realizable.
 pub fn examine_environment(
     specification: &Specification,
     limits: &Limits,
@@ -238,12 +238,12 @@ fn examine_on<K: Kernel>(
     findings::examine(&formulas, &arena, specification)
 }
 
-/// The counterstrategy of a specification and the play that shows it, or `None` if the machine
-/// wins.
+/// Computes the counterstrategy of a specification and the play that shows it, or `None` if the
+/// machine wins.
 ///
-/// In the play the machine begins as `beginning` says, where it can. Meant for the
-/// [reduced](super::reduced) specification of a minimal core: who cannot keep that cannot keep
-/// more.
+/// In the play the machine starts as `beginning` says, if it can. Meant for the
+/// [reduced](super::reduced) specification of a minimal core: a machine that cannot keep the core
+/// cannot keep more.
 pub fn attack(
     specification: &Specification,
     beginning: &[Formula],
@@ -263,8 +263,8 @@ pub fn attack(
     attack::attack_on::<OxiDd>(specification, beginning, limits)
 }
 
-/// What could be done about an unrealizable specification, given a minimal core and a play that
-/// shows it.
+/// Suggests repairs of an unrealizable specification, given a minimal core and a play that shows
+/// it.
 pub fn advise(
     specification: &Specification,
     core: &[GuaranteeRef],
@@ -296,7 +296,7 @@ fn play<K: Kernel>(
     limits: &Limits,
     options: &Options,
     start: Start<'_>,
-) -> Solved {
+) -> Solution {
     let start = start.fitting(order.pairs().len());
     let order = start.order.unwrap_or(order);
     let progress = &*options.progress;
@@ -308,11 +308,11 @@ fn play<K: Kernel>(
         ..Statistics::default()
     });
     let outcome = decide::<K>(specification, order, limits, options, start);
-    // Otherwise what it was at says how far it came.
+    // Otherwise the phase shows how far it came.
     if outcome.is_ok() {
         progress.enter(Phase::Ended);
     }
-    Solved {
+    Solution {
         outcome: outcome.unwrap_or_else(Outcome::GaveUp),
         statistics: progress.statistics(),
     }
@@ -351,8 +351,8 @@ fn decide<K: Kernel>(
             };
     });
     if let Some(region) = region? {
-        return Ok(Outcome::Realizable(Won {
-            game: Box::new(WonGame {
+        return Ok(Outcome::Realizable(WonGame {
+            game: Box::new(RealizedGame {
                 formulas: (!progress.statistics().large).then_some(formulas),
                 arena,
                 region,
@@ -366,21 +366,21 @@ fn decide<K: Kernel>(
         None
     } else {
         match core::minimal_core(&formulas, specification) {
-            // This was a try with little room; the other kernel has more.
+            // This was an attempt with little room; the other kernel has more.
             Err(Limit::Memory) if limits.most_made != options.limits.most_made => {
                 return Err(Limit::Memory);
             }
             core => core.ok(),
         }
     };
-    Ok(Outcome::Unrealizable(Lost {
+    Ok(Outcome::Unrealizable(LostGame {
         core,
         peak_nodes: formulas.peak_nodes(),
     }))
 }
 
-/// An order of the pairs of bits from one of the variables, given by their indices. `None` unless
-/// each occurs once.
+/// Converts an order of variables, given by index, to an order of bit pairs. `None` unless each
+/// variable occurs once.
 pub fn order_of_variables(
     specification: &Specification,
     variables: impl IntoIterator<Item = usize>,
@@ -398,7 +398,7 @@ pub fn order_of_variables(
     (order.pairs().len() == usize::from(last) + 1).then_some(order)
 }
 
-/// The variables by the place of their topmost bit.
+/// The variables by the position of their topmost bit.
 fn variables(specification: &Specification, order: &Order) -> Vec<VarId> {
     let encoding = Encoding::new(specification);
     let positions = order.positions();

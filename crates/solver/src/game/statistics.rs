@@ -1,39 +1,39 @@
-//! What a verdict took.
+//! Statistics of a solve.
 
 use crate::symbolic::Order;
 use linewright_core::gr1::VarId;
 
-/// What a verdict took.
+/// Effort for a verdict.
 #[derive(Debug, Clone, Default)]
 pub struct Statistics {
-    /// The kernel it was found on.
+    /// Name of the kernel.
     pub kernel: &'static str,
-    /// Pairs of a current and a next bit.
+    /// Number of pairs of a current and a next bit.
     pub pairs: usize,
-    /// Seconds of the clock until all formulas were functions.
+    /// Wall-clock seconds for encoding all formulas.
     pub encode_seconds: f64,
     /// Seconds spent on the order before the fixpoint.
     pub order_seconds: f64,
-    /// Seconds of the fixpoint.
+    /// Seconds for the fixpoint.
     pub fixpoint_seconds: f64,
-    /// The largest number of nodes that were kept at once.
+    /// Peak number of live nodes.
     pub peak_nodes: u64,
-    /// Steps of the outermost fixpoint: one a goal and round.
+    /// Iterations of the outermost fixpoint, one per goal and round.
     pub outer: u64,
-    /// Steps of the middle fixpoints: one an assumption and round.
+    /// Iterations of the middle fixpoints, one per assumption and round.
     pub middle: u64,
-    /// Steps of the innermost fixpoints.
+    /// Iterations of the innermost fixpoints.
     pub inner: u64,
-    /// Controllable predecessors that were computed.
+    /// Number of controllable predecessors computed.
     pub predecessors: u64,
-    /// Whether the game is too large to be examined further beside a verdict. By its bits and
-    /// nodes, never by the clock.
+    /// Whether the game is too large for further checks beside its verdict. Decided by bits and
+    /// nodes, never by time.
     pub large: bool,
-    /// The variables from the top of the diagrams to their bottom at the start, by the place of
-    /// their first bit.
+    /// Variables from the top of the diagrams to the bottom at the start, by the position of their
+    /// first bit.
     pub order_before: Vec<VarId>,
-    /// The same at the end.
+    /// Variables from top to bottom at the end.
     pub order_after: Vec<VarId>,
-    /// The order at the end; `None` until then.
+    /// The final order; `None` before the end.
     pub last_order: Option<Order>,
 }

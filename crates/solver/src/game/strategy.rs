@@ -1,34 +1,32 @@
-//! From a won game to a function: for every goal, what to answer to which next inputs in which
-//! state.
+//! From a won game to a function: for every goal, the answer to each next input in each state.
 //!
-//! In four steps, each of which keeps at least one winning move wherever there was one:
+//! There are four steps, each of which keeps at least one winning move wherever there was one:
 //!
-//! 1. *Preference.* Of the winning moves, the best kind that is possible (Bloem et al. 2012,
-//!    section 4): reach the goal, and as near to the next goal as can be; else get as near to this
-//!    goal as can be; else wait for an assumption. Where many valuations could be met, or few
-//!    states are asked for, only those moves are kept that lead into a small set of states which
-//!    can be kept to.
-//! 2. *Forgetting.* A move should depend on as few inputs as possible: current ones the machine
-//!    would have to remember, next ones make its guards longer. Input by input, moves that are
-//!    right whatever that input is are preferred, where every combination that cannot occur in play
-//!    counts as right.
-//! 3. *Choice.* Outputs keep their value where they can and are as small as possible where they
-//!    cannot, one after the other.
-//! 4. *Reachability*, to leave out what is never met.
+//! 1. *Preference.* Of the winning moves, the best possible kind (Bloem et al. 2012, section 4):
+//!    reach the goal, and get as close to the next goal as possible; else get as close to this goal
+//!    as possible; else wait for an assumption. If many valuations could occur, or few states are
+//!    requested, only moves into a small closed set of states are kept.
+//! 2. *Forgetting.* A move should depend on as few inputs as possible: the machine would have to
+//!    remember current inputs, and next inputs make its guards longer. Input by input, moves that
+//!    are correct for every value of that input are preferred, where every combination that cannot
+//!    occur in play counts as correct.
+//! 3. *Choice.* Outputs keep their value where possible and are otherwise as small as possible, one
+//!    after the other.
+//! 4. *Reachability*, to omit what never occurs.
 //!
-//! The goal that is pursued is not encoded in bits; there is one relation a goal. A flag `g` beside
-//! the next outputs says how many goals the transition reaches, from the pursued one on, whereupon
-//! the next one behind these is pursued.
+//! The pursued goal is not encoded in bits; there is one relation per goal. A flag `g` beside the
+//! next outputs gives the number of goals that the transition reaches, starting with the pursued
+//! one; the goal after these is pursued next.
 
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use linewright_core::gr1::{Owner, Specification, Time, Timing, VarId};
 
-/// With more valuations than this, by goal, successors are gathered.
+/// Number of valuations, summed over the goals, above which successors are gathered.
 const MANY_VALUATIONS: f64 = 5_000.0;
 
-/// What a machine shall be good at.
+/// What a machine is optimized for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Preference {
     /// Short ways to the next goal.
@@ -41,18 +39,17 @@ pub enum Preference {
 /// A deterministic strategy.
 #[derive(Debug)]
 pub struct Strategy<K: Kernel> {
-    /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in states that are not
-    /// reachable.
+    /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in unreachable states.
     pub moves: Vec<K::Function>,
     /// For each goal, the states (x, y) in which it is pursued.
     pub reachable: Vec<K::Function>,
-    /// The first valuations (x, y), over current bits.
+    /// The initial valuations (x, y), over current bits.
     pub initial: K::Function,
-    /// The flag g, as a number: how many goals a transition reaches, from the pursued one on.
+    /// The flag g as a number: how many goals a transition reaches, starting with the pursued one.
     pub flag: [Bit; 2],
 }
 
-/// Makes a strategy for the winning region.
+/// Computes a strategy for the winning region.
 pub fn strategy<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
@@ -77,7 +74,7 @@ pub fn strategy<K: Kernel>(
             Timing::Moore => maker.first_feasible_moore(&targets)?,
         });
     }
-    // What could be reached at all bounds what has to be right.
+    // An upper bound of the reachable states limits what has to be correct.
     let mut possible = maker.reachable(&wide, &initial)?;
     let gather = preference == Preference::States || maker.count(&possible) > MANY_VALUATIONS;
     if gather && arena.timing == Timing::Mealy {
@@ -129,7 +126,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         })
     }
 
-    /// The valuations of step 0. The pure strategy has no value to keep there, so it takes the
+    /// The valuations of step 0. The plain strategy has no value to keep there, so it takes the
     /// smallest.
     fn initial(&self) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
@@ -141,8 +138,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         m.and(&good, &arena.env_initial)
     }
 
-    /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each holds only what
-    /// is a winning move in the state where it begins.
+    /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each contains only
+    /// winning moves of its source state.
     fn targets(
         &self,
         j: usize,
@@ -174,8 +171,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(targets)
     }
 
-    /// All targets as one. Whichever is chosen, the play comes nearer to the goal or waits where an
-    /// assumption fails.
+    /// The union of all targets. With any choice, the play makes progress toward the goal or waits
+    /// while an assumption fails.
     fn any(&self, targets: Vec<K::Function>) -> Result<K::Function, Limit> {
         let mut any = self.arena.kernel.constant(false);
         for target in targets {
@@ -184,8 +181,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(any)
     }
 
-    /// For every state of the region and every next input, the moves of the first kind that is
-    /// possible.
+    /// For every state of the region and every next input, the moves of the first possible kind.
     fn first_feasible_mealy(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = m.and(self.region, &self.environment)?;
@@ -202,8 +198,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// For every state of the region, the next outputs that are right whatever the next inputs are,
-    /// aiming as high as possible. Over (x, y, y′).
+    /// For every state of the region, the next outputs that are correct for all next inputs, aiming
+    /// as high as possible. Over (x, y, y′).
     fn first_feasible_moore(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = self.region.clone();
@@ -232,12 +228,12 @@ impl<'a, K: Kernel> Maker<'a, K> {
             care = m.and(&care, &self.environment)?;
         }
         let mut allowed = m.implies(&care, moves)?;
-        // The next inputs, too: what an answer does not need makes no guard longer. They come last,
-        // since an answer had better look at an input than remember it.
+        // Next inputs are included: an input that an answer does not need makes no guard longer.
+        // They come last, since reading an input is better than remembering it.
         //
-        // Current inputs are first forgotten only where that is right whatever comes next: or else
-        // one would forget a command and remember all that tells what the command must have been.
-        // After that there is nothing left to tell it by.
+        // Current inputs are first forgotten only where that is correct for all next inputs;
+        // otherwise a command would be forgotten, and everything that reveals it remembered
+        // instead. After that, nothing reveals it any more.
         let rounds = [(Time::Now, true), (Time::Now, false), (Time::Next, false)];
         let inputs = |round| self.specification.inputs().map(move |v| (v, round));
         for (input, (time, blindly)) in rounds.into_iter().flat_map(inputs) {
@@ -255,8 +251,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(allowed)
     }
 
-    /// Fixes the next outputs: each variable keeps its value where it can, and else takes the
-    /// smallest possible one.
+    /// Fixes the next outputs: each variable keeps its value where possible, and otherwise takes
+    /// the smallest possible one.
     fn choose(&self, moves: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut moves = moves.clone();
@@ -270,7 +266,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// The relation, with only the smallest outputs of this time, one output after the other.
+    /// Restricts the relation to the smallest outputs of this time, one output after the other.
     fn smallest(&self, mut relation: K::Function, time: Time) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let answers = match time {
@@ -285,7 +281,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(relation)
     }
 
-    /// The relation, with only the answers that satisfy `wish` wherever there is one.
+    /// Restricts the relation to answers that satisfy `wish` wherever there is one.
     fn prefer(
         &self,
         relation: &K::Function,
@@ -299,7 +295,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
     }
 
     /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing
-    /// to keep in mind.
+    /// to remember.
     fn with_flag(&self, moves: &K::Function, j: usize) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         let mut moves = moves.clone();
@@ -309,8 +305,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// How many goals a transition reaches, from `j` on and up to three, as two bits. With a single
-    /// goal there is nothing to keep in mind.
+    /// The number of goals that a transition reaches, from `j` on and up to three, as two bits.
+    /// With a single goal there is nothing to remember.
     fn reached(&self, j: usize) -> Result<[K::Function; 2], Limit> {
         let (m, goals) = (&self.arena.kernel, &self.arena.goals);
         let mut all = m.constant(goals.len() > 1);
@@ -327,7 +323,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok([at_least.swap_remove(1), odd])
     }
 
-    /// Steps in pursuit of goal `j`, by the goal that is pursued after them.
+    /// Steps in pursuit of goal `j`, grouped by the goal pursued after them.
     fn by_goal(&self, steps: K::Function, j: usize) -> Result<Vec<(usize, K::Function)>, Limit> {
         let m = &self.arena.kernel;
         let goals = self.arena.goals.len();
@@ -344,7 +340,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         ])
     }
 
-    /// Those of the moves in pursuit of goal `j` that lead to states met.
+    /// Moves in pursuit of goal `j` that lead to states already met.
     fn moves_to_met(
         &self,
         moves: &K::Function,
@@ -359,9 +355,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(into)
     }
 
-    /// For every goal a set of states, together few, that can be kept to: each answer to each input
-    /// leads to one that was met before, or else where most likely other answers can lead to as
-    /// well.
+    /// For every goal a closed set of states, small in total: each answer to each input leads to
+    /// one already met, or else to one that most other answers can also lead to.
     fn gather(
         &self,
         moves: &[K::Function],
@@ -383,7 +378,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
                 if m.is_false(&todo) {
                     break;
                 }
-                // One more valuation for every next input that is left, for whichever states can
+                // For every remaining next input, one more valuation, for all states that can
                 // answer with it.
                 for (k, steps) in self.by_goal(todo.clone(), j)? {
                     let offers = self.smallest(m.exists(&steps, &self.now)?, Time::Next)?;
@@ -400,7 +395,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(met)
     }
 
-    /// The number of valuations, over all goals.
+    /// Number of valuations, summed over the goals.
     fn count(&self, states: &[K::Function]) -> f64 {
         let states: Vec<&K::Function> = states.iter().collect();
         let shares = self.arena.kernel.export(&states).shares();

@@ -1,28 +1,28 @@
-//! An order of the variables from the structure of a specification: those that occur together lie
-//! near each other.
+//! A variable order from the structure of a specification: variables that occur together lie near
+//! each other.
 //!
 //! FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement variable-ordering
-//! heuristic", GLSVLSI 2003): formulas are hyperedges, conjunctions one for each part; every
-//! formula pulls its variables towards its centre of gravity, until the sum of all spans no longer
-//! shrinks. A small span is a start for sifting, not an order to rely on.
+//! heuristic", GLSVLSI 2003): formulas are hyperedges, conjunctions one per part; every formula
+//! pulls its variables toward its center of gravity, until the sum of all spans no longer shrinks.
+//! A small span is only a starting point for sifting.
 //!
-//! A formula about whole arrays says nothing of which elements belong together, its comparisons do:
-//! that of `built[i]` with `target[i]` is small where the two lie side by side, and has no small
-//! conjunction with the others where they do not. In games of many bits, where no order but a fair
-//! one lets formulas be encoded at all, comparisons of numbers pull as well.
+//! A formula about whole arrays does not show which elements belong together, but its comparisons
+//! do: that of `built[i]` with `target[i]` is small if the two are adjacent; otherwise its
+//! conjunction with the others is never small. In games of many bits, where formulas can be encoded
+//! only in a reasonable order, comparisons of numbers pull as well.
 
 use crate::symbolic::{Bit, Encoding, Order};
 use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
 
-/// Rounds of pulling; spans hardly shrink after the first few.
+/// Maximum number of pulling rounds; spans hardly shrink after the first few.
 const MOST_ROUNDS: usize = 30;
 
-/// Comparisons pull in games of more pairs of bits than this, and formulas are confined to codes
-/// that have a value.
+/// Number of bit pairs above which comparisons pull, and formulas are restricted to codes that have
+/// a value.
 pub const MANY_PAIRS: usize = 48;
 
-/// The pairs of bits by variable, the variables ordered by structure; pairs that belong to no
-/// variable come last.
+/// The pairs of bits by variable, with the variables ordered by structure; pairs without a variable
+/// come last.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);
@@ -91,7 +91,7 @@ fn variables(formula: &Expr) -> Vec<usize> {
     found
 }
 
-/// The variables as the formulas mention them, and then the others.
+/// The variables in the order in which formulas mention them, followed by the rest.
 fn first_seen(edges: &[Vec<usize>], variables: usize) -> Vec<usize> {
     let mut order = Vec::new();
     let mut seen = vec![false; variables];
@@ -121,7 +121,7 @@ fn span(edges: &[Vec<usize>], order: &[usize]) -> usize {
     spans.sum()
 }
 
-/// One round: every variable goes to the mean of the centres of its formulas.
+/// One round: moves every variable to the mean of the centers of its formulas.
 fn pull(edges: &[Vec<usize>], order: &[usize]) -> Vec<usize> {
     let positions = positions(order);
     let mut sums = vec![(0.0, 0usize); order.len()];
@@ -140,7 +140,7 @@ fn pull(edges: &[Vec<usize>], order: &[usize]) -> Vec<usize> {
             (sum, count) => (sum / count as f64, *v),
         })
         .collect();
-    // The sort is stable: what is pulled to the same place keeps its order.
+    // The sort is stable: variables pulled to the same place keep their order.
     pulled.sort_by(|a, b| a.0.total_cmp(&b.0));
     pulled.into_iter().map(|(_, v)| v).collect()
 }

@@ -1,10 +1,10 @@
-//! Whether a controller that exists only as [`Functions`] keeps its contract: an inductive check of
-//! the certificate that comes with it, on a path of its own.
+//! Checks whether a controller that exists only as [`Functions`] keeps its contract: an independent
+//! inductive check of its certificate.
 //!
 //! The functions and the sets of the [`Certificate`](crate::game::Certificate) are built from plain
 //! data in a fresh kernel, the specification is encoded anew, and every obligation is one
-//! implication between functions. Nothing here knows how the game was solved or the functions were
-//! chosen; a wrong certificate can only make the check fail.
+//! implication between functions. The check is independent of how the game was solved and the
+//! functions were chosen; a wrong certificate can only make it fail.
 //!
 //! - Step 0: for inputs that keep the assumptions, the outputs keep the initial conditions and lie
 //!   in the region.
@@ -13,13 +13,13 @@
 //!   and lies in the region.
 //! - While a goal is pursued, every step reaches it, or leads to a lower layer, or stays in its
 //!   layer while the layer's assumption fails. So a play that never reaches it stays in some layer
-//!   for ever, and breaks that layer's assumption. A step that reaches the goal, and no other,
-//!   passes on to the next goal.
-//! - A step is refused exactly when it breaks an assumption; for Moore, no output looks at the
+//!   for ever, and breaks that layer's assumption. A step that reaches the goal, and no other step,
+//!   switches to the next goal.
+//! - A step is refused exactly when it breaks an assumption; for Moore, no output depends on the
 //!   step's inputs.
 //!
-//! The steps of a mode become one relation: where it is taken, conjoined with what each output is.
-//! It is small, since it begins with the states and inputs that matter.
+//! The steps of a mode are combined into one relation: its condition, conjoined with the functions
+//! of all outputs. It is small, since it starts from the relevant states and inputs.
 
 use super::Port;
 use super::functions::Functions;
@@ -29,43 +29,44 @@ use linewright_core::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use std::fmt;
 use std::ops::Range;
 
-/// Functions of more nodes than this are checked on the kernel for large games.
+/// Number of nodes above which functions are checked on the kernel for large games.
 const SMALL_NODES: usize = 2_000;
 
-/// What functions break, or what their certificate does not show.
+/// A rule that functions break, or that their certificate does not show.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The clause of the definition.
+    /// The violated clause of the definition.
     pub clause: Clause,
 }
 
-/// A clause of what is certified, by the way in which it can be broken. Where a contract's formula
-/// is broken, its name stands with it; the clauses about layers have the name of the goal.
+/// A clause of the certified property, by the way it can be violated. If a contract's formula is
+/// violated, the clause carries its name; the clauses about layers carry the name of the goal.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
-    /// Ports, their bits, timing and the number of goals are those of the contract.
+    /// Ports, their bits, timing and the number of goals equal those of the contract.
     Ports,
-    /// Diagrams lead to earlier nodes and ask for bits that exist.
+    /// Diagrams refer only to earlier nodes and existing bits.
     Diagram,
-    /// Sets of states ask for current bits only.
+    /// Sets of states depend only on current bits.
     SetOfStates,
-    /// A layer waits for an assumption that exists.
+    /// A layer waits for an existing assumption.
     LayerAssumption,
-    /// An output asks only for what is known when it is computed.
+    /// An output depends only on values known when it is computed.
     OutputKnown,
     /// Only outputs are computed, each once.
     OutputTwice,
     /// Every output is computed.
     OutputMissing,
-    /// A mode's condition asks only for what is known before the outputs.
+    /// A mode's condition depends only on values known before the outputs.
     ModeKnown,
-    /// A mode leads to a layer that exists.
+    /// A mode leads to an existing layer.
     ModeLayer,
-    /// One mode of a goal is for all states.
+    /// One mode of a goal applies to all states.
     ModeMissing,
-    /// What is asked of a driver speaks of what the driver knows, and has the name of a formula.
+    /// An assumption to check depends only on values that the driver knows, and has the name of a
+    /// formula.
     AssumptionKnown,
-    /// The region lies within the domains; the output's name.
+    /// The region lies within the domains; carries the output's name.
     Domain(String),
     /// The region lies within each guaranteed invariant.
     Invariant(String),
@@ -85,13 +86,13 @@ pub enum Clause {
     Reached(String),
     /// A step of a mode that reaches the goal does so, and stays in the region.
     Missed(String),
-    /// A step leads into the layer that it is to lead to.
+    /// A step leads into its target layer.
     Strays(String),
-    /// A step does not lead back up from below the layer that it is to lead to.
+    /// A step does not lead back up from below its target layer.
     Back(String),
     /// A step waits only where the layer's assumption fails.
     Waits(String),
-    /// A step that is to come nearer begins in a layer.
+    /// A step that must make progress starts in a layer.
     Nowhere(String),
 }
 
@@ -167,7 +168,7 @@ fn fault<T>(clause: Clause) -> Result<T, Fault> {
     Err(Fault { clause })
 }
 
-/// Whether everything refers to what exists, and asks only for what is known by then.
+/// Whether all references are valid and each function depends only on values already known.
 fn well_formed(specification: &Specification, functions: &Functions) -> Result<(), Fault> {
     let encoding = Encoding::new(specification);
     let bits_of = |v: VarId| -> Vec<Bit> { encoding.bits(v, Time::Now).collect() };
@@ -314,7 +315,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     Ok(())
 }
 
-/// Which bits each node of a diagram depends on.
+/// The bits that each node of a diagram depends on.
 struct Supports {
     words: usize,
     masks: Vec<u64>,
@@ -348,10 +349,10 @@ impl Supports {
     }
 }
 
-/// Formulas of the machine's safety are put together until they have this many nodes.
+/// Node count up to which formulas of the machine's safety are combined.
 const CLUSTER_NODES: usize = 3_000;
 
-/// Outputs are put together until they have more nodes than this.
+/// Node count up to which outputs are combined.
 const OUTPUT_NODES: usize = 500;
 
 struct Check<'a, K: Kernel> {
@@ -359,25 +360,25 @@ struct Check<'a, K: Kernel> {
     functions: &'a Functions,
     encoding: Encoding,
     kernel: K,
-    /// The functions by node of the diagram.
+    /// Functions by node of the diagram.
     nodes: Vec<K::Function>,
     region: K::Function,
-    /// For every goal its layers.
+    /// For every goal, its layers.
     layers: Vec<Vec<K::Function>>,
-    /// What the environment may do in step 0, over next bits.
+    /// Moves of the environment in step 0, over next bits.
     may_begin: Vec<K::Function>,
-    /// What it may do in a later step.
+    /// Moves of the environment in later steps.
     may_do: Vec<K::Function>,
-    /// The machine's safety: formulas by their place, and conjunctions of several with their
-    /// places.
+    /// The machine's safety: single formulas by index, and conjunctions of several with their
+    /// indices.
     safety: Vec<K::Function>,
     clusters: Vec<(K::Function, Range<usize>)>,
     assumptions: Vec<K::Function>,
     goals: Vec<K::Function>,
 }
 
-/// A stage's result.
-type Checked = Result<Result<(), Fault>, Limit>;
+/// Result of a stage.
+type StageResult = Result<Result<(), Fault>, Limit>;
 
 impl<'a, K: Kernel> Check<'a, K> {
     fn new(
@@ -388,7 +389,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         let controls = &functions.controls;
         let encoding = Encoding::new(specification);
         let m = K::new(&controls.order, limits)?;
-        // The order that comes with the functions is a good one.
+        // The order that comes with the functions is good.
         m.set_reordering(false);
         let mut all = controls.diagram.clone();
         all.roots = (0..all.nodes.len()).map(Edge::to).collect();
@@ -486,8 +487,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(!self.kernel.is_false(&left))
     }
 
-    /// The steps that begin here, as a relation. Several small outputs are put together before they
-    /// meet the many states, so that the large relation is made anew only a few times.
+    /// The steps that start here, as a relation. Several small outputs are combined before they are
+    /// conjoined with the many states, so that the large relation is rebuilt only a few times.
     fn steps(&self, from: K::Function, outputs: &[(Bit, Edge)]) -> Result<K::Function, Limit> {
         let m = &self.kernel;
         let mut steps = from;
@@ -520,7 +521,7 @@ impl<'a, K: Kernel> Check<'a, K> {
 
     /// The region lies within the machine's invariants and domains, and layers lie within each
     /// other and the region.
-    fn region(&mut self) -> Checked {
+    fn region(&mut self) -> StageResult {
         let m = &self.kernel;
         let within = |set: &K::Function, bound: &K::Function| -> Result<bool, Limit> {
             Ok(m.is_false(&m.and_not(set, bound)?))
@@ -549,7 +550,7 @@ impl<'a, K: Kernel> Check<'a, K> {
     }
 
     /// A step is refused exactly when it breaks an assumption.
-    fn assumptions(&mut self) -> Checked {
+    fn assumptions(&mut self) -> StageResult {
         let m = &self.kernel;
         let controls = &self.functions.controls;
         let stages = [
@@ -566,7 +567,7 @@ impl<'a, K: Kernel> Check<'a, K> {
                     return Ok(fault(Clause::Refused));
                 }
             }
-            // What a driver gives lies in its domain, which it is asked for before.
+            // An input lies in its domain; this is checked earlier.
             for input in self.specification.inputs() {
                 asked.push(self.encoding.in_domain(m, input, Time::Next)?);
             }
@@ -580,7 +581,7 @@ impl<'a, K: Kernel> Check<'a, K> {
     }
 
     /// Step 0 keeps the initial conditions and lies in the region.
-    fn first(&mut self) -> Checked {
+    fn first(&mut self) -> StageResult {
         let m = &self.kernel;
         let steps = self.steps(m.all(&self.may_begin)?, &self.functions.controls.first)?;
         for formula in &self.specification.guarantees.initial {
@@ -595,8 +596,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(Ok(()))
     }
 
-    /// All steps in pursuit of a goal.
-    fn goal(&mut self, goal: usize) -> Checked {
+    /// Checks all steps in pursuit of a goal.
+    fn goal(&mut self, goal: usize) -> StageResult {
         let m = &self.kernel;
         let pursuit = &self.functions.controls.goals[goal];
         let justice = &self.specification.guarantees.justice;
@@ -618,17 +619,17 @@ impl<'a, K: Kernel> Check<'a, K> {
             }
             let missed = m.and_not(&steps, &reach)?;
             let late = match mode.aim {
-                Aim::Goal => (!m.is_false(&missed)).then_some(Late::Missed),
+                Aim::Goal => (!m.is_false(&missed)).then_some(ProgressFault::Missed),
                 Aim::Layer(layer) => self.late(goal, layer, &missed)?,
                 Aim::Nearer => self.late_anywhere(goal, &missed)?,
             };
             if let Some(late) = late {
                 return Ok(fault(match late {
-                    Late::Missed => Clause::Missed(name()),
-                    Late::Strays => Clause::Strays(name()),
-                    Late::Back => Clause::Back(name()),
-                    Late::Waits => Clause::Waits(name()),
-                    Late::Nowhere => Clause::Nowhere(name()),
+                    ProgressFault::Missed => Clause::Missed(name()),
+                    ProgressFault::Strays => Clause::Strays(name()),
+                    ProgressFault::Back => Clause::Back(name()),
+                    ProgressFault::Waits => Clause::Waits(name()),
+                    ProgressFault::Nowhere => Clause::Nowhere(name()),
                 }));
             }
             m.safe_point()?;
@@ -636,9 +637,13 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(Ok(()))
     }
 
-    /// What is wrong with one of the steps: it does not come nearer from the layer that it begins
-    /// in, nor wait in it where it may.
-    fn late_anywhere(&self, goal: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
+    /// Problem with one of the steps: it neither makes progress from its starting layer, nor waits
+    /// in it where it may.
+    fn late_anywhere(
+        &self,
+        goal: usize,
+        steps: &K::Function,
+    ) -> Result<Option<ProgressFault>, Limit> {
         let m = &self.kernel;
         let stages = &self.functions.controls.certificate.goals[goal];
         let mut below = m.constant(false);
@@ -649,19 +654,24 @@ impl<'a, K: Kernel> Check<'a, K> {
             let kept = m.and_not(&here, &m.prime(&below)?)?;
             let waits = m.and(&kept, &m.prime(reached)?)?;
             if !m.is_false(&m.and(&waits, &self.assumptions[stage.assumption])?) {
-                return Ok(Some(Late::Waits));
+                return Ok(Some(ProgressFault::Waits));
             }
             if waits != kept {
-                return Ok(Some(Late::Strays));
+                return Ok(Some(ProgressFault::Strays));
             }
             below = reached.clone();
         }
-        Ok((!m.is_false(&rest)).then_some(Late::Nowhere))
+        Ok((!m.is_false(&rest)).then_some(ProgressFault::Nowhere))
     }
 
-    /// What is wrong with one of the steps: it neither comes nearer to the goal nor waits where it
-    /// may. One that leaves the region strays.
-    fn late(&self, goal: usize, layer: usize, steps: &K::Function) -> Result<Option<Late>, Limit> {
+    /// Problem with one of the steps: it neither makes progress toward the goal nor waits where it
+    /// may. A step that leaves the region strays.
+    fn late(
+        &self,
+        goal: usize,
+        layer: usize,
+        steps: &K::Function,
+    ) -> Result<Option<ProgressFault>, Limit> {
         let m = &self.kernel;
         let layers = &self.layers[goal];
         let reached = &layers[layer];
@@ -670,24 +680,24 @@ impl<'a, K: Kernel> Check<'a, K> {
             None => m.constant(false),
         };
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
-        // From above, all moves into the layer are right; from within, all moves below it and those
-        // that wait. What is right is never written down: sets of states are put together first,
-        // and of the steps only what is wrong is left. Once none of them begins below the layer,
-        // those that begin in it are all that it has reached.
+        // From above, all moves into the layer are correct; from within, all moves below it and
+        // those that wait. The set of correct steps is never built: sets of states are combined
+        // first, and only the wrong steps are computed. Once none of them starts below the layer,
+        // those that start in it are all that it has reached.
         if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
-            return Ok(Some(Late::Strays));
+            return Ok(Some(ProgressFault::Strays));
         }
         if !m.is_false(&m.and(steps, &below)?) {
-            return Ok(Some(Late::Back));
+            return Ok(Some(ProgressFault::Back));
         }
         let wakes = m.and(reached, &self.assumptions[assumption])?;
         let stays = m.and_not(&m.and(steps, &wakes)?, &m.prime(&below)?)?;
-        Ok((!m.is_false(&stays)).then_some(Late::Waits))
+        Ok((!m.is_false(&stays)).then_some(ProgressFault::Waits))
     }
 }
 
-/// What is wrong with a step towards a goal: see the [clauses](Clause) of these names.
-enum Late {
+/// Problem with a step toward a goal: see the [clauses](Clause) of these names.
+enum ProgressFault {
     Missed,
     Strays,
     Back,

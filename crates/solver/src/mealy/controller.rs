@@ -1,5 +1,5 @@
-//! A verified controller in either form: what is written down state by state where that is small,
-//! and as functions where it is not.
+//! A verified controller in either form: written state by state if it is small, otherwise as
+//! functions.
 
 use super::functions::Functions;
 use super::{Machine, Port};
@@ -10,12 +10,12 @@ use linewright_core::gr1::Timing;
 pub enum Controller {
     /// States and guarded transitions.
     Machine(Machine),
-    /// Functions of its bits.
+    /// Functions of bits.
     Functions(Box<Functions>),
 }
 
 impl Controller {
-    /// The contract's name.
+    /// Name of the contract.
     pub fn name(&self) -> &str {
         match self {
             Self::Machine(machine) => &machine.name,
@@ -23,7 +23,7 @@ impl Controller {
         }
     }
 
-    /// Who answers first.
+    /// Which side moves first.
     pub fn timing(&self) -> Timing {
         match self {
             Self::Machine(machine) => machine.timing,
@@ -47,7 +47,7 @@ impl Controller {
         }
     }
 
-    /// The machine, where it is one.
+    /// The machine, if it has this form.
     pub fn machine(&self) -> Option<&Machine> {
         match self {
             Self::Machine(machine) => Some(machine),
@@ -55,7 +55,7 @@ impl Controller {
         }
     }
 
-    /// The functions, where it is some.
+    /// The functions, if it has this form.
     pub fn functions(&self) -> Option<&Functions> {
         match self {
             Self::Machine(_) => None,

@@ -1,11 +1,11 @@
 //! Counterstrategies: machines of the environment that keep all assumptions and beat every
 //! controller.
 //!
-//! A counterstrategy is a [`Machine`] with the roles swapped: its inputs are the contract's
-//! outputs, its outputs the contract's inputs. Against a Mealy contract the environment moves
-//! first, so it is of Moore kind; against a Moore contract it answers and is of Mealy kind. Answers
-//! of the controller that break a guarantee need no transition: the controller has lost then. Where
-//! every answer does, the one transition leads to a state in which nothing matters any more.
+//! A counterstrategy is a [`Machine`] with swapped roles: its inputs are the contract's outputs,
+//! its outputs the contract's inputs. Against a Mealy contract the environment moves first, so it
+//! is of Moore kind; against a Moore contract it answers and is of Mealy kind. Answers of the
+//! controller that break a guarantee need no transition: the controller has lost then. If every
+//! answer does, the single transition leads to a state that no longer matters.
 
 use super::extract::{ports, transition};
 use super::{Machine, Transition};

@@ -1,10 +1,10 @@
-//! Decision diagrams over whole inputs, with intervals on the edges: what a state does, in
+//! Decision diagrams over whole inputs, with intervals on the edges: the behavior of a state in
 //! canonical form.
 //!
-//! A state's transitions as one diagram: each inner node asks for one input, each leaf says which
-//! output is given and where the machine goes, or that the inputs are of no concern. Equal
-//! behaviour is the same node, so minimisation compares numbers, and reading a diagram back gives
-//! disjoint cubes in a fixed order.
+//! A state's transitions as one diagram: each inner node tests one input; each leaf gives the
+//! output and the next state, or marks the inputs as don't-care. Equal behavior is the same node,
+//! so minimization compares numbers, and reading a diagram back gives disjoint cubes in a fixed
+//! order.
 
 use super::{Cube, Port, Test};
 use std::collections::{BTreeMap, HashMap};
@@ -12,12 +12,12 @@ use std::collections::{BTreeMap, HashMap};
 /// The number of a diagram.
 pub type Ref = u32;
 
-/// What is done: the output's number and the state or block it leads to.
+/// Action of a leaf: number of the output, and the next state or block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Leaf {
     /// Number of the output.
     pub output: u32,
-    /// Where to.
+    /// Next state or block.
     pub to: u32,
 }
 
@@ -26,7 +26,7 @@ enum Node {
     /// These inputs break an assumption.
     Nothing,
     Leaf(Leaf),
-    /// Ask for an input; each edge holds up to its bound, from after the one before.
+    /// Tests an input; each edge covers values up to its bound, starting after the previous edge.
     Ask {
         input: u32,
         edges: Vec<(i64, Ref)>,
@@ -41,11 +41,11 @@ pub struct Diagrams {
     numbers: HashMap<Node, Ref>,
 }
 
-/// The diagram that is of no concern everywhere.
+/// The diagram that is don't-care everywhere.
 pub const NOTHING: Ref = 0;
 
 impl Diagrams {
-    /// None yet.
+    /// Creates an empty store.
     pub fn new(inputs: &[Port]) -> Self {
         let domains = inputs.iter().map(|p| (p.domain.low(), p.domain.high()));
         Self {
@@ -82,7 +82,7 @@ impl Diagrams {
         })
     }
 
-    /// The leaf on one cube, nothing elsewhere.
+    /// The leaf on one cube, don't-care elsewhere.
     pub fn cube(&mut self, cube: &Cube, leaf: Leaf) -> Ref {
         let mut result = self.intern(Node::Leaf(leaf));
         for test in cube.0.iter().rev() {
@@ -100,7 +100,7 @@ impl Diagrams {
         result
     }
 
-    /// The input a diagram asks for first, and its edges; a constant asks for none.
+    /// The first tested input of a diagram and its edges; a constant tests none.
     fn edges(&self, node: Ref) -> (u32, &[(i64, Ref)]) {
         match &self.nodes[node as usize] {
             Node::Ask { input, edges } => (*input, edges),
@@ -108,9 +108,9 @@ impl Diagrams {
         }
     }
 
-    /// Both at once: where one is of no concern, the other. Where both are leaves, `join` decides;
-    /// `None` of it is a conflict, and the result is `None`. `steps` is lowered at every node, and
-    /// none left is `None` too.
+    /// Combines both: where one is don't-care, the other. Where both are leaves, `join` decides; if
+    /// it returns `None`, there is a conflict, and the result is `None`. `steps` is decremented at
+    /// every node, and the result is also `None` when it reaches 0.
     pub fn overlay(
         &mut self,
         a: Ref,
@@ -162,7 +162,7 @@ impl Diagrams {
         Some(result)
     }
 
-    /// The same diagram with every leaf changed.
+    /// Changes every leaf of a diagram.
     pub fn relabel(
         &mut self,
         node: Ref,
@@ -187,7 +187,7 @@ impl Diagrams {
         result
     }
 
-    /// Every leaf with its cubes, in the order in which the first of each is met.
+    /// Every leaf with its cubes, in the order of its first occurrence.
     pub fn read(&self, node: Ref) -> Vec<(Leaf, Vec<Cube>)> {
         let mut order = Vec::new();
         let mut cubes: BTreeMap<Leaf, Vec<Cube>> = BTreeMap::new();
@@ -229,7 +229,7 @@ impl Diagrams {
         }
     }
 
-    /// How many cubes a diagram reads as.
+    /// Number of cubes in a diagram.
     pub fn cubes(&self, node: Ref, seen: &mut HashMap<Ref, u64>) -> u64 {
         match &self.nodes[node as usize] {
             Node::Nothing => 0,

@@ -1,26 +1,26 @@
-//! From a won game to a machine.
+//! Extracts a machine from a won game.
 
 use super::{Cube, Guard, Machine, Port, Test, Transition, minimise};
-use crate::game::{Limit, Limits, Preference, Row, Won};
+use crate::game::{Limit, Limits, Preference, Row, WonGame};
 use linewright_core::gr1::{Specification, VarId};
 
-/// The machine of a won game, minimised, not yet verified.
+/// The minimized machine of a won game, not yet verified.
 pub fn extract(
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
     extract_preferring(Preference::default(), specification, won, limits)
 }
 
-/// The same, for a machine that is good at something.
+/// The same, for a machine with a preference.
 ///
-/// Where few states are asked for, freedom in what to aim at mostly leads to fewer, but not always;
-/// so both machines are made, and the one with fewer states is taken.
+/// If few states are requested, freedom of aim mostly leads to fewer, but not always; so both
+/// machines are made, and the one with fewer states is used.
 pub fn extract_preferring(
     preference: Preference,
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
     let make = |preference| machine(preference, specification, won, limits);
@@ -37,11 +37,11 @@ pub fn extract_preferring(
     }
 }
 
-/// The machine of one strategy, minimised.
+/// The minimized machine of one strategy.
 fn machine(
     preference: Preference,
     specification: &Specification,
-    won: &Won,
+    won: &WonGame,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
     let explicit = won.explore(specification, preference, limits)?;

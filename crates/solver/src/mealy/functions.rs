@@ -1,62 +1,64 @@
-//! Controllers as functions: for contracts whose machine is too large to be written down state by
-//! state.
+//! Controllers as functions: for contracts whose machine is too large to be written state by state.
 //!
-//! Every port's value is a number of bits, and a step computes the next output bits one after the
-//! other, each as a decision diagram over the signals: bits of the current step's inputs and
-//! outputs, of the next step's inputs, and of those next outputs that were computed before. Beside
-//! the current values, only the goal that is pursued is kept in mind. A goal has several modes, of
-//! which the first whose condition holds says what the outputs are.
+//! Every port's value is encoded in bits. A step computes the next output bits one after the other,
+//! each as a decision diagram over the signals: bits of the current step's inputs and outputs, of
+//! the next step's inputs, and of next outputs computed before. Apart from the current values, only
+//! the pursued goal is stored. A goal has several modes; the first one whose condition holds
+//! determines the outputs.
 //!
 //! Signal `2k` is a current bit, `2k + 1` the same bit in the next step. Step 0 has no current
-//! values; what it is given and gives are next bits, too. The diagrams' edges are as in [`Edge`].
+//! values; its inputs and outputs are next bits, too. The diagrams' edges are as in [`Edge`].
 
 use super::Port;
 use super::extract::ports;
-use crate::game::{Assumed, Controls, Limit, Limits, Won};
+use crate::game::{Assumed, Controls, Limit, Limits, WonGame};
 use crate::symbolic::{Bit, Diagram, Edge, Encoding};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+/// The JSON Schema of the document of functions.
+pub const SCHEMA: &str = include_str!("functions.schema.json");
+
 /// A controller as functions.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Functions {
-    /// The contract's name.
+    /// Name of the contract.
     pub name: String,
-    /// Who answers first.
+    /// Which side moves first.
     pub timing: Timing,
     /// Inputs in the order of the specification.
     pub inputs: Vec<Port>,
     /// Outputs and internal variables in the order of the specification.
     pub outputs: Vec<Port>,
-    /// For every input its current bits, the most significant first: its value minus the smallest
-    /// one of its domain.
+    /// For every input, its current bits, most significant first; they encode its value minus the
+    /// smallest one of its domain.
     pub input_bits: Vec<Vec<Bit>>,
-    /// The same for every output.
+    /// For every output, its current bits in the same form.
     pub output_bits: Vec<Vec<Bit>>,
-    /// The names of the assumptions about step 0, in the order of [`Controls::assumed_first`].
+    /// Names of the assumptions about step 0, in the order of [`Controls::assumed_first`].
     pub names_first: Vec<String>,
-    /// The names of the assumptions about later steps, in the order of [`Controls::assumed`].
+    /// Names of the assumptions about later steps, in the order of [`Controls::assumed`].
     pub names: Vec<String>,
     /// The functions.
     pub controls: Controls,
 }
 
-/// Where a controller is between two steps.
+/// State of a controller between two steps.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct State {
-    /// The signals; the current ones say what the last step's values were.
+    /// The signals; the current ones hold the last step's values.
     signals: Vec<bool>,
-    /// The goal that is pursued; `None` before step 0.
+    /// Index of the pursued goal; `None` before step 0.
     goal: Option<usize>,
 }
 
 /// Why a step was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refusal {
-    /// An input, by its place, has a value outside its domain.
+    /// An input, by index, has a value outside its domain.
     Domain(usize),
-    /// The assumption of this name is broken.
+    /// The assumption with this name is broken.
     Assumption(String),
 }
 
@@ -64,7 +66,7 @@ impl Functions {
     /// The functions of a won game, not yet certified.
     pub fn extract(
         specification: &Specification,
-        won: &Won,
+        won: &WonGame,
         limits: &Limits,
     ) -> Result<Self, Limit> {
         let controls = won.functions(specification, limits)?;
@@ -97,19 +99,19 @@ impl Functions {
         }
     }
 
-    /// How many pairs of a current and a next bit there are.
+    /// Number of pairs of a current and a next bit.
     pub fn pairs(&self) -> usize {
         let bits = self.input_bits.iter().chain(&self.output_bits);
         bits.map(Vec::len).sum()
     }
 
-    /// How many modes all goals have together.
+    /// Number of modes, summed over all goals.
     pub fn mode_count(&self) -> usize {
         self.controls.goals.iter().map(|g| g.modes.len()).sum()
     }
 
-    /// Takes a step: gives the outputs, one an entry of [`Self::outputs`]. A refused step leaves
-    /// the state as it is.
+    /// Takes a step and returns the outputs, one per entry of [`Self::outputs`]. A refused step
+    /// leaves the state unchanged.
     pub fn step(&self, state: &mut State, inputs: &[i64]) -> Result<Vec<i64>, Refusal> {
         let outside = |(port, value): (&Port, &i64)| !port.domain.contains(*value);
         if let Some(input) = self.inputs.iter().zip(inputs).position(outside) {
@@ -137,8 +139,7 @@ impl Functions {
         Ok(values)
     }
 
-    /// The outputs of the next step of a Moore controller, before it has seen the inputs of that
-    /// step.
+    /// The outputs of a Moore controller in the next step, before it has seen that step's inputs.
     pub fn moore_output(&self, state: &State) -> Vec<i64> {
         debug_assert_eq!(self.timing, Timing::Moore);
         self.answer(state.goal, &mut state.signals.clone())
@@ -154,8 +155,8 @@ impl Functions {
         put(&self.outputs, &self.output_bits, signals, time, values);
     }
 
-    /// The outputs of a step in pursuit of a goal, `None` in step 0, whose signals hold the current
-    /// values and, for Mealy, the next inputs. The next outputs' signals are written as well.
+    /// The outputs of a step in pursuit of a goal, `None` in step 0. The signals hold the current
+    /// values and, for Mealy, the next inputs; the next outputs' signals are written as well.
     pub fn answer(&self, goal: Option<usize>, signals: &mut [bool]) -> Vec<i64> {
         let controls = &self.controls;
         let roots = match goal {
@@ -179,7 +180,7 @@ impl Functions {
         values.collect()
     }
 
-    /// The goal that is pursued after a step whose signals these are.
+    /// The goal pursued after a step with these signals.
     pub fn pursued(&self, goal: Option<usize>, signals: &[bool]) -> usize {
         let goals = &self.controls.goals;
         match goal {
@@ -193,7 +194,7 @@ impl Functions {
         evaluate(&self.controls.diagram, edge, signals)
     }
 
-    /// The document with the schema `linewright/functions/1`.
+    /// Returns the document with the schema `linewright/functions/1`.
     ///
     /// `nodes` are decisions `[signal, edge if it is 1, edge if it is 0]`; edge `2n` is node
     /// `n - 1` and `2n + 1` its negation, 0 is false and 1 is true. `outputs` are pairs of a next

@@ -2,14 +2,13 @@
 //! tulip-control/gr1c).
 //!
 //! gr1c's automaton labels *nodes* with valuations: a node is a state together with the inputs and
-//! outputs by which it was entered, and `trans` lists where the next step may lead. So every step
-//! is written out letter by letter, for those that keep the assumptions, and above [`MOST_NODES`]
-//! this gives up. gr1c's variables are boolean or `[0, n]`; a range that begins elsewhere is
-//! shifted to 0, and labels are their numbers. What the shift was, and the labels, stand in
-//! `extra`. `mode` (the goal pursued) and `rgrad` (the distance to it) are not known of a minimised
-//! machine: every node has mode 0 and gr1c's own "not available", -1. `gr1c` (the version whose
-//! format this is) and `date` are constant, so that the same machine gives the same bytes; `extra`
-//! also says who wrote it.
+//! outputs by which it was entered, and `trans` lists the possible next nodes. So every step is
+//! written letter by letter, for letters that keep the assumptions; above [`MOST_NODES`] this gives
+//! up. gr1c's variables are boolean or `[0, n]`: a range that begins elsewhere is shifted to 0, and
+//! labels become their numbers; `extra` records the shift and the labels. `mode` (the pursued goal)
+//! and `rgrad` (the distance to it) are unknown for a minimized machine: every node has mode 0 and
+//! gr1c's own "not available", -1. `gr1c` (the version of the format) and `date` are constant, so
+//! that the same machine gives the same bytes; `extra` also names this program.
 
 use super::{Machine, Port};
 use crate::game::Limit;
@@ -17,16 +16,16 @@ use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId, eval};
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 
-/// More nodes than this are not written.
+/// Maximum number of nodes.
 pub const MOST_NODES: usize = 100_000;
 
-/// More edges than this are not written.
+/// Maximum number of edges.
 const MOST_EDGES: usize = 5_000_000;
 
-/// Nodes by their valuation and the machine's state.
+/// Nodes by valuation and machine state.
 #[derive(Default)]
 struct Nodes {
-    /// The machine's state, the valuation, whether it is initial.
+    /// Machine state, valuation, and whether the node is initial.
     list: Vec<(usize, Vec<i64>, bool)>,
     numbers: HashMap<(usize, Vec<i64>), usize>,
 }
@@ -45,7 +44,8 @@ impl Nodes {
     }
 }
 
-/// The document, or [`Limit::Size`] above [`MOST_NODES`]. The machine is one of this specification.
+/// Returns the document, or [`Limit::Size`] above [`MOST_NODES`]. The machine belongs to this
+/// specification.
 pub fn to_json(machine: &Machine, specification: &Specification) -> Result<Value, Limit> {
     let promises = Promises::new(specification);
     let mut nodes = Nodes::default();
@@ -93,7 +93,7 @@ pub fn to_json(machine: &Machine, specification: &Specification) -> Result<Value
     }))
 }
 
-/// The nodes that a node leads to, or the initial ones, in ascending order.
+/// Successors of a node, or the initial nodes, in ascending order.
 fn successors(
     machine: &Machine,
     promises: &Promises<'_>,
@@ -112,17 +112,17 @@ fn successors(
     Ok(found)
 }
 
-/// What the environment promises, by the place of the last next input that each formula looks at:
-/// it can be asked as soon as that one is chosen.
+/// The environment's promises, by the index of the last next input that each formula reads: it can
+/// be evaluated as soon as that one is chosen.
 struct Promises<'a> {
     specification: &'a Specification,
     inputs: Vec<VarId>,
     outputs: Vec<VarId>,
-    /// About step 0; current values are those of the letter.
+    /// Promises about step 0; current values are those of the letter.
     first: Vec<Vec<&'a Expr>>,
-    /// About every step; current values are those of the letter.
+    /// Promises about every step; current values are those of the letter.
     always: Vec<Vec<&'a Expr>>,
-    /// About later steps.
+    /// Promises about later steps.
     later: Vec<Vec<&'a Expr>>,
 }
 
@@ -154,8 +154,8 @@ impl<'a> Promises<'a> {
         }
     }
 
-    /// All letters that keep the promises after a valuation of inputs and outputs, or in step 0,
-    /// the last input fastest.
+    /// All letters that keep the promises after a valuation of inputs and outputs, or in step 0;
+    /// the last input varies fastest.
     fn letters(
         &self,
         from: Option<&[i64]>,
@@ -198,7 +198,7 @@ impl<'a> Promises<'a> {
         }
     }
 
-    /// Whether the promises are kept that can be asked once so many inputs are chosen.
+    /// Whether the promises hold that can be evaluated once `chosen` inputs are chosen.
     fn keeps(&self, chosen: usize, first: bool, now: &[i64], next: &[i64]) -> bool {
         let own = if first {
             self.first[chosen].iter().all(|e| eval::holds(e, next, &[]))
@@ -219,7 +219,7 @@ fn variable(port: &Port) -> Value {
     json!({ port.name.as_str(): domain })
 }
 
-/// What gr1c's domains cannot say.
+/// Information that gr1c's domains cannot express.
 fn extra(machine: &Machine) -> String {
     let ports = machine.inputs.iter().chain(&machine.outputs);
     let notes = ports.filter_map(|port| match &port.domain {

@@ -1,12 +1,15 @@
 //! A machine as JSON: the schema `linewright/machine/1` of `synth --emit json`.
 //!
 //! A guard is given twice: as text for people, and under `cubes` as data: a disjunction of objects,
-//! each a conjunction that gives the lowest and the highest value of every input it names. Outputs
+//! each a conjunction that gives the lowest and highest value of every input it mentions. Outputs
 //! are objects from name to value.
 
 use super::{Cube, Guard, Machine, Port, Transition};
 use linewright_core::gr1::{Domain, Timing};
 use serde_json::{Map, Value, json};
+
+/// The JSON Schema of the document.
+pub const SCHEMA: &str = include_str!("machine.schema.json");
 
 /// The document. `verified` says whether [`super::verify::verify`] has accepted the machine.
 pub fn to_json(machine: &Machine, verified: bool) -> Value {
@@ -28,8 +31,8 @@ pub fn to_json(machine: &Machine, verified: bool) -> Value {
     })
 }
 
-/// The document as text: one line a port and a transition, which is how people and line-based tools
-/// read it best.
+/// The document as text with one line per port and transition, which suits people and line-based
+/// tools.
 pub fn to_text(document: &Value) -> String {
     let Value::Object(fields) = document else {
         return document.to_string();
@@ -91,7 +94,7 @@ fn cubes(machine: &Machine, guard: &Guard) -> Vec<Value> {
     guard.0.iter().map(cube).collect()
 }
 
-/// A value as JSON has it: a boolean, a number or a label.
+/// A value in JSON: a boolean, a number or a label.
 fn value(domain: &Domain, value: i64) -> Value {
     match domain {
         Domain::Bool => json!(value != 0),

@@ -1,10 +1,10 @@
-//! Fewer states with the same behaviour on all inputs that keep the assumptions.
+//! Reduces the number of states, with the same behavior on all inputs that keep the assumptions.
 //!
 //! First by partition refinement (Hopcroft's and Moore's idea; signatures are canonical diagrams,
 //! so that no letter is enumerated), then by merging states that agree wherever both have a
-//! transition: what one of them does not care about, the other decides (Paull and Unger 1959,
-//! greedily and with closure). A merged machine gives the same outputs on every play that keeps the
-//! assumptions. States are numbered in breadth-first order of their first being met.
+//! transition: where one is don't-care, the other decides (Paull and Unger 1959, greedily and with
+//! closure). A merged machine gives the same outputs on every play that keeps the assumptions.
+//! States are numbered breadth-first in order of discovery.
 
 use super::diagram::{Diagrams, Leaf, NOTHING, Ref};
 use super::{Guard, Machine, Transition};
@@ -12,8 +12,8 @@ use crate::game::{Limit, Limits};
 use linewright_core::gr1::Timing;
 use std::collections::HashMap;
 
-/// Merging by don't-cares stops after so many visited diagram nodes: it is worth little where it is
-/// dear.
+/// Maximum number of diagram nodes visited while merging by don't-cares: where it is expensive, it
+/// gains little.
 const MERGE_STEPS: u64 = 300_000;
 
 struct Work {
@@ -24,7 +24,7 @@ struct Work {
     timing: Timing,
 }
 
-/// The minimised machine. Unreachable states are dropped.
+/// Returns the minimized machine. Unreachable states are dropped.
 pub fn minimise(machine: &Machine, limits: &Limits) -> Result<Machine, Limit> {
     let mut work = Work::new(machine, limits)?;
     work.refine(limits)?;
@@ -71,8 +71,7 @@ impl Work {
                 parts.push(self.diagrams.cube(cube, leaf));
             }
         }
-        // Pairwise, so that large diagrams are put together only a few times. The parts are
-        // disjoint.
+        // Pairwise, so that large diagrams are combined only a few times. The parts are disjoint.
         while parts.len() > 1 {
             let mut halves = Vec::with_capacity(parts.len().div_ceil(2));
             for pair in parts.chunks(2) {
@@ -92,7 +91,7 @@ impl Work {
         parts.first().copied().unwrap_or(NOTHING)
     }
 
-    /// Puts states with equal behaviour together.
+    /// Combines states with equal behavior.
     fn refine(&mut self, limits: &Limits) -> Result<(), Limit> {
         let mut blocks = vec![0u32; self.states.len()];
         let mut count = 1;
@@ -121,7 +120,7 @@ impl Work {
         Ok(())
     }
 
-    /// Replaces the states by blocks: the first of each stands for it.
+    /// Replaces the states by blocks, each represented by its first state.
     fn quotient(&mut self, blocks: &[u32]) {
         let change = |leaf: Leaf| Leaf {
             to: blocks[leaf.to as usize],
@@ -139,7 +138,7 @@ impl Work {
         self.states = states.into_iter().map(|s| s.unwrap_or(NOTHING)).collect();
     }
 
-    /// Merges states that agree wherever both have a transition, as far as the steps reach.
+    /// Merges states that agree wherever both have a transition, up to the number of steps.
     fn merge(&mut self, limits: &Limits) -> Result<(), Limit> {
         let count = self.states.len();
         let moore: Vec<Option<u32>> = self
@@ -154,7 +153,7 @@ impl Work {
                 output
             })
             .collect();
-        let mut merged = Merged {
+        let mut merged = StatePartition {
             parent: (0..count as u32).collect(),
             diagram: self.states.clone(),
             moore,
@@ -186,7 +185,7 @@ impl Work {
             let next = numbers.len() as u32;
             blocks.push(*numbers.entry(merged.find(state)).or_insert(next));
         }
-        // Every class is represented by its smallest state, which is also met first.
+        // Every class is represented by its smallest state, which is also discovered first.
         self.states = (0..count as u32)
             .map(|s| merged.diagram[merged.find(s) as usize])
             .collect();
@@ -226,18 +225,18 @@ impl Work {
     }
 }
 
-/// States put together so far.
+/// Classes of merged states.
 #[derive(Clone)]
-struct Merged {
+struct StatePartition {
     /// A smaller member of the same class; itself for the smallest.
     parent: Vec<u32>,
-    /// Of the smallest member: what the class does.
+    /// Behavior of the class; valid for its smallest member.
     diagram: Vec<Ref>,
-    /// Of the smallest member of a Moore machine: its output, if it has one.
+    /// Output of the class in a Moore machine, if it has one; valid for its smallest member.
     moore: Vec<Option<u32>>,
 }
 
-impl Merged {
+impl StatePartition {
     fn find(&self, mut state: u32) -> u32 {
         while self.parent[state as usize] != state {
             state = self.parent[state as usize];
@@ -245,7 +244,8 @@ impl Merged {
         state
     }
 
-    /// With `a` and `b` in one class, and all that follows from it; `None` if they do not agree.
+    /// Merges the classes of `a` and `b`, with everything that follows from it; `None` if they do
+    /// not agree.
     fn try_merge(
         &self,
         diagrams: &mut Diagrams,
@@ -278,7 +278,7 @@ impl Merged {
                 Some(x)
             };
             let joined = diagrams.overlay(left, right, &mut join, &mut HashMap::new(), steps)?;
-            // A state less is no gain if its rows become more.
+            // One state less is no gain if its rows become more.
             let mut count = |node| diagrams.cubes(node, sizes);
             if count(joined) > count(left).saturating_add(count(right)) {
                 return None;

@@ -1,7 +1,7 @@
 //! Controllers: finite machines whose transitions carry guards over the inputs.
 //!
 //! A [`Machine`] starts *before* step 0. Its first step takes one of the `initial` transitions,
-//! every later one a transition of the state it is in: the one whose guard the step's inputs
+//! every later one a transition of the current state: the one whose guard the step's inputs
 //! satisfy. The guards of one state are disjoint. They cover at least every input that keeps the
 //! assumptions; on other inputs there may be no transition. A `Moore` machine is one in which all
 //! transitions of a state (and all initial ones) have the same output.
@@ -27,11 +27,11 @@ use serde::{Deserialize, Serialize};
 /// An input or output.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Port {
-    /// The variable's name.
+    /// Name of the variable.
     pub name: String,
-    /// Its values.
+    /// Domain of its values.
     pub domain: Domain,
-    /// What they count, `mm`; empty for bare numbers.
+    /// Unit, such as `mm`; empty for bare numbers.
     pub unit: String,
     /// Whether it is an internal variable: an output that is not part of the interface.
     pub internal: bool,
@@ -42,13 +42,13 @@ pub struct Port {
 pub struct Test {
     /// Index into [`Machine::inputs`].
     pub input: usize,
-    /// Smallest value.
+    /// Smallest allowed value.
     pub low: i64,
-    /// Largest value.
+    /// Largest allowed value.
     pub high: i64,
 }
 
-/// A conjunction of tests, at most one an input, in ascending order of input. No test at all is
+/// A conjunction of tests, at most one per input, in ascending order of input. The empty cube is
 /// `true`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Cube(pub Vec<Test>);
@@ -62,7 +62,7 @@ impl Cube {
     }
 }
 
-/// A disjunction of disjoint cubes. No cube at all is `false`.
+/// A disjunction of disjoint cubes. The empty guard is `false`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Guard(pub Vec<Cube>);
 
@@ -73,37 +73,37 @@ impl Guard {
     }
 }
 
-/// What the machine does on some inputs.
+/// Behavior of the machine on some inputs.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Transition {
-    /// On which inputs of the step.
+    /// Condition on the inputs of the step.
     pub guard: Guard,
-    /// The step's outputs, one an entry of [`Machine::outputs`].
+    /// The step's outputs, one per entry of [`Machine::outputs`].
     pub output: Vec<i64>,
-    /// Index of the state it goes to.
+    /// Index of the next state.
     pub to: usize,
 }
 
 /// A controller.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
-    /// The contract's name.
+    /// Name of the contract.
     pub name: String,
-    /// Who answers first.
+    /// Which side moves first.
     pub timing: Timing,
     /// Inputs in the order of the specification.
     pub inputs: Vec<Port>,
     /// Outputs and internal variables in the order of the specification.
     pub outputs: Vec<Port>,
-    /// What it can do in step 0.
+    /// Transitions of step 0.
     pub initial: Vec<Transition>,
     /// The transitions of every state.
     pub states: Vec<Vec<Transition>>,
 }
 
 impl Machine {
-    /// The transition for these inputs: from `state`, or in step 0 when there is none yet. `None`
-    /// when no guard holds, which means that the inputs break an assumption.
+    /// The transition for these inputs: from `state`, or in step 0 if that is `None`. Returns
+    /// `None` if no guard holds, which means that the inputs break an assumption.
     pub fn step(&self, state: Option<usize>, inputs: &[i64]) -> Option<&Transition> {
         self.transitions(state)
             .iter()
@@ -118,24 +118,24 @@ impl Machine {
     /// The outputs of a Moore machine before it has seen the inputs of the step.
     ///
     /// # Panics
-    /// When the machine has no transition at all in that state.
+    /// Returns `None` if the machine has no transition in that state.
     pub fn moore_output(&self, state: Option<usize>) -> &[i64] {
         debug_assert_eq!(self.timing, Timing::Moore);
         &self.transitions(state)[0].output
     }
 
-    /// How many transitions there are, initial ones included.
+    /// Number of transitions, including the initial ones.
     pub fn transition_count(&self) -> usize {
         self.initial.len() + self.states.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// A guard as a disjunction of conjunctions, put together for reading: of every conjunction the
-    /// values of each input, as ascending intervals with gaps between them.
+    /// A guard as a disjunction of conjunctions, combined for reading: for every conjunction, the
+    /// values of each input as ascending intervals with gaps between them.
     pub fn guard_values(&self, guard: &Guard) -> Vec<Vec<Vec<(i64, i64)>>> {
         text::guard_values(self, &[guard])
     }
 
-    /// A guard as a person reads it: `command = turn & desired = 3 | command != turn`.
+    /// A guard as text: `command = turn & desired = 3 | command != turn`.
     pub fn show_guard(&self, guard: &Guard) -> String {
         if guard.0.is_empty() {
             return "false".to_owned();
@@ -151,7 +151,7 @@ impl Machine {
         cubes.map(show).collect::<Vec<_>>().join(" | ")
     }
 
-    /// A cube as a person reads it: `command = turn & 2 <= desired <= 4 & !grip`.
+    /// A cube as text: `command = turn & 2 <= desired <= 4 & !grip`.
     pub fn show_cube(&self, cube: &Cube) -> String {
         if cube.0.is_empty() {
             return "true".to_owned();

@@ -1,9 +1,9 @@
 //! A machine as a graph, for Graphviz and as a picture.
 //!
 //! An edge is labelled `guard / assignments`. To keep labels short, an output is written on an edge
-//! only where the state it enters does not already say it: what all edges into a state agree on is
-//! written into the state, once. Transitions between the same two states are one edge, and long
-//! guards are broken into lines.
+//! only if the state it enters does not already show it: outputs on which all edges into a state
+//! agree are written once, in the state. Transitions between the same two states form one edge, and
+//! long guards are broken into lines.
 
 use super::text::guard_parts;
 use super::{Guard, Machine, Port, Transition};
@@ -11,13 +11,13 @@ use linewright_core::drawing::{Edge, Graph, dot, svg};
 use linewright_core::gr1::{Domain, shown};
 use std::collections::BTreeMap;
 
-/// Guards with more cubes than this are cut short in a label; the JSON has them all.
+/// Maximum number of cubes of a guard in a label; the JSON has them all.
 const MOST_LINES: usize = 3;
 
-/// Edges with more combinations of outputs than this are cut short, too.
+/// Maximum number of combinations of outputs on an edge.
 const MOST_GROUPS: usize = 3;
 
-/// A line longer than this is broken at a conjunction.
+/// Line length above which a line is broken at a conjunction.
 const WIDTH: usize = 40;
 
 /// States and edges with their labels.
@@ -35,7 +35,7 @@ pub fn graph(machine: &Machine) -> Graph {
     let lists = std::iter::once((None, &machine.initial))
         .chain(machine.states.iter().enumerate().map(|(i, t)| (Some(i), t)));
     for (from, transitions) in lists {
-        // One edge a target; below each other, one group of lines a combination of outputs.
+        // One edge per target, with one group of lines per combination of outputs.
         let mut merged: BTreeMap<usize, BTreeMap<&[i64], Vec<&Guard>>> = BTreeMap::new();
         for Transition { guard, output, to } in transitions {
             let outputs = merged.entry(*to).or_default();
@@ -113,7 +113,7 @@ fn assignment(port: &Port, value: i64) -> String {
     }
 }
 
-/// One line a cube, broken where it is too long.
+/// One line per cube, broken if it is too long.
 fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
     let cubes = guard_parts(machine, guards);
     let mut lines = Vec::new();
@@ -134,8 +134,7 @@ fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
     lines
 }
 
-/// Puts parts together with a separator into lines of at most [`WIDTH`] characters, where the parts
-/// allow it.
+/// Joins parts with a separator into lines of at most [`WIDTH`] characters, if the parts allow it.
 fn wrap(parts: &[String], separator: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for (i, part) in parts.iter().enumerate() {

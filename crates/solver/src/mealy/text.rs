@@ -1,7 +1,7 @@
-//! Guards as a person reads them.
+//! Formats guards as text for people.
 //!
-//! The cubes of a guard are disjoint and hold one interval an input. For reading, cubes that differ
-//! in one input only are put together, so that `cmd in {none, pick} & grip | cmd = move & grip`
+//! The cubes of a guard are disjoint and have one interval per input. For reading, cubes that
+//! differ in only one input are combined, so that `cmd in {none, pick} & grip | cmd = move & grip`
 //! becomes `cmd != turn & grip`.
 
 use super::{Cube, Guard, Machine, Port};
@@ -10,10 +10,10 @@ use linewright_core::gr1::{Domain, shown};
 /// Values of one input: ascending intervals with gaps between them.
 pub type Values = Vec<(i64, i64)>;
 
-/// Guards of more cubes than this are left as they are: putting together takes cubic time.
+/// Maximum number of cubes of a guard that is combined, since combining takes cubic time.
 const MOST_CUBES: usize = 200;
 
-/// A disjunction of conjunctions: of every cube the values of each input.
+/// A disjunction of conjunctions: for every cube, the values of each input.
 pub fn guard_values(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<Values>> {
     let mut cubes: Vec<Vec<Values>> = guards
         .iter()
@@ -48,7 +48,7 @@ fn values(machine: &Machine, cube: &Cube) -> Vec<Values> {
     all
 }
 
-/// Puts the first two cubes together that differ in one input; false if there are none.
+/// Combines the first two cubes that differ in only one input; returns false if there are none.
 fn put_together(cubes: &mut Vec<Vec<Values>>) -> bool {
     for a in 0..cubes.len() {
         for b in a + 1..cubes.len() {
@@ -74,7 +74,7 @@ fn put_together(cubes: &mut Vec<Vec<Values>>) -> bool {
     false
 }
 
-/// One input's test, or nothing where every value will do.
+/// The test of one input, or `None` if every value is allowed.
 fn show_test(port: &Port, values: &Values) -> Option<String> {
     let (name, domain) = (&port.name, &port.domain);
     let (low, high) = (domain.low(), domain.high());
@@ -116,7 +116,7 @@ fn show_test(port: &Port, values: &Values) -> Option<String> {
     })
 }
 
-/// The value that alone is missing, if it is one.
+/// The only missing value, if there is exactly one.
 fn only_hole(values: &Values, low: i64, high: i64) -> Option<i64> {
     match values[..] {
         [(a, b)] if a == low && b == high - 1 => Some(high),

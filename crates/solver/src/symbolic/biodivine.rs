@@ -1,13 +1,13 @@
 //! The kernel over biodivine-lib-bdd: every function owns its nodes.
 //!
-//! Right for many small contracts: it starts with a few kilobytes, is safe Rust, and its functions
-//! travel between threads. A [`Function`] shares its nodes behind an `Arc` and keeps count of what
-//! is alive, which is what the memory limit and [`Kernel::peak_nodes`] go by. The order is given
-//! once and never changes.
+//! Suited to many small contracts: it starts with a few kilobytes, is safe Rust, and its functions
+//! can be sent between threads. A [`Function`] shares its nodes behind an `Arc` and counts the live
+//! ones, on which the memory limit and [`Kernel::peak_nodes`] are based. The order is fixed at
+//! creation.
 //!
-//! The package's fused relational product has neither a limit nor cancellation, so it is used while
-//! the operands are small enough that their product is harmless, and beyond that conjunction and
-//! quantification are done apart, each with a limit.
+//! The package's fused relational product has neither a limit nor cancellation. So it is used only
+//! if the operands are so small that their product is harmless; beyond that, conjunction and
+//! quantification are separate operations, each with a limit.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
 use biodivine_lib_bdd::{Bdd, BddNode, BddValuation, BddVariable, BddVariableSet, op_function};
@@ -16,18 +16,18 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-/// How many nodes are alive, and how many ever were at once.
+/// Current and peak number of live nodes.
 #[derive(Debug, Default)]
 struct Meter {
     live: AtomicUsize,
     peak: AtomicUsize,
-    /// Nodes made in all.
+    /// Nodes made in total.
     made: AtomicUsize,
-    /// Nodes that were read and made, and operations.
+    /// Nodes read and made, and operations.
     work: AtomicU64,
 }
 
-/// The nodes of one function; gives them back to the meter when dropped.
+/// The nodes of one function; returns them to the meter when dropped.
 #[derive(Debug)]
 struct Owned {
     bdd: Bdd,
@@ -78,21 +78,21 @@ impl Hash for Function {
     }
 }
 
-/// Bytes a node costs, the tables of the operation that makes it included.
+/// Bytes per node, including the tables of the operation that makes it.
 const BYTES_PER_NODE: u64 = 48;
 
-/// Without a memory limit, a single function still has to fit the package's 32-bit pointers.
+/// Maximum node count without a memory limit: a single function must fit the package's 32-bit
+/// pointers.
 const MOST_NODES: u64 = 1 << 28;
 
-/// While the product of the operands' sizes is below this, the fused operations are safe to run
-/// without a limit.
+/// Maximum product of the operands' sizes for which the fused operations are safe without a limit.
 const FUSED_PRODUCT: usize = 1 << 24;
 
 /// The kernel.
 #[derive(Debug, Clone)]
 pub struct Biodivine {
     variables: Arc<BddVariableSet>,
-    /// For every pair its place in the order, and the reverse.
+    /// For every pair, its position in the order, and the inverse.
     positions: Arc<Vec<u16>>,
     order: Arc<Order>,
     limits: Limits,
@@ -111,7 +111,7 @@ impl Biodivine {
         Bit(2 * self.order.pairs()[index / 2] + (index & 1) as u16)
     }
 
-    /// Which variables a set has, by index.
+    /// Membership of each variable in the set, by index.
     fn mask(&self, bits: &BitSet) -> Vec<bool> {
         let mut mask = vec![false; 2 * self.positions.len()];
         for bit in bits.iter() {
@@ -120,8 +120,8 @@ impl Biodivine {
         mask
     }
 
-    /// Renames every bit. Twins are neighbours, so the order stays as long as a function has only
-    /// one of the two.
+    /// Renames every bit. Twins are neighbors, so the order is preserved as long as a function has
+    /// only one of the two.
     fn shift(&self, a: &Function, rename: impl Fn(usize) -> usize) -> Result<Function, Limit> {
         self.limits.check_time()?;
         if a.size() <= 2 {
@@ -149,7 +149,7 @@ impl Biodivine {
         self.limited(result)
     }
 
-    /// Counts an operation that walks these.
+    /// Counts the work of an operation on these operands.
     fn charge(&self, operands: &[&Function]) {
         let nodes: usize = operands.iter().map(|f| f.size()).sum();
         self.meter
@@ -157,7 +157,7 @@ impl Biodivine {
             .fetch_add(1 + nodes as u64, Ordering::Relaxed);
     }
 
-    /// How many nodes may still be made.
+    /// Number of nodes that may still be made.
     fn room(&self) -> Result<usize, Limit> {
         self.limits.check_work(self.work())?;
         let made = self.meter.made.load(Ordering::Relaxed);
@@ -336,7 +336,7 @@ impl Kernel for Biodivine {
                 op_function::and,
             )));
         }
-        // From the bottom up: the lower a bit, the smaller what its elimination touches.
+        // From the bottom up: the lower a bit, the less its elimination touches.
         let mut result = self.and(a, b)?;
         for index in (0..mask.len()).rev().filter(|i| mask[*i]) {
             let variable = BddVariable::from_index(index);
@@ -420,7 +420,7 @@ impl Kernel for Biodivine {
         let mut diagram = Diagram::default();
         let mut known: HashMap<DiagramNode, Edge> = HashMap::new();
         for function in functions {
-            // The package keeps children before parents.
+            // The package stores children before parents.
             let nodes = function.bdd().clone().to_nodes();
             let mut edges = vec![Edge::FALSE, Edge::TRUE];
             for node in nodes.iter().skip(2) {

@@ -1,12 +1,12 @@
 //! Two's complement numbers whose bits are boolean functions.
 //!
-//! Every operation makes its result as wide as exactness needs; the caller cuts it back to the
-//! width that interval arithmetic allows. Division follows long division on absolute values, then
-//! corrects towards minus infinity.
+//! Every operation makes its result as wide as exactness requires; the caller cuts it back to the
+//! width given by interval arithmetic. Division follows long division on absolute values, then
+//! rounds toward minus infinity.
 
 use super::{Kernel, Limit};
 
-/// A number: bits from the least significant on, the last one is the sign. Never empty.
+/// A number: bits from the least significant one; the last is the sign. Never empty.
 #[derive(Debug, Clone)]
 pub struct Number<K: Kernel>(Vec<K::Function>);
 
@@ -60,7 +60,7 @@ impl<K: Kernel> Number<K> {
         Self((0..width).map(|i| self.bit(i).clone()).collect())
     }
 
-    /// Whether it is not 0.
+    /// Whether it differs from 0.
     pub fn non_zero(&self, m: &K) -> Result<K::Function, Limit> {
         let mut result = m.constant(false);
         for bit in &self.0 {
@@ -107,8 +107,8 @@ impl<K: Kernel> Number<K> {
         Self::ite(m, self.sign(), &negated, self)
     }
 
-    /// `a * b`: shifted copies of `a`, one a bit of `b`; modulo the result's width, which is exact
-    /// for two's complement.
+    /// `a * b`: shifted copies of `a`, one per bit of `b`; modulo the result's width, which is
+    /// exact for two's complement.
     pub fn mul(&self, m: &K, b: &Self) -> Result<Self, Limit> {
         let width = self.0.len() + b.0.len();
         let mut result = Self::constant(m, 0).resize(width);
@@ -123,7 +123,7 @@ impl<K: Kernel> Number<K> {
         Ok(result)
     }
 
-    /// `a / b` and `a mod b`, rounded towards minus infinity; meaningless where `b` is 0.
+    /// `a / b` and `a mod b`, rounded toward minus infinity; meaningless if `b` is 0.
     pub fn div_mod(&self, m: &K, b: &Self) -> Result<(Self, Self), Limit> {
         let (dividend, divisor) = (self.abs(m)?, b.abs(m)?);
         let width = dividend.0.len();

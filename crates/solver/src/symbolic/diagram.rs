@@ -1,10 +1,9 @@
-//! Boolean functions as plain data: what leaves a kernel, for another kernel, for a file, or for
-//! emitted code.
+//! Boolean functions as plain data: exchanged between kernels, stored in files, or emitted as code.
 
 use super::{Bit, Kernel, Limit};
 use serde::{Deserialize, Serialize};
 
-/// An edge of a [`Diagram`]: a node or a constant, perhaps negated.
+/// An edge of a [`Diagram`]: a node or a constant, possibly negated.
 ///
 /// `2n` is node `n - 1`, `2n + 1` its negation; node "-1" is the constant `false`, so that
 /// [`Edge::FALSE`] is 0 and [`Edge::TRUE`] is 1.
@@ -17,28 +16,28 @@ impl Edge {
     /// `true`
     pub const TRUE: Self = Self(1);
 
-    /// The edge to a node.
+    /// Creates the edge to a node.
     pub fn to(node: usize) -> Self {
         Self(2 * (node as u32 + 1))
     }
 
-    /// The negation.
+    /// Negates the edge.
     #[must_use]
     pub fn negated(self) -> Self {
         Self(self.0 ^ 1)
     }
 
-    /// Whether it is negated.
+    /// Whether the edge is negated.
     pub fn is_negated(self) -> bool {
         self.0 & 1 == 1
     }
 
-    /// The node it leads to; `None` for a constant.
+    /// The target node; `None` for a constant.
     pub fn node(self) -> Option<usize> {
         (self.0 > 1).then(|| (self.0 / 2 - 1) as usize)
     }
 
-    /// The same edge, negated if `negate`.
+    /// Returns the edge, negated if `negate`.
     #[must_use]
     pub fn flipped(self, negate: bool) -> Self {
         Self(self.0 ^ u32::from(negate))
@@ -48,15 +47,15 @@ impl Edge {
 /// One decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct DiagramNode {
-    /// Which bit is asked.
+    /// The bit tested.
     pub bit: Bit,
-    /// Where it goes on when the bit is 1.
+    /// Target if the bit is 1.
     pub high: Edge,
-    /// Where it goes on when the bit is 0.
+    /// Target if the bit is 0.
     pub low: Edge,
 }
 
-/// Functions over bits, with shared parts. Every node comes after the nodes it leads to.
+/// Functions over bits with shared parts. Every node comes after its children.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagram {
     /// The decisions.
@@ -66,7 +65,7 @@ pub struct Diagram {
 }
 
 impl Diagram {
-    /// The value of a root, bits being indexed by [`Bit`].
+    /// Evaluates a root; `bits` are indexed by [`Bit`].
     pub fn evaluate(&self, root: usize, bits: &[bool]) -> bool {
         let mut edge = self.roots[root];
         let mut value = false;
@@ -84,10 +83,10 @@ impl Diagram {
         }
     }
 
-    /// For every root the share of all valuations in which it holds.
+    /// For every root, the share of all valuations in which it holds.
     pub fn shares(&self) -> Vec<f64> {
-        // Both shares are kept, of what holds and of what does not: a small one is lost when it is
-        // taken from 1.
+        // Both the share where it holds and the share where it does not are kept: a small one would
+        // be lost when subtracted from 1.
         let share = |known: &[(f64, f64)], edge: Edge| {
             let (yes, no) = edge.node().map_or((0.0, 1.0), |n| known[n]);
             if edge.is_negated() {
@@ -104,7 +103,7 @@ impl Diagram {
         self.roots.iter().map(|r| share(&known, *r).0).collect()
     }
 
-    /// The same decisions, as far as these functions need them, which are its roots.
+    /// Keeps only the decisions that these functions need, and makes the functions its roots.
     #[must_use]
     pub fn keeping(&self, roots: &[Edge]) -> Self {
         let mut needed = vec![false; self.nodes.len()];
@@ -144,8 +143,8 @@ impl Diagram {
         }
     }
 
-    /// Whether every edge leads to an earlier node and every bit is below `bits`: what
-    /// [`Diagram::build`] needs.
+    /// Whether every edge leads to an earlier node and every bit is below `bits`, as
+    /// [`Diagram::build`] requires.
     pub fn is_sound(&self, bits: usize) -> bool {
         let below = |edge: Edge, limit: usize| edge.node().is_none_or(|n| n < limit);
         let nodes = self.nodes.iter().enumerate();
@@ -155,10 +154,10 @@ impl Diagram {
             && self.roots.iter().all(|r| below(*r, self.nodes.len()))
     }
 
-    /// The roots as functions of a kernel.
+    /// Builds the roots as functions of a kernel.
     ///
     /// # Panics
-    /// When the diagram is not [sound](Diagram::is_sound) for the kernel's bits.
+    /// Panics if the diagram is not [sound](Diagram::is_sound) for the kernel's bits.
     pub fn build<K: Kernel>(&self, kernel: &K) -> Result<Vec<K::Function>, Limit> {
         let mut built: Vec<K::Function> = Vec::with_capacity(self.nodes.len());
         let get = |built: &[K::Function], edge: Edge| -> Result<K::Function, Limit> {

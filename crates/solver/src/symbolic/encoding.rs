@@ -1,9 +1,9 @@
-//! Which bits stand for which variable, and expressions as functions of those bits.
+//! The bits of each variable, and expressions as functions of those bits.
 //!
-//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, the most significant on top, holding its
+//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, most significant on top, which hold its
 //! value minus the smallest one of its domain. Codes without a value are excluded by
-//! [`Encoding::in_domain`], which whoever uses an encoded formula conjoins; what a formula says
-//! about such a code means nothing.
+//! [`Encoding::in_domain`], which users conjoin with an encoded formula; what a formula means for
+//! such a code is undefined.
 
 use super::bits::{Number, width};
 use super::{Bit, BitSet, Kernel, Limit};
@@ -15,7 +15,7 @@ use linewright_core::gr1::{BinaryOp, Expr, Specification, Time, UnaryOp, VarId};
 struct Layout {
     low: i64,
     high: i64,
-    /// Current bits, the most significant first.
+    /// Current bits, most significant first.
     bits: Vec<Bit>,
 }
 
@@ -27,7 +27,7 @@ pub struct Encoding {
 }
 
 impl Encoding {
-    /// Lays the variables out in the order of their declaration.
+    /// Lays out the variables in declaration order.
     pub fn new(specification: &Specification) -> Self {
         let mut pairs = 0;
         let variables = specification
@@ -52,7 +52,7 @@ impl Encoding {
         self.pairs
     }
 
-    /// The bits of a variable, the most significant first.
+    /// The bits of a variable, most significant first.
     pub fn bits(&self, var: VarId, time: Time) -> impl Iterator<Item = Bit> {
         let bits = self.variables[var.index()].bits.iter();
         bits.map(move |b| at(*b, time))
@@ -63,7 +63,7 @@ impl Encoding {
         BitSet::new(vars.into_iter().flat_map(|v| self.bits(v, time)))
     }
 
-    /// The bits that say that a variable has a value.
+    /// The bits that represent a value of a variable.
     pub fn assignment(&self, var: VarId, time: Time, value: i64) -> Vec<(Bit, bool)> {
         let layout = &self.variables[var.index()];
         let code = (value - layout.low) as u64;
@@ -73,7 +73,7 @@ impl Encoding {
             .collect()
     }
 
-    /// The value of a variable, given all bits.
+    /// Decodes the value of a variable from all bits.
     pub fn value(&self, var: VarId, time: Time, bits: &[bool]) -> i64 {
         let layout = &self.variables[var.index()];
         let code = layout.bits.iter().fold(0i64, |code, bit| {
@@ -82,7 +82,7 @@ impl Encoding {
         layout.low + code
     }
 
-    /// That a variable has a value of its domain.
+    /// The variable has a value in its domain.
     pub fn in_domain<K: Kernel>(
         &self,
         m: &K,
@@ -98,7 +98,7 @@ impl Encoding {
         m.not(&last.less(m, &code(m, layout, time))?)
     }
 
-    /// That a variable has the same value now and next.
+    /// The variable has the same value now and next.
     pub fn unchanged<K: Kernel>(&self, m: &K, var: VarId) -> Result<K::Function, Limit> {
         let mut result = m.constant(true);
         for bit in self.variables[var.index()].bits.iter().rev() {
@@ -108,10 +108,10 @@ impl Encoding {
         Ok(result)
     }
 
-    /// A formula: that the expression is not 0.
+    /// A formula: the expression is not 0.
     ///
-    /// Arithmetic that could leave 64 bits or divide by 0 is refused when a file is resolved; here
-    /// it counts as too large.
+    /// Arithmetic that could exceed 64 bits or divide by 0 is rejected when a file is resolved;
+    /// here it counts as too large.
     pub fn formula<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
         self.check(expr)?;
         self.truth(m, expr)
@@ -145,7 +145,7 @@ impl Encoding {
     }
 
     fn truth<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
-        // A formula that grows in a bad order is not finished in it.
+        // A formula that grows in a bad order may be reordered before it is finished.
         m.safe_point()?;
         match expr {
             Expr::Const(c) => Ok(m.constant(*c != 0)),

@@ -1,12 +1,11 @@
-//! What a BDD package must be able to do for a GR(1) game, and nothing more.
+//! The operations that a GR(1) game needs from a BDD package, and nothing more.
 //!
 //! Bits come in pairs: bit `2k` is the current one, bit `2k + 1` its primed twin. A kernel keeps
-//! the twins of a pair next to each other whatever the order of the pairs is, so that renaming
-//! between them keeps the order.
+//! the twins of a pair adjacent, whatever the order of the pairs, so that renaming between them
+//! preserves the order.
 //!
-//! Every operation gives a result: that the nodes do not fit, or that the time has run out, is a
-//! value. Between operations lie *safe points*, at which whoever drives the game lets the kernel
-//! collect what is dead and change its order.
+//! Every operation returns a result: a lack of nodes or time is an error value. Between operations
+//! there are *safe points*, at which the user lets the kernel collect garbage and change its order.
 
 use super::{Diagram, Limit, Limits};
 use serde::{Deserialize, Serialize};
@@ -29,7 +28,7 @@ impl Bit {
         self.0 >> 1
     }
 
-    /// As an index into slices of values.
+    /// Index into slices of values.
     pub fn index(self) -> usize {
         usize::from(self.0)
     }
@@ -40,7 +39,7 @@ impl Bit {
 pub struct BitSet(Vec<bool>);
 
 impl BitSet {
-    /// The set of these bits.
+    /// Creates the set of these bits.
     pub fn new(bits: impl IntoIterator<Item = Bit>) -> Self {
         let mut set = Self::default();
         for bit in bits {
@@ -58,35 +57,35 @@ impl BitSet {
         self.0[index] = true;
     }
 
-    /// Whether a bit is in it.
+    /// Whether it contains the bit.
     pub fn contains(&self, bit: Bit) -> bool {
         self.0.get(bit.index()).copied().unwrap_or(false)
     }
 
-    /// The bits, in order.
+    /// The bits in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = Bit> {
         let bits = self.0.iter().enumerate();
         bits.filter(|(_, b)| **b).map(|(i, _)| Bit(i as u16))
     }
 
-    /// Whether there is none.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         !self.0.contains(&true)
     }
 }
 
-/// The pairs of bits from the top of a diagram to its bottom; a permutation.
+/// The pairs of bits from the top of a diagram to the bottom; a permutation.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Order(Vec<u16>);
 
 impl Order {
-    /// The pairs by number.
+    /// The pairs in numerical order.
     pub fn natural(pairs: usize) -> Self {
         Self((0..pairs as u16).collect())
     }
 
-    /// An order from its pairs, the topmost first; `None` unless each of `0..pairs.len()` occurs
-    /// once.
+    /// Creates an order from its pairs, the topmost first; `None` unless each of `0..pairs.len()`
+    /// occurs once.
     pub fn new(pairs: Vec<u16>) -> Option<Self> {
         let mut seen = vec![false; pairs.len()];
         for pair in &pairs {
@@ -98,12 +97,12 @@ impl Order {
         Some(Self(pairs))
     }
 
-    /// The pairs, the topmost first.
+    /// The pairs, topmost first.
     pub fn pairs(&self) -> &[u16] {
         &self.0
     }
 
-    /// For every pair, how many pairs lie above it.
+    /// For every pair, the number of pairs above it.
     pub fn positions(&self) -> Vec<u16> {
         let mut positions = vec![0; self.0.len()];
         for (position, pair) in self.0.iter().enumerate() {
@@ -118,23 +117,23 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// A boolean function over the kernel's bits. Cheap to clone; equal functions compare equal.
     type Function: Clone + Eq + Hash + Debug + Send + Sync;
 
-    /// The package's name, as `--kernel` takes it.
+    /// Name of the package, as given to `--kernel`.
     const NAME: &'static str;
 
-    /// Whether it can change its order.
+    /// Whether the package can change its order.
     const REORDERS: bool;
 
-    /// Room for functions over the pairs of an order.
+    /// Creates a kernel for functions over the pairs of an order.
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit>;
 
-    /// The same functions with other limits for what is made from here on.
+    /// Returns the same functions, with other limits for what is made from now on.
     #[must_use]
     fn with_limits(&self, limits: &Limits) -> Self;
 
-    /// The limits in force.
+    /// Current limits.
     fn limits(&self) -> Limits;
 
-    /// The order of the pairs.
+    /// Current order of the pairs.
     fn order(&self) -> Order;
 
     /// `true` or `false`.
@@ -183,56 +182,55 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// `∃ bits. a`
     fn exists(&self, a: &Self::Function, bits: &BitSet) -> Result<Self::Function, Limit>;
 
-    /// The function with some bits fixed.
+    /// Fixes some bits of the function.
     fn restrict(&self, a: &Self::Function, values: &[(Bit, bool)])
     -> Result<Self::Function, Limit>;
 
-    /// A function of current bits as one of primed bits.
+    /// Renames current bits to primed bits.
     fn prime(&self, a: &Self::Function) -> Result<Self::Function, Limit>;
 
-    /// A function of primed bits as one of current bits.
+    /// Renames primed bits to current bits.
     fn unprime(&self, a: &Self::Function) -> Result<Self::Function, Limit>;
 
-    /// The number of nodes, those of shared parts once.
+    /// Number of nodes; shared parts count once.
     fn size(&self, a: &Self::Function) -> usize;
 
-    /// The bits it depends on, in order.
+    /// The bits it depends on, in ascending order.
     fn support(&self, a: &Self::Function) -> Vec<Bit>;
 
-    /// Some assignment to all bits that satisfies it, indexed by bit. It depends on the function
-    /// and the order only.
+    /// An assignment to all bits that satisfies the function, indexed by bit. It depends only on
+    /// the function and the order.
     fn witness(&self, a: &Self::Function) -> Option<Vec<bool>>;
 
-    /// Several functions as plain data, sharing what they have in common.
+    /// Exports several functions as plain data with shared parts.
     fn export(&self, functions: &[&Self::Function]) -> Diagram;
 
-    /// The roots of a diagram as functions, whatever order it was made in.
+    /// Imports the roots of a diagram, which may have any order.
     fn import(&self, diagram: &Diagram) -> Result<Vec<Self::Function>, Limit> {
         diagram.build(self)
     }
 
-    /// How many nodes are kept now; dead ones that were not yet collected count.
+    /// Current number of nodes, including dead ones not yet collected.
     fn nodes(&self) -> u64;
 
-    /// The largest number of nodes that were kept at once, as far as safe points and single
-    /// functions show it.
+    /// Peak number of nodes, as observed at safe points and single functions.
     fn peak_nodes(&self) -> u64;
 
-    /// The work that was done, in units: nodes that were made, operands' nodes that were walked,
-    /// and operations, each with a weight by which kernels take about the same time for a unit. It
-    /// depends on the questions alone: on no clock, no address, and not on what other threads do. A
-    /// kernel may leave it uncounted where [`Limits::most_work`] is none.
+    /// Work done so far, in units: nodes made, nodes of operands visited, and operations, weighted
+    /// so that a unit takes about the same time in every kernel. It depends only on the questions:
+    /// not on time, addresses, or other threads. A kernel need not count it if
+    /// [`Limits::most_work`] is `None`.
     fn work(&self) -> u64;
 
-    /// A safe point: may collect, and may look for a better order when the functions have grown.
-    /// All functions stay valid.
+    /// A safe point: may collect garbage, and may search for a better order when the functions have
+    /// grown. All functions stay valid.
     fn safe_point(&self) -> Result<(), Limit>;
 
-    /// Looks for a better order for what is alive. Never ends with more nodes than it began with; a
-    /// kernel without reordering does nothing.
+    /// Searches for a better order for the live functions. Never ends with more nodes than at the
+    /// start; a kernel without reordering does nothing.
     fn sift(&self) -> Result<(), Limit>;
 
-    /// Whether safe points may change the order from here on.
+    /// Sets whether safe points may change the order from now on.
     fn set_reordering(&self, allowed: bool);
 
     /// `a → b`
@@ -260,7 +258,7 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
         self.not(&self.and_exists(a, &self.not(b)?, bits)?)
     }
 
-    /// The conjunction of all.
+    /// Conjunction of all functions.
     fn all<'a>(
         &self,
         functions: impl IntoIterator<Item = &'a Self::Function>,
@@ -272,12 +270,12 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
         Ok(result)
     }
 
-    /// Whether it depends on the bit.
+    /// Whether the function depends on the bit.
     fn depends_on(&self, a: &Self::Function, bit: Bit) -> bool {
         self.support(a).contains(&bit)
     }
 
-    /// The conjunction of literals.
+    /// Conjunction of literals.
     fn cube(&self, literals: &[(Bit, bool)]) -> Result<Self::Function, Limit> {
         let mut cube = self.constant(true);
         for (bit, positive) in literals.iter().rev() {

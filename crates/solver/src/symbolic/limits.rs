@@ -1,57 +1,57 @@
-//! When to give up, and that something was given up: values, never a panic and never a hang.
+//! Limits, and the errors that report them: a result value, never a panic or a hang.
 //!
-//! Seconds come from `--timeout` alone, and speak of a whole command. What gives up by itself
-//! counts its work ([`Budget`]), so that the same question has the same answer on every computer,
-//! however busy it is. A clock decides nothing else; a test keeps it so.
+//! Only `--timeout` limits time, and it covers a whole command. Everything that gives up by itself
+//! counts its work ([`Budget`]), so that the same question has the same answer on every computer
+//! under any load. Nothing else depends on a clock; a test ensures this.
 
-use linewright_core::deadline::{Deadline, Late};
+use linewright_core::deadline::{Deadline, StopReason};
 
-/// When to give up.
+/// Limits of a stage.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Limits {
-    /// Not after this.
+    /// Deadline.
     pub deadline: Deadline,
-    /// Not with more than this many mebibytes of nodes.
+    /// Maximum size of all nodes in MiB.
     pub memory_mib: Option<u64>,
-    /// Not with more than this many nodes.
+    /// Maximum number of nodes.
     pub most_nodes: Option<u64>,
-    /// Not after so many nodes were made in all, where functions own their nodes: it decides on the
-    /// kernel. Running out of it is [`Limit::Memory`].
+    /// Maximum number of nodes made in total, for kernels whose functions own their nodes; used to
+    /// choose the kernel. Exceeding it is [`Limit::Memory`].
     pub most_made: Option<u64>,
-    /// Not after so many units of work; see [`super::Kernel::work`].
+    /// Maximum units of work; see [`super::Kernel::work`].
     pub most_work: Option<u64>,
-    /// What every budget is multiplied by.
+    /// Factor for every budget.
     pub effort: Effort,
 }
 
 /// Why a stage gave up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Limit {
-    /// The time ran out, or it was interrupted.
+    /// The deadline passed, or the command was interrupted.
     #[error(transparent)]
-    Late(#[from] Late),
-    /// The nodes would not fit.
+    Late(#[from] StopReason),
+    /// The nodes do not fit into memory.
     #[error("the memory limit was reached")]
     Memory,
-    /// The machine is too large to be written down state by state.
+    /// The machine is too large to be written state by state.
     #[error("the machine is too large to be written down state by state")]
     Size,
-    /// The work of a budget was done.
+    /// A budget of work is used up; carries its units.
     #[error("the proof took more than {0} units of work")]
     Work(u64),
-    /// The nodes of a budget are in use.
+    /// A budget of nodes is used up; carries its number.
     #[error("the proof needed more than {0} nodes at once")]
     Nodes(u64),
 }
 
 impl Limit {
-    /// Whether `--timeout`, `--memory` or Ctrl-C is to blame. All else depends on the question
-    /// alone, and is the same wherever it is asked.
+    /// Whether the limit comes from `--timeout`, `--memory` or Ctrl-C. All others depend only on
+    /// the question, and are always the same.
     pub fn is_of_command(self) -> bool {
         matches!(self, Self::Late(_) | Self::Memory)
     }
 
-    /// What lets it come to its end; nothing but smaller domains where it is too large.
+    /// The option that raises the limit; `None` if only smaller domains help.
     pub fn remedy(self) -> Option<&'static str> {
         match self {
             Self::Late(late) => Some(late.remedy()),
@@ -62,27 +62,27 @@ impl Limit {
     }
 }
 
-/// What one question may take before it is given up by itself.
+/// Budget of one question, after which it is abandoned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
-    /// Units of work; see [`super::Kernel::work`].
+    /// Maximum units of work; see [`super::Kernel::work`].
     pub work: u64,
-    /// Nodes at once.
+    /// Maximum number of nodes at once.
     pub nodes: u64,
 }
 
-/// The default limits of work, all of them. A quiet computer does some 20 million units a second.
-/// What ships takes less than a quarter of the work, and half of the nodes: the dearest question
-/// about the laboratory's line, what rests on what, 145 million and less than 500,000. Who waits
-/// for `check` waits for the budget of a line, so it is half a minute's.
+/// All default limits of work. An idle computer does some 20 million units per second. The shipped
+/// examples use less than a quarter of the work and half of the nodes: the most expensive question
+/// on the laboratory's line, what rests on what, takes 145 million units and less than 500,000
+/// nodes. `check` waits for the budget of a line, so it corresponds to half a minute.
 impl Budget {
-    /// Each question about a line: what is asked of its stations, whether parts move on, what rests
-    /// on what.
+    /// Each question about a line: calls of its stations, whether parts keep moving, what rests on
+    /// what.
     pub const LINE: Self = Self {
         work: 600_000_000,
         nodes: 1_000_000,
     };
-    /// The controllers of a machine put together.
+    /// The closed composition of a machine's controllers.
     pub const CLOSED: Self = Self {
         work: 3_000_000_000,
         nodes: 3_000_000,
@@ -92,33 +92,33 @@ impl Budget {
         work: 3_000_000_000,
         nodes: 8_000_000,
     };
-    /// What the contract of a belt says about the room on it. Such a contract is small; one that is
-    /// not gets no answer, instead of a late one.
+    /// What a belt's contract says about the room on it. Such a contract is small; one that is not
+    /// gets no answer rather than a late one.
     pub const BELT: Self = Self {
         work: 200_000_000,
         nodes: 200_000,
     };
-    /// One question about a machine's wires, of the many that a coordinator's states ask.
+    /// One of the many questions about a machine's wires that a coordinator's states raise.
     pub const WIRES: Self = Self {
         work: 200_000_000,
         nodes: 2_000_000,
     };
 }
 
-/// A factor of budgets, 1 by default.
+/// A factor for budgets, 1 by default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort(f64);
 
 impl Effort {
-    /// What is usual.
+    /// The default factor.
     pub const ONE: Self = Self(1.0);
 
-    /// `None` unless it is a number above 0.
+    /// Creates a factor; `None` unless it is a number above 0.
     pub fn new(factor: f64) -> Option<Self> {
         (factor.is_finite() && factor > 0.0).then_some(Self(factor))
     }
 
-    /// So many times as much, at least 1.
+    /// The amount times the factor, at least 1.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -136,12 +136,12 @@ impl Default for Effort {
 }
 
 impl Limits {
-    /// An error once the time has run out.
+    /// Returns an error once the deadline has passed.
     pub fn check_time(&self) -> Result<(), Limit> {
         Ok(self.deadline.check()?)
     }
 
-    /// These limits, and those of a budget, as often as the effort says.
+    /// Adds a budget, multiplied by the effort, to these limits.
     #[must_use]
     pub fn within(&self, budget: Budget) -> Self {
         let least = |given: Option<u64>, own: u64| {
@@ -155,7 +155,7 @@ impl Limits {
         }
     }
 
-    /// An error once more work was done than there may be.
+    /// Returns an error once more work was done than allowed.
     pub(super) fn check_work(&self, done: u64) -> Result<(), Limit> {
         match self.most_work {
             Some(most) if done > most => Err(Limit::Work(most)),
@@ -163,8 +163,8 @@ impl Limits {
         }
     }
 
-    /// How many nodes there may be, if a node costs this many bytes: `usual` without a memory
-    /// limit, never more than `most`.
+    /// Maximum number of nodes of the given size in bytes: `usual` without a memory limit, never
+    /// more than `most`.
     pub(super) fn nodes(&self, bytes_per_node: u64, usual: u64, most: u64) -> u64 {
         let by_memory = self.memory_mib.map_or(usual, |mib| {
             (mib.saturating_mul(1 << 20) / bytes_per_node).min(most)
@@ -172,8 +172,8 @@ impl Limits {
         self.most_nodes.map_or(by_memory, |n| n.min(by_memory))
     }
 
-    /// The reason by its right name: nodes that do not fit although the memory has room for twice
-    /// as many are those of a budget.
+    /// Corrects the reported limit: if nodes do not fit although memory has room for twice as many,
+    /// a budget is the cause.
     pub(crate) fn name(&self, limit: Limit) -> Limit {
         const BYTES: u64 = 128;
         let has_room = |nodes: u64| {

@@ -1,23 +1,23 @@
 //! The kernel over `OxiDD`'s diagrams with complement edges: one store for all functions, and a
-//! cache that outlives operations.
+//! cache that persists across operations.
 //!
-//! Right for large games. The store's capacity is fixed when it is made; its pages are only used as
-//! nodes come. Three habits of the package shape this file:
+//! Suited to large games. The store's capacity is fixed at creation; its pages are used only as
+//! nodes are made. Three properties of the package shape this file:
 //!
-//! - Collecting throws the cache away, so it is done at safe points, and only when the store has
-//!   doubled since.
-//! - The package's own collector runs beside the operation that fills the store, and can come too
-//!   late; then the operation fails although most nodes are dead. So an operation that fails is
-//!   tried again after collecting.
-//! - Running out of nodes while levels are swapped ends the process. So nothing is reordered
+//! - Garbage collection clears the cache, so it is done only at safe points, and only when the
+//!   store has doubled since the last one.
+//! - The package's own collector runs concurrently with the operation that fills the store, and can
+//!   come too late; then the operation fails although most nodes are dead. So a failed operation is
+//!   retried after collecting.
+//! - Running out of nodes while levels are swapped aborts the process. So nothing is reordered
 //!   without head room.
 //!
-//! Where the number of nodes or the work is limited beside the memory ([`Ration`]), what was
-//! reached must not depend on when the package's collector runs. There the store has head room, the
-//! nodes are counted after every operation, and one that comes near the collector's mark fails for
-//! good. The nodes that are made then depend on the operations alone: what the cache forgets is
-//! made again of nodes that are still there, for nothing is collected but between operations, by
-//! count.
+//! If the number of nodes or the work is limited beside the memory ([`Ration`]), the result must
+//! not depend on when the package's collector runs. In that case the store has head room, the nodes
+//! are counted after every operation, and an operation that comes near the collector's mark fails
+//! for good. The number of nodes made then depends only on the operations: results that the cache
+//! forgets are rebuilt from nodes that still exist, since garbage is collected only between
+//! operations, by count.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order, sift};
 use oxidd::bcdd::{BCDDFunction, BCDDManagerRef, new_manager};
@@ -33,52 +33,51 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Bytes a node costs, its place in the unique table included.
+/// Bytes per node, including its slot in the unique table.
 const BYTES_PER_NODE: u64 = 28;
 
-/// The store's capacity without a memory limit: about 3.5 GiB when full.
+/// Capacity of the store without a memory limit: about 3.5 GiB when full.
 const USUAL_NODES: u64 = 1 << 27;
 
-/// More nodes have no number.
+/// Maximum number of nodes that the package can address.
 const MOST_NODES: u64 = 1 << 30;
 
-/// The smallest store that makes sense.
+/// Minimum useful capacity.
 const FEWEST_NODES: u64 = 1 << 16;
 
-/// Entries of the cache. A larger one costs more than it saves: it is cleared with every
-/// collection, and no longer lies in the processor's caches.
+/// Cache entries. A larger cache costs more than it saves: it is cleared with every collection, and
+/// no longer fits into the processor's caches.
 const LARGE_CACHE: usize = 1 << 18;
 
-/// Entries of the cache for up to [`FEW_PAIRS`], where nothing but memory is limited.
+/// Cache entries for up to [`FEW_PAIRS`], if only memory is limited.
 const SMALL_CACHE: usize = 1 << 17;
 
 /// See [`SMALL_CACHE`].
 const FEW_PAIRS: usize = 48;
 
-/// Below this, nothing is collected.
+/// Minimum number of nodes for a collection.
 const COLLECT_NODES: u64 = 1 << 19;
 
-/// When at most so many nodes were made since the last collection, none is made before the order
-/// changes.
+/// Maximum number of nodes made since the last collection for which none is done before reordering.
 const FEW_DEAD_NODES: u64 = 10_000;
 
-/// While less than this many nodes are made between two safe points, the order is left as it is.
+/// Minimum number of nodes made between two safe points for reordering.
 const REORDER_NODES: u64 = 18_000;
 
-/// Sifting at a safe point may touch this many nodes for every one that was made since the last
-/// time, so that it never takes much more than a fixed share of all the work.
+/// Maximum number of nodes that sifting at a safe point may touch per node made since the last
+/// sifting, so that it takes at most about a fixed share of all work.
 const WORK_PER_MADE: u64 = 60;
 
-/// Units of work for a node that is made, and for an operation: looked up among all others and
-/// moved when the order changes, it takes about so many times as long as one that a function of its
-/// own has.
+/// Units of work per node made, and per operation. Such a node is looked up in the common table and
+/// moved when the order changes, and so takes about this many times as long as a node owned by a
+/// single function.
 const WORK_PER_NODE: u64 = 10;
 
-/// The package takes slots for nodes in chunks of so many, and looks at its collector's mark only
+/// The package allocates node slots in chunks of this size, and checks its collector's mark only
 /// then.
 const CHUNK_NODES: u64 = 1 << 16;
 
-/// The store is brought into a new order for less than this many percent of its nodes.
+/// The store is reordered only if the new order leaves less than this percentage of its nodes.
 const WORTHWHILE_PERCENT: usize = 98;
 
 /// A boolean function.
@@ -93,52 +92,52 @@ impl fmt::Debug for Function {
 
 struct Shared {
     store: BCDDManagerRef,
-    /// How many nodes there may be: the store's capacity, or fewer where they are limited.
+    /// Maximum number of nodes: the store's capacity, or less if they are limited.
     capacity: u64,
     yes: Function,
     no: Function,
-    /// For every bit its negation and itself.
+    /// For every bit, its negation and itself.
     literals: Vec<[Function; 2]>,
     to_primed: Subst<BCDDFunction>,
     to_current: Subst<BCDDFunction>,
     cubes: Mutex<FxHashMap<BitSet, Function>>,
     peak: AtomicU64,
-    /// How many nodes were left after the last collection.
+    /// Number of nodes left after the last collection.
     collected: AtomicU64,
-    /// How many nodes there were at the last safe point.
+    /// Number of nodes at the last safe point.
     before: AtomicU64,
-    /// How many nodes were made since the last sifting.
+    /// Number of nodes made since the last sifting.
     made: AtomicU64,
-    /// The most nodes that were made between two safe points since the last sifting.
+    /// Maximum number of nodes made between two safe points since the last sifting.
     busiest: AtomicU64,
-    /// What that was when the order was sifted last.
+    /// That maximum when the order was last sifted.
     reordered: AtomicU64,
     reordering: AtomicBool,
     ration: Option<Ration>,
 }
 
-/// How a store keeps to limits that are no matter of memory.
+/// State of limits other than memory.
 #[derive(Debug)]
 struct Ration {
-    /// An operation that ends with so many nodes may have met the package's collector.
+    /// Node count at which the package's collector may have run during an operation.
     mark: u64,
-    /// Whether one did.
+    /// Whether an operation reached the mark.
     overrun: AtomicBool,
-    /// How many nodes there were after the last operation.
+    /// Number of nodes after the last operation.
     nodes: AtomicU64,
     /// Units of work: nodes made, and operations.
     work: AtomicU64,
 }
 
 impl Ration {
-    /// What it takes to have so many nodes at most, out of so many that fit: the store's capacity,
-    /// the nodes, and the mark.
+    /// For a maximum number of nodes, and the number that fits: the store's capacity, the maximum,
+    /// and the mark.
     fn new(most: u64, fit: u64) -> (u64, u64, Self) {
         let wanted = 2 * most.saturating_add(2 * CHUNK_NODES);
         let capacity = wanted.min(fit);
         let most = most.min((capacity / 2).saturating_sub(CHUNK_NODES));
         let ration = Self {
-            // The collector begins at 95 in 100.
+            // The collector starts at 95 %.
             mark: (capacity / 100 * 95).saturating_sub(CHUNK_NODES),
             overrun: AtomicBool::new(false),
             nodes: AtomicU64::new(0),
@@ -163,7 +162,7 @@ impl fmt::Debug for OxiDd {
 }
 
 impl OxiDd {
-    /// Does an operation; once more after collecting when the store was full.
+    /// Runs an operation, and repeats it after collecting if the store was full.
     fn attempt(
         &self,
         operation: impl Fn() -> AllocResult<BCDDFunction>,
@@ -186,7 +185,7 @@ impl OxiDd {
         operation().map(Function).map_err(|_| Limit::Memory)
     }
 
-    /// Does an operation, and counts it.
+    /// Runs an operation and counts it.
     fn attempt_within(
         &self,
         ration: &Ration,
@@ -201,7 +200,7 @@ impl OxiDd {
         let collected = collections();
         let result = operation();
         let nodes = self.nodes();
-        // The nodes are looked at first: if any of them are gone, a collection has begun.
+        // The nodes are checked first: if any of them are gone, a collection has begun.
         if nodes >= ration.mark || result.is_err() || collections() != collected {
             ration.overrun.store(true, Ordering::Relaxed);
             return Err(Limit::Memory);
@@ -229,7 +228,7 @@ impl OxiDd {
         self.note_left();
     }
 
-    /// Remembers how many nodes a collection has left.
+    /// Records the number of nodes left by a collection.
     fn note_left(&self) -> u64 {
         let left = self.nodes();
         self.shared.collected.store(left, Ordering::Relaxed);
@@ -239,12 +238,11 @@ impl OxiDd {
         left
     }
 
-    /// Looks for a better order, with at most this much work.
+    /// Searches for a better order with at most this much work.
     fn sift_within(&self, work: usize) -> Result<(), Limit> {
         self.limits.check_time()?;
         self.note_peak();
-        // Dead nodes would be brought into a new order, too; few are cheaper to move than to look
-        // for.
+        // Dead nodes would be reordered, too; a few are cheaper to move than to find.
         if self.nodes() > self.shared.collected.load(Ordering::Relaxed) + FEW_DEAD_NODES {
             self.collect();
         }
@@ -265,12 +263,11 @@ impl OxiDd {
         Ok(())
     }
 
-    /// All nodes of the store that are alive. A node is a root when something outside the store
-    /// refers to it.
+    /// All live nodes of the store. A node is a root if something outside the store refers to it.
     fn everything(&self) -> Diagram {
         self.shared.store.with_manager_shared(|m| {
             let mut nodes = Vec::new();
-            // How often something refers to each node, and how often another node does.
+            // For each node, the number of all references, and of those by other nodes.
             let mut references: Vec<(usize, usize)> = Vec::new();
             let mut numbers: FxHashMap<usize, usize> = FxHashMap::default();
             for level in (0..m.num_levels()).rev() {
@@ -302,7 +299,7 @@ impl OxiDd {
         })
     }
 
-    /// The conjunction of the bits, which is how the package takes a set of them.
+    /// The conjunction of the bits, which is the package's representation of a set of bits.
     fn conjunction(&self, bits: &BitSet) -> Result<Function, Limit> {
         let mut cubes = self
             .shared
@@ -319,8 +316,8 @@ impl OxiDd {
     }
 }
 
-/// The nodes that something outside the store refers to; `references` are those by anything and
-/// those by nodes. Takes back what dead nodes contributed.
+/// The nodes referenced from outside the store; `references` holds the number of all references and
+/// of those by nodes. Subtracts references from dead nodes.
 fn living(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> Vec<usize> {
     let mut roots = Vec::new();
     for n in (0..nodes.len()).rev() {
@@ -340,7 +337,7 @@ fn living(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> Vec<usize
     roots
 }
 
-/// The nodes that anything refers to, as a diagram.
+/// The referenced nodes as a diagram.
 fn compact(nodes: &[DiagramNode], roots: &[usize], references: &[(usize, usize)]) -> Diagram {
     let mut places = vec![0; nodes.len()];
     let mut left: Vec<DiagramNode> = Vec::new();
@@ -363,7 +360,7 @@ fn compact(nodes: &[DiagramNode], roots: &[usize], references: &[(usize, usize)]
     Diagram { nodes: left, roots }
 }
 
-/// The order of the pairs in a store.
+/// Reads the order of the pairs in a store.
 fn order_of(store: &BCDDManagerRef) -> Order {
     store.with_manager_shared(|m| {
         let levels = (0..m.num_levels()).step_by(2);
@@ -372,15 +369,14 @@ fn order_of(store: &BCDDManagerRef) -> Order {
     })
 }
 
-/// Brings the pairs into this order.
+/// Changes a store to this order of the pairs.
 fn set_order(store: &BCDDManagerRef, order: &Order) {
     let variables = order.pairs().iter().map(|p| 2 * VarNo::from(*p));
     let variables: Vec<VarNo> = variables.flat_map(|v| [v, v + 1]).collect();
     store.with_manager_exclusive(|m| set_var_order_seq(m, &variables));
 }
 
-/// Calls `visit` for every node below `function` after those it leads to: its number, its bit, its
-/// edges.
+/// Calls `visit` for every node below `function`, children first: its number, its bit, its edges.
 fn walk(
     function: &Function,
     numbers: &mut FxHashMap<usize, usize>,
@@ -439,8 +435,8 @@ impl Kernel for OxiDd {
         } else {
             (most, most, most, None)
         };
-        // An operation whose results the cache forgets may come to no end, and makes no node that a
-        // budget would count: a budget of nodes takes nothing from the cache.
+        // An operation whose results the cache forgets may never end, and makes no node that a
+        // budget would count: so a budget of nodes does not reduce the cache.
         let cache = if pairs > FEW_PAIRS || is_limited {
             LARGE_CACHE
         } else {

@@ -1,39 +1,39 @@
-//! Group sifting on plain data: each pair of twins moves as one, and a kernel is told the order
-//! that was found.
+//! Group sifting on plain data: each pair of twins moves as a unit, and the resulting order is
+//! passed to a kernel.
 //!
 //! Rudell's sifting ("Dynamic variable ordering for ordered binary decision diagrams", ICCAD 1993)
 //! with groups in the sense of Panda and Somenzi ("Who are the variables in your neighborhood",
 //! ICCAD 1995), the groups being fixed: a variable and its primed twin, current bit on top. Each
-//! pair, the largest first, goes to the nearer end and then to the other one, and comes to rest
-//! where the diagrams were smallest; a direction is left when they have grown by a fifth, or when
-//! nothing that is left of it could make them smaller than they were. Then neighbours that cling
-//! together go the same way as one, since neither would leave the other alone. So a pass never ends
-//! with more nodes than it began with.
+//! pair, the largest first, goes to the nearer end and then to the other one, and stays where the
+//! diagrams were smallest. A direction is abandoned when they have grown by a fifth, or when the
+//! rest of it cannot make them smaller than the minimum. Then neighbors that attract each other are
+//! moved as one block, since neither would leave the other alone. So a pass never ends with more
+//! nodes than it started with.
 //!
-//! It works on a copy, with counted references and complement edges (the high edge is never
-//! negated), and not inside a kernel: swaps of levels need no locks here, an order serves every
-//! kernel, and running out of memory or time leaves the kernel as it was. The work is bounded by a
-//! count of nodes that swaps touch, not by a clock, so that the same functions are always sifted to
-//! the same order.
+//! It works on a copy with reference counts and complement edges (the high edge is never negated),
+//! not inside a kernel: swapping levels needs no locks here, an order suits every kernel, and
+//! running out of memory or time leaves the kernel unchanged. The work is bounded by the number of
+//! nodes touched by swaps, not by time, so that the same functions are always sifted to the same
+//! order.
 
 use super::{Bit, Diagram, Limits, Order};
 use rustc_hash::FxHashMap;
 
-/// A direction is left when there are more than this many percent of the fewest nodes met.
+/// Percentage of the smallest node count so far above which a direction is abandoned.
 const GROWTH_PERCENT: usize = 120;
 
-/// Passes go on while one leaves less than this many percent of the nodes.
+/// Another pass follows a pass that leaves less than this percentage of the nodes.
 const WORTHWHILE_PERCENT: usize = 95;
 
-/// More passes than this are not made.
+/// Maximum number of passes.
 const MOST_PASSES: usize = 6;
 
-/// The first pass is given up when a quarter of the work leaves more than this many percent of the
+/// The first pass is abandoned if a quarter of the work leaves more than this percentage of the
 /// nodes.
 const HOPEFUL_PERCENT: usize = 99;
 
-/// A call touches at most this many nodes, [`MORE_WORK`] more for each of the first [`MANY_NODES`],
-/// and [`WORK_PER_NODE`] for every node.
+/// Maximum number of nodes touched by a call, plus [`MORE_WORK`] for each of the first
+/// [`MANY_NODES`], and [`WORK_PER_NODE`] for every node.
 const LEAST_WORK: usize = 300_000;
 
 /// See [`LEAST_WORK`].
@@ -45,13 +45,13 @@ const MANY_NODES: usize = 20_000;
 /// See [`LEAST_WORK`].
 const WORK_PER_NODE: usize = 300;
 
-/// So many nodes are touched between two looks at the clock: some thousandths of a second.
+/// Number of nodes touched between two checks of the deadline: some milliseconds.
 const LOOK: usize = 200_000;
 
-/// What is not a bit: the level of the constant.
+/// Marks the level of the constant, which is not a bit.
 const CONSTANT: u16 = u16::MAX;
 
-/// A node; edges are twice a node's number, plus one when negated. Node 0 is the constant `true`.
+/// A node; an edge is twice a node's number, plus one if negated. Node 0 is the constant `true`.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     bit: u16,
@@ -60,40 +60,40 @@ struct Node {
     low: u32,
 }
 
-/// Diagrams whose order can be changed.
+/// Diagrams with a changeable order.
 ///
 /// While two levels are swapped, only nodes of the upper one are made, and only nodes of the lower
-/// one die: all that lies below stays needed. So a level is a plain list, and a table of nodes by
-/// their edges is needed for one level at a time.
+/// one die: everything below stays needed. So a level is a plain list, and a table of nodes by
+/// edges is needed for only one level at a time.
 #[derive(Debug)]
 pub struct Sifter {
     nodes: Vec<Node>,
     free: Vec<u32>,
-    /// For every bit its nodes.
+    /// Nodes by bit.
     levels: Vec<Vec<u32>>,
     /// Scratch: the nodes of the upper bit of a swap.
     table: Table,
-    /// Scratch: the nodes of a bit that depend on the one below.
+    /// Scratch: nodes of a bit that depend on the bit below.
     moving: Vec<u32>,
-    /// Scratch: those that do not.
+    /// Scratch: nodes that do not.
     staying: Vec<u32>,
-    /// The pairs from the top to the bottom, and the reverse.
+    /// The pairs from top to bottom, and the inverse.
     order: Vec<u16>,
     positions: Vec<u16>,
-    /// How many nodes are referenced, the constant aside.
+    /// Number of referenced nodes without the constant.
     size: usize,
-    /// How many nodes may still be touched; none once the time has run out.
+    /// Number of nodes that may still be touched; 0 once the time has run out.
     work: usize,
     limits: Limits,
-    /// After how many touched nodes the clock is looked at.
+    /// Number of touched nodes until the next check of the deadline.
     look: usize,
 }
 
-/// Nodes by their edges: open addressing, emptied by counting on.
+/// Nodes by edges: open addressing, cleared by incrementing a stamp.
 #[derive(Debug, Default)]
 struct Table {
     slots: Vec<Slot>,
-    /// The number of the current use; slots of others are empty.
+    /// Stamp of the current use; slots with other stamps are empty.
     stamp: u32,
 }
 
@@ -106,7 +106,7 @@ struct Slot {
 }
 
 impl Table {
-    /// Empties the table and makes room for so many nodes.
+    /// Clears the table and makes room for `nodes` entries.
     fn begin(&mut self, nodes: usize) {
         let wanted = (2 * nodes).next_power_of_two();
         if self.slots.len() < wanted || self.stamp == u32::MAX {
@@ -116,7 +116,7 @@ impl Table {
         self.stamp += 1;
     }
 
-    /// The node of these edges, or else the slot where it belongs.
+    /// Returns the node with these edges, or else the slot where it belongs.
     fn find(&self, high: u32, low: u32) -> Result<u32, usize> {
         let mask = self.slots.len() - 1;
         let key = u64::from(high) << 32 | u64::from(low);
@@ -134,7 +134,7 @@ impl Table {
         }
     }
 
-    /// Puts a node into a slot that [`Self::find`] gave.
+    /// Stores a node in a slot returned by [`Self::find`].
     fn fill(&mut self, place: usize, high: u32, low: u32, node: u32) {
         self.slots[place] = Slot {
             stamp: self.stamp,
@@ -145,11 +145,10 @@ impl Table {
     }
 }
 
-/// An order in which the diagrams are smaller, with the number of nodes before and after; `None` if
-/// none was found.
+/// Returns an order in which the diagrams are smaller, with the number of nodes before and after;
+/// `None` if none was found.
 ///
-/// `diagram` must respect `order`. No more than `most_work` nodes are touched, however many there
-/// are.
+/// `diagram` must respect `order`. At most `most_work` nodes are touched, whatever its size.
 pub fn sift(
     diagram: &Diagram,
     order: &Order,
@@ -188,7 +187,7 @@ impl Sifter {
             limits: *limits,
             look: LOOK,
         };
-        // A diagram's constant is `false`, this one's is `true`.
+        // A diagram's constant is `false`; this one's is `true`.
         let mut edges: Vec<u32> = Vec::with_capacity(diagram.nodes.len());
         let edge = |edges: &[u32], e: super::Edge| match e.node() {
             None => u32::from(!e.is_negated()),
@@ -220,7 +219,7 @@ impl Sifter {
         sifter
     }
 
-    /// Lets go of the nodes of a bit that have no reference.
+    /// Removes the nodes of a bit that have no reference.
     fn drop_dead(&mut self, bit: Bit) {
         let mut level = std::mem::take(&mut self.levels[bit.index()]);
         level.retain(|number| {
@@ -249,7 +248,7 @@ impl Sifter {
         self.nodes[(edge >> 1) as usize].references += 1;
     }
 
-    /// A new node without a reference. The high edge must not be negated.
+    /// Adds a node without a reference. The high edge must not be negated.
     fn add(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
         debug_assert_eq!(high & 1, 0, "a high edge is negated");
         self.keep(high);
@@ -272,7 +271,7 @@ impl Sifter {
         number << 1
     }
 
-    /// The node of these edges at the level that the table holds, with one more reference.
+    /// The node with these edges at the level in the table, with one more reference.
     fn make(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
         if high == low {
             self.keep(high);
@@ -292,7 +291,7 @@ impl Sifter {
         edge ^ negated
     }
 
-    /// The edges of an edge for both values of a bit that is not below its own.
+    /// The cofactors of an edge for both values of a bit that is not below its own.
     fn cofactors(&self, edge: u32, bit: u16) -> (u32, u32) {
         let node = &self.nodes[(edge >> 1) as usize];
         if node.bit == bit {
@@ -302,7 +301,7 @@ impl Sifter {
         }
     }
 
-    /// Swaps two bits of which the first lies directly above the second.
+    /// Swaps two bits, the first directly above the second.
     fn swap_bits(&mut self, upper: Bit, lower: Bit) {
         let mut moving = std::mem::take(&mut self.moving);
         let mut staying = std::mem::take(&mut self.staying);
@@ -335,8 +334,8 @@ impl Sifter {
         self.staying = staying;
     }
 
-    /// Gives these nodes of the upper bit to the lower one. The upper level must hold the others
-    /// only.
+    /// Moves these nodes of the upper bit to the lower one. The upper level must contain only the
+    /// others.
     fn exchange(&mut self, upper: Bit, lower: Bit, moving: &[u32]) {
         let staying = &self.levels[upper.index()];
         self.table.begin(staying.len() + 2 * moving.len());
@@ -360,7 +359,7 @@ impl Sifter {
             self.release(high);
             self.release(low);
         }
-        // What the dead nodes led to is kept by the new ones.
+        // The children of the dead nodes are kept by the new ones.
         self.drop_dead(lower);
         self.levels[lower.index()].extend_from_slice(moving);
     }
@@ -384,7 +383,7 @@ impl Sifter {
         self.levels[bit].len() + self.levels[bit + 1].len()
     }
 
-    /// Sifts until it is no longer worthwhile; gives the number of nodes.
+    /// Sifts until it is no longer worthwhile; returns the number of nodes.
     fn sift(&mut self) -> usize {
         let all = self.work;
         for pass in 0..MOST_PASSES {
@@ -421,8 +420,8 @@ impl Sifter {
         self.size
     }
 
-    /// Neighbours that would not be swapped, upper and lower, each pair in one couple at most;
-    /// those of the most nodes first.
+    /// Adjacent pairs that would not be swapped, upper and lower, each pair in at most one couple;
+    /// those with the most nodes first.
     fn couples(&mut self) -> Vec<(u16, u16)> {
         let mut found = Vec::new();
         for position in 0..self.order.len().saturating_sub(1) {
@@ -452,7 +451,7 @@ impl Sifter {
         couples
     }
 
-    /// Moves a pair, and those directly below it that belong to its block, to their best place.
+    /// Moves a pair, with the `length` pairs of its block, to their best position.
     fn place(&mut self, top: u16, length: usize) {
         let mut here = usize::from(self.positions[usize::from(top)]);
         let (mut best, mut best_size) = (here, self.size);
@@ -462,8 +461,8 @@ impl Sifter {
             let below = &self.order[here + length..];
             let mut below: usize = below.iter().map(|p| self.nodes_of(*p)).sum();
             while here != if upwards { 0 } else { last } {
-                // What lies above a block that moves down stays, and so does every node of the
-                // block, under its bit or another; what lies below a block that moves up stays.
+                // Whatever is above a block that moves down stays, and so does every node of the
+                // block, under its bit or another; whatever is below a block that moves up stays.
                 let least = if upwards { below } else { self.size - below };
                 if least >= best_size {
                     break;
@@ -488,7 +487,7 @@ impl Sifter {
         }
     }
 
-    /// Moves the block at a position by one; gives its new position.
+    /// Moves the block at a position by one; returns its new position.
     fn step(&mut self, here: usize, length: usize, upwards: bool) -> usize {
         if upwards {
             for position in here - 1..here - 1 + length {

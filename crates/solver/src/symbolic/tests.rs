@@ -1,4 +1,5 @@
-//! Every operator of the encoder against direct evaluation, over all valuations of small domains.
+//! Tests every operator of the encoder against direct evaluation, over all valuations of small
+//! domains.
 
 use super::*;
 use linewright_core::gr1::eval::eval;
@@ -27,7 +28,7 @@ fn specification(domains: &[(i64, i64)]) -> Specification {
     }
 }
 
-/// All values of the variables, one after the other.
+/// All valuations of the variables.
 fn valuations(spec: &Specification) -> Vec<Vec<i64>> {
     let mut all = vec![Vec::new()];
     for variable in &spec.variables {
@@ -94,7 +95,7 @@ fn agrees_on<K: Kernel>(domains: &[(i64, i64)], expr: &Expr, valid: &Expr) {
         if eval(valid, &now, &now) == 0 {
             continue;
         }
-        // The next values are the current ones turned round, so that both times differ.
+        // The next values are the current ones in reverse order, so that the two times differ.
         let next: Vec<i64> = domains
             .iter()
             .zip(&now)
@@ -247,7 +248,7 @@ fn quantifying_and_renaming_on<K: Kernel>() {
     };
     assert!(
         m.with_limits(&past).and(&f, &v(1))
-            == Err(Limit::Late(linewright_core::deadline::Late::Time))
+            == Err(Limit::Late(linewright_core::deadline::StopReason::Time))
     );
     drop((f, primed, fused));
     assert!(m.peak_nodes() > 0);
@@ -301,8 +302,8 @@ fn out_of_nodes_is_a_value() {
     assert!(fills::<OxiDd>(&few));
 }
 
-/// What it takes to make a function that is large in this order, sift, and quantify: the work, and
-/// how it ends with so much of it.
+/// Makes a function that is large in this order, sifts, and quantifies. Returns the work, and the
+/// result within the limit.
 fn work_within<K: Kernel>(most: u64) -> (u64, Result<(), Limit>) {
     let limits = Limits {
         most_work: Some(most),
@@ -326,7 +327,7 @@ fn work_within<K: Kernel>(most: u64) -> (u64, Result<(), Limit>) {
     (m.work(), ends)
 }
 
-/// The whole work, and what comes of half of it.
+/// The total work, and the result with half of it.
 fn work_on<K: Kernel>() -> (u64, (u64, Result<(), Limit>)) {
     let (whole, ends) = work_within::<K>(u64::MAX);
     assert_eq!(ends, Ok(()));
@@ -336,7 +337,7 @@ fn work_on<K: Kernel>() -> (u64, (u64, Result<(), Limit>)) {
     (whole, half)
 }
 
-/// On several threads at once, which disturb one another: the count and where it ends are the same.
+/// On several threads that disturb one another, the count and the point of failure are the same.
 #[test]
 fn work_is_counted_alike_whatever_else_goes_on() {
     fn alike<K: Kernel>() {
@@ -352,8 +353,7 @@ fn work_is_counted_alike_whatever_else_goes_on() {
     alike::<OxiDd>();
 }
 
-/// Near a limit of nodes the package's own collector must not decide: with room for so many nodes
-/// an operation fits or it does not.
+/// Near a node limit, the package's own collector must not decide whether an operation fits.
 #[test]
 fn room_for_nodes_is_the_same_every_time() {
     let mut seen = [false; 2];
@@ -428,8 +428,8 @@ fn sifting_finds_the_small_order_and_keeps_every_function() {
     let order = m.order();
     assert!(Order::new(order.pairs().to_vec()).is_some());
 
-    // The order goes over to the other kernel, and so do the functions, whatever order they were
-    // exported in.
+    // The order is passed to the other kernel, and so are the functions, in whatever order they
+    // were exported.
     let b = Biodivine::new(&order, &small()).unwrap();
     assert!(b.size(&chain(&b, 24)) < before / 10);
     let imported = b.import(&diagram).unwrap();

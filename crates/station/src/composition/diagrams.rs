@@ -1,10 +1,9 @@
-//! Questions over too many values to try them all: decided with decision diagrams.
+//! Decides questions over too many values to try them all, with decision diagrams.
 //!
-//! The wires that occur become the variables of a specification, the question its formulas, so that
-//! the encoding and the order of the variables are those of the games. What is asked is whether
-//! anything satisfies the hypotheses and not the goal. Small questions are answered on the kernel
-//! that starts at once, others on the one that reorders; what decides is a count of nodes, never
-//! the clock.
+//! The wires that occur become the variables of a specification, and the question its formulas, so
+//! that the encoding and variable order are those of the games. The question is whether anything
+//! satisfies the hypotheses and not the goal. Small questions are answered on the kernel that
+//! starts at once, others on the one that reorders; a count of nodes decides, never the clock.
 
 use super::query::{Answer, Values, domain};
 use super::support;
@@ -18,10 +17,10 @@ use linewright_solver::symbolic::{
     Biodivine, BitSet, Budget, Encoding, Kernel, Limit, Limits, OxiDd,
 };
 
-/// The kernel that starts at once is left when a question has made so many nodes there.
+/// Number of nodes made by a question after which the kernel that starts at once is abandoned.
 const FEW_NODES: u64 = 500_000;
 
-/// Whether the goal follows from the hypotheses.
+/// Decides whether the goal follows from the hypotheses.
 pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> Answer {
     let question = Encoded::new(machine, goal, hypotheses);
     let few = Limits {
@@ -40,11 +39,11 @@ pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> An
 struct Encoded {
     /// The wire of each variable.
     wires: Vec<VarId>,
-    /// The hypotheses are its invariants on one side, the goal on the other.
+    /// Its invariants are the hypotheses on one side, and the goal on the other.
     specification: Specification,
-    /// What a counterexample names: the goal's wires.
+    /// The wires named in a counterexample: those of the goal.
     named: Vec<(VarId, Time)>,
-    /// All that occur.
+    /// All wires that occur.
     occurring: Vec<(VarId, Time)>,
 }
 
@@ -121,10 +120,10 @@ impl Encoded {
         Ok(Answer::Fails(Values(values.collect())))
     }
 
-    /// What the hypotheses together say of the goal's wires: all others are eliminated, one after
-    /// the other, each from those functions only that mention it, and always the one whose
-    /// functions are smallest. So the values of actions that have little to do with each other
-    /// never meet. `None` when nothing satisfies the hypotheses.
+    /// What the hypotheses together say about the goal's wires: all other wires are eliminated one
+    /// after the other, each only from the functions that mention it, and always the one with the
+    /// smallest functions. So the values of loosely related actions are never combined. `None` if
+    /// nothing satisfies the hypotheses.
     fn known<K: Kernel>(
         &self,
         encoding: &Encoding,

@@ -1,15 +1,16 @@
-//! Several coordinators as one: their contracts side by side, and the product of their machines.
+//! Merges several coordinators into one: their contracts side by side, and the product of their
+//! machines.
 //!
 //! Coordinators answer before they see the inputs of the step, so neither waits for the other, and
-//! a step of both is a step of each. The wires of the merged machine are those of the machine
-//! itself, in the same order. With one coordinator left, everything that is checked of a machine's
-//! composition is checked as before.
+//! a joint step is a step of each. The wires of the merged machine are those of the original
+//! machine, in the same order. With a single coordinator, all checks of a machine's composition
+//! apply unchanged.
 //!
-//! A single coordinator knows its job from its own state. Of several, each knows its own job only,
-//! so that the product alone would meet situations in which two jobs run at once. The operation
-//! stays until it is done, and that is a part of the product's state.
+//! A single coordinator knows its job from its own state. With several, each knows only its own
+//! job, so that the plain product would reach situations in which two jobs run at once. An
+//! operation stays until it is done; the product's state therefore includes it.
 
-use super::{By, Composition};
+use super::{Composition, Discharger};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
 };
@@ -18,15 +19,15 @@ use linewright_solver::mealy::{self, Cube, Guard, Test, Transition};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// A product of more states is not looked at.
+/// Maximum number of states of a product.
 const MOST_STATES: usize = 20_000;
 
-/// Between a coordinator's name and what is its own.
+/// Separator between a coordinator's name and its own names.
 const OF: &str = ": ";
 
-/// A machine with one coordinator in the place of several.
-pub(super) struct Merged {
-    /// The machine.
+/// A machine with one coordinator in place of several.
+pub(super) struct MergedMachine {
+    /// The merged machine.
     pub machine: Machine,
     /// The coordinator's machine.
     pub coordinator: mealy::Machine,
@@ -42,9 +43,12 @@ fn coordinators(machine: &Machine) -> usize {
     roles.take_while(|c| c.role == Role::Coordinator).count()
 }
 
-/// The merged machine. `None` where the product has too many states, where a coordinator's
-/// controller is no machine, or where the plant gives nothing.
-pub(super) fn merge(machine: &Machine, controllers: &[&mealy::Controller]) -> Option<Merged> {
+/// Returns the merged machine. `None` if the product has too many states, a coordinator's
+/// controller is no machine, or the plant gives nothing.
+pub(super) fn merge(
+    machine: &Machine,
+    controllers: &[&mealy::Controller],
+) -> Option<MergedMachine> {
     let count = coordinators(machine);
     let machines: Vec<&mealy::Machine> = controllers[..count]
         .iter()
@@ -60,13 +64,13 @@ pub(super) fn merge(machine: &Machine, controllers: &[&mealy::Controller]) -> Op
             *action -= count - 1;
         }
     }
-    Some(Merged {
+    Some(MergedMachine {
         machine: merged,
         coordinator: product(machine, &machines)?,
     })
 }
 
-/// The contracts side by side.
+/// Joins the contracts side by side.
 fn component(components: &[Component], domain: &Domain) -> Component {
     let mut specification = Specification {
         name: String::new(),
@@ -102,7 +106,7 @@ fn component(components: &[Component], domain: &Domain) -> Component {
             to.justice.extend(moved(&from.justice));
         }
     }
-    // Bound to the wire that says which operation runs.
+    // Bound to the wire of the running operation.
     specification.variables.push(Variable {
         name: "operation".to_owned(),
         owner: Owner::Environment,
@@ -124,7 +128,7 @@ fn component(components: &[Component], domain: &Domain) -> Component {
     }
 }
 
-/// The machine whose state is a state of each, and the operation that runs.
+/// The machine whose state combines a state of each coordinator with the running operation.
 struct Product<'a> {
     machines: &'a [&'a mealy::Machine],
     operations: Operations,
@@ -132,24 +136,24 @@ struct Product<'a> {
     open: Vec<Place>,
 }
 
-/// A state of each coordinator, and the operation that has begun and is not done.
+/// A state of each coordinator, and the operation in progress.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct Place {
     states: Vec<usize>,
     running: Option<i64>,
 }
 
-/// The wire that says which operation runs.
+/// The wire of the running operation.
 struct Operations {
-    /// Its values; none for a machine without operations.
+    /// Its values; empty for a machine without operations.
     values: Vec<i64>,
-    /// Those of operations.
+    /// Those values that are operations.
     named: Vec<i64>,
-    /// When one is done, over the wires.
+    /// Condition over the wires that an operation is done.
     done: Expr,
-    /// The first wire of the coordinators.
+    /// First wire of the coordinators.
     first: usize,
-    /// The wire's place among the inputs.
+    /// Index of the wire among the inputs.
     input: usize,
 }
 
@@ -168,7 +172,7 @@ impl Operations {
         }
     }
 
-    /// What runs after a step with these outputs of the coordinators.
+    /// The operation that runs after a step with these outputs of the coordinators.
     fn after(&self, operation: i64, outputs: &[i64]) -> Option<i64> {
         let done = self.done.substitute(&mut |v, time| {
             let place = v.index().checked_sub(self.first);
@@ -224,8 +228,7 @@ fn product(machine: &Machine, machines: &[&mealy::Machine]) -> Option<mealy::Mac
 }
 
 impl Product<'_> {
-    /// The steps from a place, or the first ones. Places that are new are numbered in the order in
-    /// which they are met.
+    /// The steps from a place, or the initial steps. New places are numbered in order of discovery.
     fn steps(&mut self, from: Option<&Place>) -> Vec<Transition> {
         let values = match from.and_then(|f| f.running) {
             Some(value) => vec![Some(value)],
@@ -267,7 +270,7 @@ impl Product<'_> {
         })
     }
 
-    /// A step of each coordinator, in all combinations.
+    /// All combinations of a step of each coordinator.
     fn together(&self, from: Option<&Place>) -> Vec<Partial> {
         let mut partial = vec![Partial {
             guard: vec![Cube(Vec::new())],
@@ -295,7 +298,7 @@ impl Product<'_> {
     }
 }
 
-/// Both guards; the inputs of the second one are counted from `first` on.
+/// The conjunction of two guards; inputs of the second are offset by `first`.
 fn both(a: &[Cube], b: &[Cube], first: usize) -> Vec<Cube> {
     let mut found = Vec::with_capacity(a.len() * b.len());
     for x in a {
@@ -310,7 +313,7 @@ fn both(a: &[Cube], b: &[Cube], first: usize) -> Vec<Cube> {
     found
 }
 
-/// What was found out of the merged machine, said of the coordinators themselves.
+/// Attributes results about the merged machine to the individual coordinators.
 pub(super) fn apart(result: &mut Composition, merged: &Machine) {
     let together = &merged.components[0].name;
     for discharge in &mut result.discharges {
@@ -320,7 +323,7 @@ pub(super) fn apart(result: &mut Composition, merged: &Machine) {
             discharge.component = component.to_owned();
             discharge.assumption = assumption.to_owned();
         }
-        if let By::Guarantee(names) = &mut discharge.by {
+        if let Discharger::Guarantee(names) = &mut discharge.by {
             *names = names.replace(&format!("{together}{OF}"), "");
         }
     }

@@ -1,28 +1,28 @@
-//! Whether the synthesized coordinator and actions fit together.
+//! Checks whether the synthesized coordinator and actions fit together.
 //!
-//! Each contract was checked alone; here their composition is. The coordinator's machine is small
-//! and explicit, so its reachable states are walked, with everything else (action outputs,
-//! properties, signals) left free as far as the machine's file leaves it free. What holds under
-//! that freedom holds in the composition. What does not may hold all the same, so it is a warning.
+//! Each contract was checked alone; this checks their composition. The coordinator's machine is
+//! small and explicit, so its reachable states are walked, with everything else (action outputs,
+//! properties, signals) as free as the machine's file leaves it. What holds then holds in the
+//! composition. What does not may still hold, so it is a warning.
 //!
 //! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every
 //!   component must follow from the coordinator's outputs, from the guarantees of the actions, and
 //!   from what stays constant during an operation. Circles of safety are sound, step by step, since
 //!   no step contains a loop (Abadi and Lamport, Conjoining Specifications, 1995).
-//! - **Justice assumptions.** While an assumption of the coordinator waits, it must surely come
-//!   true in the next step, or one and the same action must owe it a justice guarantee that implies
-//!   it; an action's own justice assumptions must follow from the step alone or from a signal's
-//!   script. What is not found so is a warning, since it may hold for a longer reason. This is an
-//!   order, not a circle (McMillan, Circular Compositional Reasoning about Liveness, 1999).
-//! - **Operations.** From every state in which the coordinator takes an operation on, every fair
-//!   run reaches `done`, and runs exactly the actions that the operation names.
+//! - **Justice assumptions.** While an assumption of the coordinator waits, it must certainly come
+//!   true in the next step, or one fixed action must have a justice guarantee that implies it; an
+//!   action's own justice assumptions must follow from the step alone or from a signal's script.
+//!   Anything else is a warning, since it may hold for a more complex reason. This is an order, not
+//!   a circle (McMillan, Circular Compositional Reasoning about Liveness, 1999).
+//! - **Operations.** From every state in which the coordinator accepts an operation, every fair run
+//!   reaches `done`, and runs exactly the actions that the operation names.
 //!
-//! What depends on the choice of the operation and the part alone is the line's business: it is
-//! *exported*, and checked when the library is called. With all assumptions discharged or exported
-//! nothing gets stuck, since every component's machine answers every input that keeps its
+//! Assumptions that depend only on the choice of the operation and the part concern the line: they
+//! are *exported*, and checked when the library is called. With all assumptions discharged or
+//! exported nothing gets stuck, since every component's machine answers every input that keeps its
 //! assumptions.
 //!
-//! Several coordinators are first made one (`merged.rs`).
+//! Several coordinators are first merged into one (`merged.rs`).
 //!
 //! Machines without a coordinator export all their assumptions.
 
@@ -45,39 +45,39 @@ use walk::{Node, Walk};
 /// How an assumption of a component is met.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Discharge {
-    /// The component.
+    /// Name of the component.
     pub component: String,
-    /// The assumption's name.
+    /// Name of the assumption.
     pub assumption: String,
-    /// By what.
-    pub by: By,
+    /// What meets it.
+    pub by: Discharger,
 }
 
 /// What meets an assumption.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum By {
-    /// A guarantee of another component, by its name: `cell: pick_open`.
+pub enum Discharger {
+    /// A guarantee of another component, by its qualified name: `cell: pick_open`.
     Guarantee(String),
     /// Several guarantees of the coordinator together, in all its reachable states.
     Coordinator,
-    /// What the machine's file fixes: constant signals, values held during an operation.
+    /// Values fixed by the machine's file: constant signals, values held during an operation.
     Plant,
-    /// The line, when it chooses the operation and the part; checked at every call.
+    /// The line, by its choice of the operation and the part; checked at every call.
     Line,
 }
 
-/// What is known of a machine's composition.
+/// Result of checking a machine's composition.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Composition {
-    /// How each assumption is met, in order of components.
+    /// How each assumption is met, in component order.
     pub discharges: Vec<Discharge>,
-    /// What does not fit: LW303, LW304, LW306.
+    /// Problems: LW303, LW304, LW306.
     pub findings: Vec<Diagnostic>,
 }
 
 /// Checks the composition of a machine whose components have these verified controllers.
 ///
-/// The coordinator's controller has to be a machine; where it is not, nothing is found out.
+/// The coordinator's controller must be a machine (state by state); otherwise nothing is decided.
 pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Composition {
     let mut result = Composition::default();
     if machine.coordinator().is_none() || controllers.len() != machine.components.len() {
@@ -86,7 +86,7 @@ pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Compositi
                 result.discharges.push(Discharge {
                     component: component.name.clone(),
                     assumption: formula.name.clone(),
-                    by: By::Line,
+                    by: Discharger::Line,
                 });
             }
         }
@@ -106,7 +106,7 @@ pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Compositi
     }
 }
 
-/// What is known of a machine with one coordinator.
+/// Result for a machine with one coordinator.
 fn examine(machine: &Machine, coordinator: &mealy::Machine) -> Composition {
     let mut result = Composition::default();
     let walk = Walk::new(machine, coordinator);
@@ -118,7 +118,7 @@ fn examine(machine: &Machine, coordinator: &mealy::Machine) -> Composition {
     result
 }
 
-/// What is known of a machine whose coordinators cannot be walked through.
+/// Result for a machine whose coordinators cannot be walked.
 fn undecided(machine: &Machine) -> Composition {
     let mut result = Composition::default();
     for component in &machine.components {
@@ -129,7 +129,7 @@ fn undecided(machine: &Machine) -> Composition {
     result
 }
 
-/// A component's formula over wires: inputs replaced by their bindings, outputs by their wires.
+/// A component's formula over wires: inputs are replaced by their bindings, outputs by their wires.
 pub(super) fn over_wires(machine: &Machine, index: usize, expr: &Expr) -> Expr {
     let component = &machine.components[index];
     let (specification, first) = (&component.specification, machine.first_wire(index));
@@ -138,7 +138,7 @@ pub(super) fn over_wires(machine: &Machine, index: usize, expr: &Expr) -> Expr {
     })
 }
 
-/// Initial conditions, invariants and safety.
+/// Checks initial conditions, invariants and safety.
 fn safety(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     let component = &walk.machine.components[index];
     let side = &component.specification.assumptions;
@@ -159,7 +159,7 @@ fn safety(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     }
 }
 
-/// Asks all questions of a formula, and records what came out.
+/// Answers all questions of a formula, and records the result.
 fn conclude(
     walk: &Walk<'_>,
     index: usize,
@@ -186,13 +186,13 @@ fn conclude(
         }
     }
     let by = if exported {
-        By::Line
+        Discharger::Line
     } else if walk.is_fixed(index, formula) {
-        By::Plant
+        Discharger::Plant
     } else if let Some(name) = walk.single_guarantee(index, formula) {
-        By::Guarantee(name)
+        Discharger::Guarantee(name)
     } else {
-        By::Coordinator
+        Discharger::Coordinator
     };
     result.discharges.push(Discharge {
         component: component.name.clone(),
@@ -235,7 +235,7 @@ fn unknown(component: &Component, formula: &Formula) -> Diagnostic {
     .with_help("it is checked when the library runs; smaller domains let it be decided beforehand")
 }
 
-/// Justice assumptions.
+/// Checks justice assumptions.
 fn justice(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     let component = &walk.machine.components[index];
     for formula in &component.specification.assumptions.justice {

@@ -1,21 +1,22 @@
-//! Whether each operation runs the actions it names, and always ends.
+//! Checks whether each operation runs the actions it names, and always ends.
 //!
-//! An operation begins where the one before has ended, or at the start; its wire then stays. Along
-//! the coordinator's steps the *position* in the operation's sequence is counted: a run of active
-//! steps of an action moves it on by one.
+//! An operation begins where the previous one has ended, or at the start; its wire then keeps its
+//! value. Along the coordinator's steps, the *position* in the operation's sequence is counted:
+//! consecutive active steps of an action advance it by one.
 
 use super::over_wires;
 use super::query::{Answer, Question};
 use super::walk::{Node, Step, Walk};
+use crate::messages;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Expr, Time, VarId};
 use linewright_language::contract::machine::Operation;
 use std::collections::BTreeSet;
 
-/// A node on the way of an operation: how many actions have begun, and which one is active.
+/// A point in an operation: the node, the number of actions begun, and the active action.
 type Place = (Node, usize, Option<usize>);
 
-/// Adds what is wrong with the operations to `findings`.
+/// Adds findings about the operations to `findings`.
 pub(super) fn check(walk: &Walk<'_>, findings: &mut Vec<Diagnostic>) {
     for operation in &walk.machine.operations {
         if let Some(finding) = examine(walk, operation) {
@@ -55,7 +56,7 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
         let (node, position, active) = place;
         let ended = specialized(walk, node, done, operation);
         if !certain(walk, node, &ended.clone().not()) {
-            // It ends here, or may do so.
+            // The operation ends here, or may end here.
             if position != operation.sequence.len() {
                 return Some(wrong(walk, operation, position, None));
             }
@@ -81,8 +82,7 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
     endless(walk, operation, &seen, &edges)
 }
 
-/// The nodes at which the operation can begin: at the start, and after the last step of another
-/// one.
+/// Nodes at which the operation can begin: at the start, and after the last step of another one.
 fn beginnings(walk: &Walk<'_>, operation: &Operation, done: &Expr) -> BTreeSet<Node> {
     let mut found = BTreeSet::new();
     if walk.may_begin(None, operation.value) {
@@ -117,7 +117,7 @@ fn certain(walk: &Walk<'_>, node: Node, condition: &Expr) -> bool {
     walk.ask(0, &question) == Answer::Holds
 }
 
-/// The position in the sequence after a node, or what is wrong there.
+/// The position in the sequence after a node, or the problem found there.
 fn advance(
     walk: &Walk<'_>,
     operation: &Operation,
@@ -164,14 +164,15 @@ fn wrong(
         codes::OPERATION,
         operation.span,
         format!(
-            "after {position} action(s) of `{}` the coordinator may {does}, but the operation names {expected}",
+            "after {} of `{}` the coordinator may {does}, but the operation names {expected}",
+            messages::actions(position),
             operation.name
         ),
     )
     .with_help("make the operation's list and the coordinator's contract agree")
 }
 
-/// A way on which the operation never ends although the coordinator's justice assumptions hold
+/// A path on which the operation never ends although the coordinator's justice assumptions hold
 /// again and again.
 fn endless(
     walk: &Walk<'_>,

@@ -1,7 +1,7 @@
 //! Small questions about expressions over wires: does a goal follow from hypotheses?
 //!
-//! Decided by trying all values of the wires that occur, or, where they are many, with decision
-//! diagrams. Hypotheses that share no wire with the goal, directly or through other hypotheses, are
+//! Decided by trying all values of the wires that occur, or with decision diagrams if there are
+//! many. Hypotheses that share no wire with the goal, directly or through other hypotheses, are
 //! left out first; leaving one out can only turn a "yes" into a "no".
 
 use super::walk::Node;
@@ -9,29 +9,30 @@ use super::{diagrams, support};
 use linewright_core::gr1::{Domain, Expr, Time, VarId, Variable, eval, shown};
 use linewright_language::contract::machine::Machine;
 
-/// So many valuations are tried at most; diagrams take longer for fewer, and less for more.
+/// Maximum number of valuations to try before using diagrams, which are slower for fewer and faster
+/// for more.
 const MOST_VALUATIONS: u64 = 1 << 12;
 
-/// So many are tried where diagrams are too large.
+/// Maximum number of valuations to try if diagrams are too large.
 const MOST_VALUATIONS_AT_ALL: u64 = 1 << 18;
 
 /// "Under these hypotheses the goal holds", over the wires of one step and the next.
 #[derive(Debug, Clone)]
 pub struct Question {
-    /// What may be relied on.
+    /// The hypotheses.
     pub hypotheses: Vec<Expr>,
-    /// What is asked.
+    /// The goal.
     pub goal: Expr,
-    /// Where the coordinator is in this step, and in the next one, as far as that is known.
+    /// The coordinator's node in this step and in the next, if known.
     pub at: (Option<Node>, Option<Node>),
 }
 
-/// What came out.
+/// Answer to a question.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// It follows.
+    /// The goal follows.
     Holds,
-    /// It does not: here the hypotheses hold and the goal does not.
+    /// It does not follow: with these values the hypotheses hold and the goal does not.
     Fails(Values),
     /// Too many values are involved.
     TooLarge,
@@ -42,7 +43,7 @@ pub enum Answer {
 pub struct Values(pub Vec<((VarId, Time), i64)>);
 
 impl Values {
-    /// In words.
+    /// The values as text.
     pub fn show(&self, machine: &Machine) -> String {
         if self.0.is_empty() {
             return "the action is asked for".to_owned();
@@ -72,7 +73,7 @@ pub fn domain(machine: &Machine, wire: VarId) -> Domain {
     }
 }
 
-/// What a wire's values count; empty for bare numbers.
+/// Unit of a wire's values; empty for bare numbers.
 fn unit(machine: &Machine, wire: VarId) -> String {
     match machine.plant.get(wire.index()) {
         Some(input) => input.unit.clone(),
@@ -80,7 +81,7 @@ fn unit(machine: &Machine, wire: VarId) -> String {
     }
 }
 
-/// The variable that a component puts on a wire.
+/// The output variable of a component that drives a wire.
 fn output(machine: &Machine, wire: VarId) -> Option<&Variable> {
     let mut first = machine.plant.len();
     for component in &machine.components {
@@ -95,7 +96,7 @@ fn output(machine: &Machine, wire: VarId) -> Option<&Variable> {
 }
 
 impl Question {
-    /// A goal without hypotheses, of no particular step.
+    /// A goal without hypotheses and without a particular step.
     pub fn plain(goal: &Expr) -> Self {
         Self {
             hypotheses: Vec::new(),
@@ -104,17 +105,17 @@ impl Question {
         }
     }
 
-    /// Whether the goal is true without trying anything.
+    /// Whether the goal is trivially true.
     pub fn goal_is_true(&self) -> bool {
         self.goal == Expr::TRUE
     }
 
-    /// Whether a hypothesis is false without trying anything: then the situation does not occur.
+    /// Whether a hypothesis is trivially false: then the situation does not occur.
     pub fn is_void(&self) -> bool {
         self.hypotheses.contains(&Expr::FALSE)
     }
 
-    /// The answer.
+    /// Answers the question.
     pub fn answer(&self, machine: &Machine) -> Answer {
         if self.goal_is_true() || self.is_void() {
             return Answer::Holds;
@@ -134,8 +135,8 @@ impl Question {
         self.enumerate(machine, &wires, &relevant)
     }
 
-    /// The hypotheses that share wires with the goal, directly or through others, as far as all of
-    /// them together have no more valuations than `most`; and all wires that occur then.
+    /// The hypotheses that share wires with the goal, directly or through others, as long as all of
+    /// them together have at most `most` valuations; with all wires that then occur.
     fn relevant(&self, machine: &Machine, most: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
         let mut wires = support(&self.goal);
         let mut relevant: Vec<&Expr> = Vec::new();
@@ -190,7 +191,7 @@ impl Question {
                 let pairs = wires.iter().copied().zip(values);
                 return Answer::Fails(Values(pairs.collect()));
             }
-            // The next valuation, like an odometer.
+            // Advances to the next valuation, like an odometer.
             let mut place = 0;
             loop {
                 if place == values.len() {

@@ -1,4 +1,4 @@
-//! Diagrams against trying all values, on random small questions.
+//! Tests diagrams against trying all values, on random small questions.
 
 use super::query::{Answer, Question};
 use super::{diagrams, support};
@@ -6,7 +6,7 @@ use linewright_core::gr1::{BinaryOp, Expr, Time, VarId};
 use linewright_language::contract;
 use linewright_language::contract::machine::Machine;
 
-/// Plant wires of several kinds; what the machine does with them is of no interest.
+/// Plant wires of several kinds; the machine itself is irrelevant.
 const TEXT: &str = "
 contract Idle { output free: bool guarantee rest: always free }
 machine M {

@@ -1,14 +1,14 @@
-//! The coordinator's reachable states, and what is known of all other wires in each.
+//! Walks the coordinator's reachable states, with what is known of all other wires in each.
 
 use super::query::{Answer, Question, Values};
-use super::{By, over_wires, support};
+use super::{Discharger, over_wires, support};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Time, VarId};
 use linewright_language::contract::machine::{Machine, PlantSource};
 use linewright_solver::mealy;
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 
-/// Where the coordinator is before it answers: not started, or in a state of its machine.
+/// State of the coordinator before it answers: not started, or in a state of its machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Node {
     /// Before step 0.
@@ -17,12 +17,12 @@ pub enum Node {
     At(usize),
 }
 
-/// A step of the coordinator: from a node, by the transition of that index.
+/// A step of the coordinator: a node and the index of a transition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Step {
-    /// From here.
+    /// Source node.
     pub from: Node,
-    /// By this one of its transitions.
+    /// Index of the transition.
     pub transition: usize,
 }
 
@@ -32,15 +32,15 @@ pub struct Walk<'a> {
     pub machine: &'a Machine,
     coordinator: &'a mealy::Machine,
     reachable: BTreeSet<Node>,
-    /// For each component, its guarantees over wires: invariants and safety.
+    /// For each component, its invariants and safety guarantees over wires.
     invariants: Vec<Vec<Expr>>,
     safeties: Vec<Vec<Expr>>,
-    /// Questions that were answered: a coordinator asks the same of its actions in many states.
+    /// Cached answers: a coordinator asks the same about its actions in many states.
     answers: RefCell<HashMap<(Expr, Vec<Expr>), Answer>>,
 }
 
 impl<'a> Walk<'a> {
-    /// Walks the coordinator, component 0.
+    /// Starts a walk of the coordinator, component 0.
     pub fn new(machine: &'a Machine, coordinator: &'a mealy::Machine) -> Self {
         let lists = |formulas: fn(&linewright_core::gr1::Side) -> &Vec<Formula>| -> Vec<Vec<Expr>> {
             (0..machine.components.len())
@@ -82,7 +82,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Where a step leads.
+    /// Target node of a step.
     pub fn target(&self, step: Step) -> Node {
         Node::At(self.transitions(step.from)[step.transition].to)
     }
@@ -104,20 +104,19 @@ impl<'a> Walk<'a> {
             .filter(|s| self.possible(*s, &[]))
     }
 
-    /// Whether a step can occur under further conditions on the wires of its step.
+    /// Whether a step can occur under additional conditions on the wires of its step.
     pub fn possible(&self, step: Step, conditions: &[Expr]) -> bool {
         let mut hypotheses = self.guard(step);
         for condition in conditions {
             hypotheses.push(self.fix(condition, step.from, None));
         }
-        // "It cannot occur" is "its negation holds"; one goal, so that every part of it counts.
+        // "It cannot occur" means "its negation holds"; one goal, so that every part of it counts.
         let all = hypotheses.into_iter().fold(Expr::TRUE, Expr::and);
         let question = Question::plain(&all.not());
         self.answer(&question) != Answer::Holds
     }
 
-    /// The conditions under which the coordinator takes this transition, over the wires of the
-    /// step.
+    /// Conditions under which the coordinator takes this transition, over the wires of the step.
     fn guard(&self, step: Step) -> Vec<Expr> {
         let transition = &self.transitions(step.from)[step.transition];
         let bindings = &self.machine.components[0].bindings;
@@ -135,13 +134,13 @@ impl<'a> Walk<'a> {
         vec![self.fix(&any, step.from, None)]
     }
 
-    /// The coordinator's outputs at a node; `None` when it cannot move on at all.
+    /// The coordinator's outputs at a node; `None` if it has no transition.
     fn outputs(&self, node: Node) -> Option<&'a [i64]> {
         self.transitions(node).first().map(|t| t.output.as_slice())
     }
 
-    /// An expression with everything put in that is known: the coordinator's outputs now, and next
-    /// where a target is given; signals that never change.
+    /// Substitutes known values: the coordinator's outputs now, and next if a target is given;
+    /// signals that never change.
     fn fix(&self, expr: &Expr, now: Node, next: Option<Node>) -> Expr {
         self.put(expr, (Some(now), next))
     }
@@ -187,8 +186,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Questions about a step and the one after it: within an operation, where the operation and
-    /// the part's values stay, and, where the operation may end, from one operation to the next.
+    /// Questions about a step and the next one: within an operation, where the operation and the
+    /// part's values stay, and, if the operation may end, from one operation to the next.
     pub fn step(&self, step: Step, goal: &Expr) -> Vec<Question> {
         let target = self.target(step);
         let goal = self.fix(goal, step.from, Some(target));
@@ -231,7 +230,7 @@ impl<'a> Walk<'a> {
             .is_some_and(|p| !matches!(p.source, PlantSource::Signal { .. }))
     }
 
-    /// What a question by itself comes to.
+    /// Answers a question as it stands.
     fn answer(&self, question: &Question) -> Answer {
         let key = (question.goal.clone(), question.hypotheses.clone());
         if let Some(answer) = self.answers.borrow().get(&key) {
@@ -242,8 +241,8 @@ impl<'a> Walk<'a> {
         answer
     }
 
-    /// Asks, first with what the question has, then with the guarantees of the actions as well. An
-    /// action may rely on guarantees in the step before, and in the same step on those of the
+    /// Answers a question, first with its own hypotheses, then with the guarantees of the actions.
+    /// An action may rely on guarantees in the previous step, and in the same step on those of
     /// components that answer before it.
     pub fn ask(&self, index: usize, question: &Question) -> Answer {
         let first = self.answer(question);
@@ -279,13 +278,13 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether a question's goal is left to the line: nothing but the operation and the part's
-    /// values occurs in it.
+    /// Whether a question's goal is up to the line: it mentions only the operation and the part's
+    /// values.
     pub fn is_lines_choice(&self, question: &Question) -> bool {
         let wires = support(&question.goal);
         wires.iter().all(|(w, _)| self.is_held(*w))
             && wires.iter().any(|(w, t)| {
-                // What the line chooses is the value at the beginning of an operation.
+                // The line chooses the value at the beginning of an operation.
                 *t == Time::Next || self.is_held(*w)
             })
     }
@@ -301,7 +300,7 @@ impl<'a> Walk<'a> {
         self.answer(&question) == Answer::Holds
     }
 
-    /// A guarantee of another component that implies an assumption all by itself.
+    /// A guarantee of another component that alone implies an assumption.
     pub fn single_guarantee(&self, index: usize, formula: &Formula) -> Option<String> {
         let goal = over_wires(self.machine, index, &formula.expr).simplify();
         for (i, component) in self.machine.components.iter().enumerate() {
@@ -326,9 +325,9 @@ impl<'a> Walk<'a> {
     // ---- justice --------------------------------------------------------------------------------
 
     /// Whether an action's justice assumption comes true by itself: in every step of the
-    /// coordinator it holds, or some value of a signal's script makes it hold. `Err` has a step in
-    /// which neither is so.
-    pub fn comes_by_itself(&self, index: usize, goal: &Expr) -> Result<By, Option<Values>> {
+    /// coordinator it holds, or some value of a signal's script makes it hold. `Err` carries a step
+    /// in which neither is so.
+    pub fn comes_by_itself(&self, index: usize, goal: &Expr) -> Result<Discharger, Option<Values>> {
         for node in self.nodes() {
             let question = self.now(node, goal);
             let Answer::Fails(values) = self.ask(index, &question) else {
@@ -350,13 +349,13 @@ impl<'a> Walk<'a> {
             }
         }
         Ok(if self.is_plants_business(goal) {
-            By::Plant
+            Discharger::Plant
         } else {
-            By::Coordinator
+            Discharger::Coordinator
         })
     }
 
-    /// Whether some value of some signal's script settles a goal all by itself.
+    /// Whether some value of some signal's script alone satisfies a goal.
     fn is_plants_business(&self, goal: &Expr) -> bool {
         self.scripted().any(|(wire, value)| {
             let settled = goal.substitute(&mut |w, t| {
@@ -382,10 +381,10 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Whether the coordinator's justice assumption is owed to it: wherever it does not hold,
-    /// either it surely holds one step later, or one action's justice guarantee implies it, and
-    /// that stays the same action until it holds.
-    pub fn owed(&self, index: usize, goal: &Expr) -> Result<By, Option<Values>> {
+    /// Whether the coordinator's justice assumption is ensured by others: wherever it does not
+    /// hold, either it certainly holds one step later, or one action's justice guarantee implies
+    /// it, and that action stays the same until it holds.
+    pub fn owed(&self, index: usize, goal: &Expr) -> Result<Discharger, Option<Values>> {
         let mut names: BTreeSet<String> = BTreeSet::new();
         for node in self.nodes() {
             let question = self.now(node, goal);
@@ -412,12 +411,12 @@ impl<'a> Walk<'a> {
             names.extend(owing);
         }
         Ok(match names.into_iter().collect::<Vec<_>>() {
-            names if names.is_empty() => By::Coordinator,
-            names => By::Guarantee(names.join(", ")),
+            names if names.is_empty() => Discharger::Coordinator,
+            names => Discharger::Guarantee(names.join(", ")),
         })
     }
 
-    /// Whether a goal surely holds in the step after one in which it did not.
+    /// Whether a goal certainly holds in the step after one in which it did not.
     fn comes_next(&self, index: usize, step: Step, goal: &Expr) -> bool {
         let at = (Some(step.from), Some(self.target(step)));
         let next = goal.substitute(&mut |w, _| Expr::Var(w, Time::Next));
@@ -459,8 +458,8 @@ impl<'a> Walk<'a> {
     }
 
     /// The coordinator's assumptions as conditions on a first step with this operation, coming from
-    /// a node where the one before has ended: the initial ones, or safety with everything before
-    /// left open.
+    /// a node where the previous one has ended: the initial conditions, or safety with all earlier
+    /// values left open.
     pub fn may_begin(&self, from: Option<Step>, operation: i64) -> bool {
         let side = &self.machine.components[0].specification.assumptions;
         let wire = VarId(0);

@@ -1,8 +1,7 @@
-//! The assumptions of a controller with explicit states, as C functions.
+//! Emits the assumptions of a controller with explicit states as C functions.
 //!
-//! Its guards were put together over inputs that the assumptions exclude, so it has transitions for
-//! some of those, too. Whether a step keeps the assumptions is therefore asked before any
-//! transition is looked for.
+//! Its guards were combined over inputs that the assumptions exclude, so it has transitions for
+//! some of those, too. So a step checks the assumptions before it searches for a transition.
 
 use super::component::{cite, unused};
 use super::expression;
@@ -13,13 +12,13 @@ use serde::Serialize;
 /// The assumptions that a step must keep.
 pub(super) struct Assumptions<'a> {
     specification: &'a Specification,
-    /// The place of each variable among the inputs or the outputs.
+    /// Index of each variable among the inputs or the outputs.
     places: Vec<usize>,
-    /// The variables whose values in the last step are asked for.
+    /// Variables whose values in the last step are read.
     kept: Vec<VarId>,
-    /// What is asked of step 0.
+    /// Checks of step 0.
     first: Vec<Check>,
-    /// What is asked of later steps.
+    /// Checks of later steps.
     later: Vec<Check>,
 }
 
@@ -31,7 +30,7 @@ pub(super) struct Check {
     pub holds: String,
 }
 
-/// The body of a C function that asks for several formulas.
+/// The body of a C function that checks several formulas.
 #[derive(Serialize)]
 pub(super) struct Checks<'a> {
     /// The parameters that no formula reads.
@@ -39,17 +38,17 @@ pub(super) struct Checks<'a> {
     checks: &'a [Check],
 }
 
-/// What is kept of the last step, in the state.
+/// Values of the last step that the state stores.
 #[derive(Serialize)]
-pub(super) struct Kept {
-    /// A comment with the names.
+pub(super) struct StoredStep {
+    /// Comment with the names.
     about: String,
     count: usize,
 }
 
 impl<'a> Assumptions<'a> {
-    /// Initial conditions and invariants for step 0, invariants and safety for later steps, in this
-    /// order.
+    /// Collects initial conditions and invariants for step 0, invariants and safety for later
+    /// steps, in this order.
     pub fn new(specification: &'a Specification) -> Self {
         let mut places = vec![0; specification.variables.len()];
         for (place, id) in specification.inputs().enumerate() {
@@ -87,12 +86,12 @@ impl<'a> Assumptions<'a> {
         found
     }
 
-    /// A formula about the inputs of one step.
+    /// The check of a formula about the inputs of one step.
     fn check(&self, formula: &Formula) -> Option<Check> {
         check(formula, &|v, _| self.input(v))
     }
 
-    /// A formula about the last step and the inputs of this one.
+    /// The check of a formula about the last step and the inputs of this one.
     fn check_of_two(&self, formula: &Formula) -> Option<Check> {
         check(formula, &|v, t| match t {
             Time::Now => {
@@ -107,8 +106,8 @@ impl<'a> Assumptions<'a> {
         format!("values[{}]", self.places[v.index()])
     }
 
-    /// What is kept of the last step, if anything.
-    pub fn kept(&self) -> Option<Kept> {
+    /// Values stored of the last step, if any.
+    pub fn kept(&self) -> Option<StoredStep> {
         let names: Vec<String> = self
             .kept
             .iter()
@@ -118,13 +117,13 @@ impl<'a> Assumptions<'a> {
             "    /* The last step's values that assumptions speak of: {}. */",
             names.join(", ")
         );
-        (!names.is_empty()).then(|| Kept {
+        (!names.is_empty()).then(|| StoredStep {
             about: wrap(&about, "     * ").trim_start().to_owned(),
             count: names.len(),
         })
     }
 
-    /// The values that later steps ask for; `output` gives the text of an output's value.
+    /// Values read by later steps; `output` gives the text of an output's value.
     pub fn kept_values(&self, output: impl Fn(usize) -> String) -> Vec<String> {
         let kept = self.kept.iter();
         let values = kept.map(|v| match self.specification.variable(*v).owner {
@@ -134,23 +133,23 @@ impl<'a> Assumptions<'a> {
         values.collect()
     }
 
-    /// The operators that the conditions call.
+    /// Operators called by the conditions.
     pub fn operators(&self) -> Vec<String> {
         let code = self.first.iter().chain(&self.later);
         expression::operators(&code.map(|c| c.holds.as_str()).collect::<String>())
     }
 
-    /// What is asked of step 0, if anything.
+    /// Checks of step 0, if any.
     pub fn first(&self) -> Option<Checks<'_>> {
         checks(&self.first, &["values"])
     }
 
-    /// What is asked of every later step, if anything.
+    /// Checks of every later step, if any.
     pub fn later(&self) -> Option<Checks<'_>> {
         checks(&self.later, &["last", "values"])
     }
 
-    /// The condition of a step that breaks one, if there is any.
+    /// The condition that a step breaks an assumption, if there is any.
     pub fn broken(&self) -> Option<String> {
         let last = if self.kept.is_empty() {
             "NULL"
@@ -175,7 +174,7 @@ fn checks<'a>(checks: &'a [Check], parameters: &[&'static str]) -> Option<Checks
     })
 }
 
-/// A formula that must hold; none for one that always does.
+/// The check of a formula; `None` if it always holds.
 fn check(formula: &Formula, name: &impl Fn(VarId, Time) -> String) -> Option<Check> {
     let expr = formula.expr.simplify();
     (expr != Expr::TRUE).then(|| Check {

@@ -1,5 +1,5 @@
-//! One component: its decisions or its functions as tables, its formulas, bindings, time and power
-//! as functions.
+//! Emits one component: its decisions or functions as tables; its formulas, bindings, time and
+//! power as functions.
 
 use super::assumed::Check;
 use super::decisions::{self, WalkTables};
@@ -20,24 +20,24 @@ use linewright_solver::symbolic::Bit;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What the emitter knows of one component.
+/// Data for emitting one component.
 pub(super) struct Emitter<'a> {
     pub machine: &'a Machine,
     pub component: &'a Component,
     pub controller: &'a mealy::Controller,
-    /// Begins the names of its functions and tables: `c1_turn`.
+    /// Prefix of its functions and tables: `c1_turn`.
     pub prefix: String,
-    /// The names of its variables.
+    /// Names of its variables.
     pub variables: Vec<String>,
-    /// The names of the machine's wires.
+    /// Names of the machine's wires.
     pub wires: &'a [String],
-    /// Its first variable among those of all components.
+    /// Index of its first variable among those of all components.
     pub first_value: usize,
-    /// Its first justice assumption among those of all components.
+    /// Index of its first justice assumption among those of all components.
     pub first_justice: usize,
 }
 
-/// Where a signal is: which bit of which value.
+/// Location of a signal: the bit of a value.
 struct Signal {
     value: usize,
     /// `LW_PREVIOUS`, `LW_CURRENT` or `LW_SHIFTED` of `ffi/machine.h`.
@@ -54,8 +54,8 @@ impl Signal {
     }
 }
 
-/// The rows of walks, and lists of those at which the walks of a step begin. What writes bits of
-/// several variables takes several rows.
+/// The rows of walks, and lists of rows at which the walks of a step begin. A place that writes
+/// bits of several variables takes several rows.
 fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec<Vec<usize>>) {
     let put = |bits: &[Bit]| {
         let mut values: BTreeMap<(usize, usize), u32> = BTreeMap::new();
@@ -158,25 +158,25 @@ struct DecisionTables<'a> {
     first_answers: Vec<i64>,
 }
 
-/// A comparison of a variable with a bound, and where it leads.
+/// A comparison of a variable with a bound, and its targets.
 #[derive(Serialize)]
 struct Split<'a> {
     variable: &'a str,
     at_most: String,
     above: String,
     bound: String,
-    /// The condition in words.
+    /// The condition as a comment.
     about: String,
 }
 
-/// An answer and the place that it leads to.
+/// An answer and the next place.
 #[derive(Serialize)]
 struct Leaf {
     answer: usize,
     place: i64,
 }
 
-/// The values of the outputs, and what they are in words.
+/// Values of the outputs, and the same as a comment.
 #[derive(Serialize)]
 struct Answer {
     values: String,
@@ -203,7 +203,7 @@ struct Shifted<'a> {
     lowest: String,
 }
 
-/// Formulas of one kind, with what is said where one does not hold.
+/// Formulas of one kind, with the messages for violations.
 #[derive(Serialize)]
 struct FormulaChecks {
     title: String,
@@ -226,7 +226,7 @@ struct Justice {
     checks: Vec<Check>,
 }
 
-/// When an action is executed, and what that takes.
+/// When an action is executed, and its time and energy.
 #[derive(Serialize)]
 struct Action {
     active: Function,
@@ -235,7 +235,7 @@ struct Action {
     watts: Function,
 }
 
-/// The entry of a component in the table of components.
+/// A component's entry in the table of components.
 #[derive(Serialize)]
 pub(super) struct Entry {
     name: String,
@@ -265,7 +265,7 @@ struct Promises {
 }
 
 impl Emitter<'_> {
-    /// All definitions of the component.
+    /// Returns all definitions of the component.
     pub fn definitions(&self) -> String {
         let k = self.component;
         let specification = &k.specification;
@@ -310,7 +310,7 @@ impl Emitter<'_> {
         )
     }
 
-    /// Its entry in the table of components.
+    /// Returns its entry in the table of components.
     pub fn entry(&self) -> Entry {
         let k = self.component;
         let specification = &k.specification;
@@ -370,7 +370,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// Its justice assumptions' entries in the table that the step limit reads.
+    /// Returns the entries of its justice assumptions in the table read by the step limit.
     pub fn justice_rules(&self) -> Vec<Rule> {
         let justice = &self.component.specification.assumptions.justice;
         justice
@@ -391,7 +391,7 @@ impl Emitter<'_> {
         &self.variables[id.index()]
     }
 
-    /// The inputs whose bindings could leave their domains; the others need no check in a step.
+    /// Inputs whose bindings could leave their domains; the others need no check in a step.
     fn open_inputs(&self) -> Vec<VarId> {
         let domain = |v: VarId| Interval::of(self.machine.wire_domain(v.index()));
         let specification = &self.component.specification;
@@ -482,12 +482,12 @@ impl Emitter<'_> {
         }
     }
 
-    /// The functions: their decisions, and where the bits are that they look at.
+    /// The functions as decisions, and the locations of the bits that they read.
     fn functions(&self, functions: &Functions) -> FunctionTables<'_> {
         let specification = &self.component.specification;
         let mut shifted = Vec::new();
-        // Where the bits of each pair are: the variable's number, that among the shifted ones, and
-        // the place in the value.
+        // Locations of the bits of each pair: the variable's index, its index among the shifted
+        // ones, and the bit.
         let mut places = vec![(0, None, 0); functions.pairs()];
         let inputs = specification.inputs().zip(&functions.input_bits);
         let outputs = specification.outputs().zip(&functions.output_bits);
@@ -535,7 +535,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// The statements that compute its inputs.
+    /// Statements that compute its inputs.
     fn bindings(&self) -> Vec<String> {
         let wires = |v: VarId, _| format!("values[{}]", self.wires[v.index()]);
         let specification = &self.component.specification;
@@ -583,7 +583,7 @@ impl Emitter<'_> {
         rules.collect()
     }
 
-    /// A formula, which speaks of two steps or of the current one.
+    /// A formula about two steps or about the current one.
     fn formula(&self, formula: &Formula, of_two: bool) -> String {
         let text = if of_two {
             expression::truth(&formula.expr, &|v: VarId, t| match t {
@@ -653,8 +653,7 @@ pub(super) fn cite(formula: &Formula) -> String {
     comment(&format!("{}{requirement}: {}", formula.name, formula.text))
 }
 
-/// The parameters, which are arrays, that no piece of a function's body reads: a compiler would
-/// warn about them.
+/// The array parameters that no piece of a function's body reads: a compiler would warn about them.
 pub(super) fn unused<'a>(
     code: impl IntoIterator<Item = &'a str>,
     parameters: &[&'static str],

@@ -1,12 +1,11 @@
-//! A single controller as C99, for use outside any station: a header and a source file without
+//! A single controller as C99 for use outside stations: a header and a source file without
 //! dependencies, allocation or recursion.
 //!
-//! A machine becomes tables of guards, functions become a table of decisions that a short loop
-//! walks. Tables rather than code: they compile in a moment whatever their size, and what is shared
-//! is there once.
+//! A machine becomes tables of guards; functions become a table of decisions that a short loop
+//! walks. Tables compile quickly whatever their size, and store shared parts once.
 
 use super::Names;
-use super::assumed::{Assumptions, Checks, Kept};
+use super::assumed::{Assumptions, Checks, StoredStep};
 use super::decisions::{self, Tables};
 use super::expression::literal;
 use super::text::comment;
@@ -23,7 +22,7 @@ use std::collections::HashMap;
 /// The two files of a controller.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Files {
-    /// The file's name without its ending, which is also the prefix of all it declares.
+    /// File name without extension; also the prefix of all declarations.
     pub name: String,
     /// The header.
     pub header: String,
@@ -31,7 +30,7 @@ pub struct Files {
     pub source: String,
 }
 
-/// A controller of this specification with explicit states.
+/// Emits a controller of this specification with explicit states.
 pub fn of_machine(machine: &Machine, specification: &Specification) -> Files {
     let text = Text::new(
         &machine.name,
@@ -48,7 +47,7 @@ pub fn of_machine(machine: &Machine, specification: &Specification) -> Files {
     }
 }
 
-/// A controller as functions.
+/// Emits a controller as functions.
 pub fn of_functions(functions: &Functions) -> Files {
     let text = Text::new(
         &functions.name,
@@ -80,9 +79,9 @@ struct Header<'a> {
     moore: bool,
     inputs: Vec<Field<'a>>,
     outputs: Vec<Field<'a>>,
-    /// The bits of the last step's values, in a controller as functions.
+    /// Number of bits of the last step's values, in a controller as functions.
     bits: Option<usize>,
-    kept: Option<Kept>,
+    kept: Option<StoredStep>,
 }
 
 /// A field of a structure.
@@ -99,22 +98,22 @@ struct MachineSource<'a> {
     contract: String,
     name: &'a str,
     tests: Vec<Test<'a>>,
-    /// The tests of each cube.
+    /// Ranges of tests by cube.
     cubes: Vec<Range>,
     transitions: Vec<TransitionRow>,
-    /// The transitions of step 0, and of every state.
+    /// Ranges of transitions: of step 0, then of every state.
     states: Vec<Range>,
     answers: Vec<String>,
     operators: Vec<String>,
     assumed_first: Option<Checks<'a>>,
     assumed: Option<Checks<'a>>,
-    /// How many input values there is room for.
+    /// Number of input values to store.
     values: usize,
     inputs: Vec<Input<'a>>,
     outputs: Vec<Output<'a>>,
-    /// The condition of a step that breaks an assumption.
+    /// Condition that a step breaks an assumption.
     broken: Option<String>,
-    /// The values that assumptions about the next step ask for.
+    /// Values read by assumptions about the next step.
     kept: Vec<String>,
 }
 
@@ -127,14 +126,14 @@ struct Test<'a> {
     name: &'a str,
 }
 
-/// Rows of the next table.
+/// A range of rows in the next table.
 #[derive(Serialize)]
 struct Range {
     first: usize,
     last: usize,
 }
 
-/// The cubes of a transition, its answer, and the state that it leads to.
+/// A transition: its cubes, its answer, and the next state.
 #[derive(Serialize)]
 struct TransitionRow {
     first: usize,
@@ -155,11 +154,11 @@ struct FunctionsSource<'a> {
     assumed: Vec<Promise>,
     reads: bool,
     writes: bool,
-    /// How many signals there are.
+    /// Number of signals.
     bits: usize,
     inputs: Vec<Input<'a>>,
     outputs: Vec<Output<'a>>,
-    /// How many outputs are computed in a step.
+    /// Number of outputs computed in a step.
     count: usize,
     goal_count: usize,
 }
@@ -172,7 +171,7 @@ struct SignalRange {
     about: String,
 }
 
-/// An edge of the decisions that an assumption makes true.
+/// An edge of the decisions that an assumption requires to be true.
 #[derive(Serialize)]
 struct Promise {
     edge: u32,
@@ -185,7 +184,7 @@ struct Input<'a> {
     field: &'a str,
     low: String,
     high: String,
-    /// Its first signal of this step, and how many bits it has; none in a machine.
+    /// Its first signal in this step, and its number of bits; both 0 in a machine.
     signal: u16,
     bits: usize,
 }
@@ -195,7 +194,7 @@ struct Input<'a> {
 struct Output<'a> {
     field: &'a str,
     kind: &'static str,
-    /// The text of its value.
+    /// Text of its value.
     value: String,
 }
 
@@ -229,8 +228,8 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// The header, with the bits or the values that are kept between two steps.
-    fn header(&self, bits: Option<usize>, kept: Option<Kept>) -> String {
+    /// The header, with the bits or values kept between two steps.
+    fn header(&self, bits: Option<usize>, kept: Option<StoredStep>) -> String {
         render(
             "controller/controller.h",
             Header {
@@ -245,7 +244,7 @@ impl<'a> Text<'a> {
         )
     }
 
-    /// The inputs, with their bits in functions.
+    /// The inputs, with their bits if the controller is functions.
     fn step_inputs(&self, bits: &[Vec<Bit>]) -> Vec<Input<'_>> {
         let inputs = self.inputs.iter().enumerate().map(|(i, (field, port))| {
             let bits = bits.get(i).map_or(&[][..], Vec::as_slice);
@@ -260,7 +259,7 @@ impl<'a> Text<'a> {
         inputs.collect()
     }
 
-    /// The outputs, with the texts of their values.
+    /// The outputs with the texts of their values.
     fn step_outputs(&self, value: impl Fn(usize, &Port) -> String) -> Vec<Output<'_>> {
         let outputs = self
             .outputs

@@ -1,8 +1,7 @@
-//! The tables of a controller as functions: decisions with shared parts, and which of them give
-//! what.
+//! The tables of a controller as functions: decisions with shared parts, and their roots.
 //!
-//! Tables rather than code: they compile in a moment whatever their size, what is shared is there
-//! once, and a short loop walks them. The types are declared by whoever reads the tables.
+//! Tables compile quickly whatever their size, store shared parts once, and are walked by a short
+//! loop. The file that uses the tables declares their types.
 
 use super::rows;
 use super::text::wrap;
@@ -11,10 +10,10 @@ use linewright_solver::symbolic::{Bit, DiagramNode, Edge};
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// The fields that say which signal a decision or an output is about.
+/// Formats the fields that identify the signal of a decision or an output.
 pub(super) type Signals<'a> = &'a dyn Fn(Bit) -> String;
 
-/// The rows of all tables. The first ones of `computed` are the outputs of step 0.
+/// Rows of all tables. `computed` starts with the outputs of step 0.
 #[derive(Serialize)]
 pub(super) struct Tables {
     nodes: String,
@@ -23,7 +22,8 @@ pub(super) struct Tables {
     goals: String,
 }
 
-/// The same with walks in the place of `computed`: where those of step 0 and of all modes begin.
+/// Like `Tables`, with walks in place of `computed`: the starts of those of step 0 and of all
+/// modes.
 #[derive(Serialize)]
 pub(super) struct WalkTables {
     nodes: String,
@@ -39,8 +39,8 @@ fn nodes(nodes: &[DiagramNode], signal: Signals<'_>) -> String {
     rows(&nodes.collect::<Vec<_>>(), "{ 0 }")
 }
 
-/// When each mode is taken and where its outputs begin, and where the modes of each goal begin and
-/// when it is reached.
+/// The condition and the first output of each mode; the first mode and the reach condition of each
+/// goal.
 fn goals(goals: &[(Vec<(Edge, usize)>, Edge)]) -> (String, String) {
     let (mut modes, mut reached_goals) = (Vec::new(), Vec::new());
     for (of_goal, reached) in goals {
@@ -90,8 +90,8 @@ pub(super) fn tables(controls: &Controls, signal: Signals<'_>) -> Tables {
     }
 }
 
-/// The tables of decisions and of walks: `starts` lists where those of step 0 and of all modes,
-/// goal by goal, begin. Their own table is made elsewhere.
+/// The tables of decisions and of walks: `starts` lists the starts of those of step 0 and of all
+/// modes, goal by goal. The walks' own table is made elsewhere.
 pub(super) fn around_walks(
     controls: &Controls,
     signal: Signals<'_>,

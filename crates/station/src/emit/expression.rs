@@ -1,17 +1,17 @@
-//! Formulas and numbers of the plant as C expressions.
+//! Formulas and plant numbers as C expressions.
 //!
 //! Integer expressions compute in `int64_t`, exactly as [`gr1::eval`](linewright_core::gr1::eval);
-//! real ones in `double`, exactly as [`RealExpr::eval`]. Every operand that is not atomic stands in
-//! parentheses, but chains of one associative operator do not nest: compilers bound the depth.
+//! real ones in `double`, exactly as [`RealExpr::eval`]. Every operand that is not atomic is in
+//! parentheses, but chains of one associative operator do not nest: compilers limit the depth.
 //!
-//! What a compiler would warn about is simplified away first: comparisons of equal operands, and
+//! Parts that a compiler would warn about are simplified first: comparisons of equal operands, and
 //! constant parts.
 
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId, eval};
 use linewright_language::contract::machine::{RealBinary, RealExpr, RealUnary};
 
-/// What an expression is in C, which decides how it may be used.
+/// C type and form of an expression, which determine how it may be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// A name, a call or a literal: an `int64_t` that needs no parentheses.
@@ -72,11 +72,11 @@ pub fn real_literal(value: f64) -> String {
 /// The runtime's header, which defines the operators that C lacks.
 const RUNTIME: &str = include_str!("../../../../ffi/machine.h");
 
-/// The operators that a text calls, defined as in the runtime.
+/// The operators that a text calls, as defined in the runtime.
 pub fn operators(text: &str) -> Vec<String> {
     let calls = |name: &str| text.contains(&format!("{name}("));
     let names = ["lw_abs", "lw_min", "lw_max", "lw_div", "lw_mod", "lw_int"];
-    // The rest is computed with the division.
+    // The others are computed from the division.
     let called = names
         .into_iter()
         .filter(|name| calls(name) || *name == "lw_div" && calls("lw_mod"));
@@ -104,7 +104,7 @@ fn simplify(expr: &Expr) -> Expr {
         Expr::Binary(op, a, b) => {
             let (a, b) = (simplify(a), simplify(b));
             match (op, constant(&a), constant(&b)) {
-                // One constant decides ...
+                // A constant decides the result ...
                 (BinaryOp::And, Some(0), _) | (BinaryOp::And, _, Some(0)) => Expr::FALSE,
                 (BinaryOp::Or, Some(x), _) | (BinaryOp::Or | BinaryOp::Implies, _, Some(x))
                     if x != 0 =>
@@ -112,7 +112,7 @@ fn simplify(expr: &Expr) -> Expr {
                     Expr::TRUE
                 }
                 (BinaryOp::Implies, Some(0), _) => Expr::TRUE,
-                // ... or says nothing, and the other operand is left,
+                // ... or has no effect, which leaves the other operand,
                 (BinaryOp::And | BinaryOp::Or | BinaryOp::Implies, Some(_), _)
                 | (BinaryOp::Eq, Some(1), _)
                     if is_truth(&b) =>
@@ -124,7 +124,7 @@ fn simplify(expr: &Expr) -> Expr {
                 {
                     a
                 }
-                // ... or its negation.
+                // ... or leaves its negation.
                 (BinaryOp::Implies, _, Some(_)) | (BinaryOp::Eq, _, Some(0)) if is_truth(&a) => {
                     a.not()
                 }
@@ -145,7 +145,7 @@ fn simplify(expr: &Expr) -> Expr {
     };
     let mut variables = false;
     simple.for_each_var(&mut |_, _| variables = true);
-    // The interval of an expression without variables says whether it can be computed at all.
+    // The interval of an expression without variables shows whether it can be computed at all.
     if !variables && interval(&simple, &|_| Interval::BOOL).is_ok() {
         return Expr::Const(eval::eval(&simple, &[], &[]));
     }
@@ -159,7 +159,7 @@ fn constant(expr: &Expr) -> Option<i64> {
     }
 }
 
-/// Whether the expression is 0 or 1 by its form.
+/// Whether the expression's form makes it 0 or 1.
 fn is_truth(expr: &Expr) -> bool {
     match expr {
         Expr::Const(c) => *c == 0 || *c == 1,
@@ -254,7 +254,7 @@ fn operand(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     }
 }
 
-/// As an operand of a comparison. Compilers warn where a truth value is compared with a number.
+/// As an operand of a comparison. Compilers warn if a truth value is compared with a number.
 fn compared(expr: &Expr, constants: bool, name: &impl Fn(VarId, Time) -> String) -> String {
     let Text { kind, text } = emit(expr, name);
     match kind {
@@ -264,7 +264,7 @@ fn compared(expr: &Expr, constants: bool, name: &impl Fn(VarId, Time) -> String)
     }
 }
 
-/// As an operand of a connective. Compilers warn where arithmetic is taken for a truth value.
+/// As an operand of a connective. Compilers warn if arithmetic is used as a truth value.
 fn condition(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     let Text { kind, text } = emit(expr, name);
     match kind {
@@ -296,7 +296,7 @@ fn call(function: &str, arguments: &[&Expr], name: &impl Fn(VarId, Time) -> Stri
     format!("{function}({})", arguments.join(", "))
 }
 
-/// Operands of an associative operator, side by side.
+/// Operands of an associative operator, without nesting.
 fn chain<N: Fn(VarId, Time) -> String>(
     expr: &Expr,
     op: BinaryOp,
@@ -318,7 +318,7 @@ fn chain<N: Fn(VarId, Time) -> String>(
     operands.join(&format!(" {sign} "))
 }
 
-/// A sum: only the left operand may be a sum itself, since another order could leave an `int64_t`.
+/// A sum: only the left operand may itself be a sum, since another order could leave an `int64_t`.
 fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     let mut terms = Vec::new();
     let mut expr = expr;
@@ -331,8 +331,8 @@ fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     terms.join(" + ")
 }
 
-/// The C text of a real expression, over `properties` (doubles) and `values` (`int64_t`), in which
-/// wires are found by these names.
+/// The C text of a real expression over `properties` (doubles) and `values` (`int64_t`); wires have
+/// these names.
 pub fn real(expr: &RealExpr, wires: &[String]) -> String {
     let real = |e: &RealExpr| real(e, wires);
     let zero = |e: &RealExpr| format!("({} == 0.0)", real(e));

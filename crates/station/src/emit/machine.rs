@@ -1,5 +1,5 @@
-//! The definitions of a machine: its wires, its components one after the other, its plant,
-//! operations and properties.
+//! Emits a machine: its wires, its components one after the other, its plant, operations and
+//! properties.
 
 use super::Names;
 use super::component::{Emitter, Entry, Rule, unused};
@@ -16,14 +16,14 @@ use std::collections::BTreeMap;
 #[derive(Serialize)]
 struct Body {
     wires: Vec<Wire>,
-    /// What each component defines.
+    /// Definitions of each component.
     definitions: Vec<String>,
     plant: Vec<Plant>,
     operations: Vec<Operation>,
     output_labels: Vec<Labels>,
     outputs: Vec<Output>,
     properties: Vec<Property>,
-    /// The lists of labels that no output has.
+    /// Lists of labels that no output uses.
     property_labels: Vec<Labels>,
     done: Function,
     unused_by_writes: Vec<&'static str>,
@@ -42,19 +42,19 @@ struct Wire {
 /// An input of the plant.
 #[derive(Serialize)]
 struct Plant {
-    /// Begins the names of its script and its function: `p1_turned`.
+    /// Prefix of its script and its function: `p1_turned`.
     prefix: String,
     name: String,
     domain: String,
     low: String,
     high: String,
     source: &'static str,
-    /// The source in the table.
+    /// Fields of its row in the table.
     fields: String,
     about: String,
     script: Vec<String>,
     abstraction: Option<Function>,
-    /// What is said of a value outside its domain.
+    /// Message for a value outside its domain.
     message: String,
 }
 
@@ -93,7 +93,7 @@ struct Range {
     about: String,
 }
 
-/// What an operation leaves in a property.
+/// The value that an operation writes to a property.
 #[derive(Serialize)]
 struct Write {
     about: String,
@@ -103,13 +103,13 @@ struct Write {
 /// The body of a C function that returns a value.
 #[derive(Serialize)]
 pub(super) struct Function {
-    /// The parameters that the value does not read.
+    /// Parameters that the value does not read.
     unused: Vec<&'static str>,
     value: String,
 }
 
 impl Function {
-    /// A function of wires, as a condition.
+    /// A function of wires with a truth value.
     pub fn condition(value: &str) -> Self {
         Self {
             unused: unused([value], &["values"]),
@@ -202,7 +202,7 @@ fn wire_list(machine: &Machine, wires: &[String]) -> Vec<Wire> {
     wires.collect()
 }
 
-/// Where each wire is among all values: the plant's inputs come first, then each component's
+/// Index of each wire among all values: the plant's inputs come first, then each component's
 /// variables.
 fn wire_values(machine: &Machine) -> Vec<usize> {
     let mut places: Vec<usize> = (0..machine.plant.len()).collect();
@@ -223,7 +223,7 @@ pub(super) fn wire_names(machine: &Machine) -> Vec<String> {
         .collect()
 }
 
-/// The name of an enumeration's list of labels, each list once; `NULL` for other domains.
+/// Name of an enumeration's list of labels, each list once; `NULL` for other domains.
 fn labels(
     out: &mut Vec<Labels>,
     known: &mut BTreeMap<Vec<String>, String>,
@@ -244,7 +244,7 @@ fn labels(
     name
 }
 
-/// An input of the plant, and where it comes from.
+/// An input of the plant and its source.
 fn plant_input(machine: &Machine, index: usize, input: &PlantInput, wires: &[String]) -> Plant {
     let prefix = format!("p{index}_{}", identifier(&input.name));
     let mut script = Vec::new();
@@ -278,7 +278,7 @@ fn plant_input(machine: &Machine, index: usize, input: &PlantInput, wires: &[Str
     }
 }
 
-/// The outputs of all components, on their wires.
+/// Writes the outputs of all components to their wires.
 fn outputs(
     machine: &Machine,
     wires: &[String],

@@ -1,8 +1,8 @@
-//! The C text of a machine: one readable C99 file of tables and small functions, which includes the
-//! runtime and the adapter of `ffi/` at its end.
+//! Emits the C text of a machine: one readable C99 file of tables and small functions, which
+//! includes the runtime and the adapter of `ffi/` at its end.
 //!
-//! The file is one translation unit, so that a library takes one run of the compiler. Everything in
-//! it is ordered as the machine is; nothing depends on time, place or a hash map.
+//! The file is a single translation unit, so that a library takes one compiler run. Everything is
+//! in the order of the machine; nothing depends on time, place or a hash map.
 
 mod assumed;
 mod component;
@@ -19,6 +19,7 @@ pub(super) mod words;
 use crate::profile::Profile;
 use crate::template::render;
 use component::Emitter;
+pub use describe::SCHEMA as DESCRIPTION_SCHEMA;
 use linewright_core::gr1::Timing;
 use linewright_language::contract::machine::Machine;
 use linewright_solver::mealy;
@@ -28,18 +29,18 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use text::{comment, identifier, long_string, wrap};
 
-/// What was emitted for a machine.
+/// The emitted texts of a machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Emitted {
+pub struct EmittedMachine {
     /// The C file.
     pub source: String,
-    /// The machine in it, without its description, the runtime and the adapter: what another
-    /// adapter is put behind.
+    /// The machine's own part, without description, runtime and adapter, for use with another
+    /// adapter.
     pub unit: String,
-    /// The contract hash that `station_describe` shows: of everything that decides how the machine
-    /// behaves.
+    /// The contract hash in `station_describe`, over everything that determines the machine's
+    /// behavior.
     pub contract_hash: String,
-    /// The JSON text of `station_describe`.
+    /// JSON text of `station_describe`.
     pub description: String,
 }
 
@@ -50,7 +51,7 @@ struct Library<'a> {
     doc: String,
     unit: &'a str,
     description: String,
-    /// The description of a library that is compiled against the vendor's header.
+    /// Description of a library compiled against the vendor's header.
     vendors_description: String,
 }
 
@@ -65,8 +66,12 @@ struct Unit<'a> {
 /// Emits a machine with the controller of each of its components, in order.
 ///
 /// # Panics
-/// When they do not belong together.
-pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Profile) -> Emitted {
+/// Panics if they do not belong together.
+pub fn emit(
+    machine: &Machine,
+    controllers: &[mealy::Controller],
+    profile: &Profile,
+) -> EmittedMachine {
     super::assert_fit(machine, controllers);
     let wires = machine::wire_names(machine);
     let mut emitters = Vec::new();
@@ -90,7 +95,7 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
     let description = describe::describe(machine, &hash, &profile.describe());
     let vendors = describe::describe(machine, &hash, &Profile::describe_vendors());
-    // 1 to 1023: no handle is 0, and those of two machines hardly ever agree, even where only their
+    // 1 to 1023: no handle is 0, and those of two machines rarely coincide, even if only their
     // names differ.
     let named = hex(&Sha256::digest(format!("{}\n{hash}", machine.name)));
     let mark = u64::from_str_radix(&named[..8], 16).unwrap_or(0) % 1023 + 1;
@@ -113,7 +118,7 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
             vendors_description: long_string(&vendors, "    "),
         },
     );
-    Emitted {
+    EmittedMachine {
         source,
         unit,
         contract_hash: hash,
@@ -121,8 +126,8 @@ pub fn emit(machine: &Machine, controllers: &[mealy::Controller], profile: &Prof
     }
 }
 
-/// How many bytes of tables a machine takes in a station library, without names and formulas: what
-/// decides whether it had better be functions.
+/// Size in bytes of a machine's tables in a station library, without names and formulas; used to
+/// decide whether functions are preferable.
 pub fn table_bytes(machine: &mealy::Machine) -> usize {
     splits::Decisions::of(machine).bytes()
 }
@@ -137,8 +142,8 @@ struct Sizes {
     properties: usize,
     operations: usize,
     justice: usize,
-    /// How many domains of a component as functions do not begin at 0 at most; none without such
-    /// components.
+    /// Maximum number of domains per component as functions that do not begin at 0; `None` without
+    /// such components.
     most_shifted: Option<usize>,
     number: &'static str,
     each_component: Vec<usize>,
@@ -198,7 +203,7 @@ fn sizes(
     )
 }
 
-/// The smallest type that holds every value of every variable and plant wire.
+/// The smallest C type that holds every value of every variable and plant wire.
 fn number(machine: &Machine) -> &'static str {
     let variables = machine
         .components
@@ -224,7 +229,7 @@ fn number(machine: &Machine) -> &'static str {
     }
 }
 
-/// The rows of a table, one a line; C has no empty tables, so that one without rows has `empty`.
+/// The rows of a table, one per line; C has no empty tables, so one without rows has `empty`.
 fn rows(rows: &[String], empty: &str) -> String {
     if rows.is_empty() {
         format!("    {empty}")
@@ -233,7 +238,7 @@ fn rows(rows: &[String], empty: &str) -> String {
     }
 }
 
-/// Hands out names, each once.
+/// Assigns names, each once.
 #[derive(Default)]
 pub(super) struct Names(BTreeSet<String>);
 
@@ -249,7 +254,7 @@ impl Names {
     }
 }
 
-/// Bytes in hexadecimal.
+/// Formats bytes in hexadecimal.
 pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut s, b| {
         let _ = write!(s, "{b:02x}");

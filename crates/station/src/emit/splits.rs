@@ -1,68 +1,67 @@
-//! Guards as decisions: which transition a state takes is found by a few comparisons, not by trying
-//! guard after guard.
+//! Guards as decisions: a few comparisons find a state's transition, instead of trying guard after
+//! guard.
 //!
-//! A split compares one input with a bound; both ways lead to a further split or to a leaf, which
-//! names an answer and the place that follows. Equal splits of all places are one. A component is
-//! asked only after its assumptions were found to hold, and for such inputs its guards leave no gap
-//! (the machine was verified). So what is left to decide is which of the remaining guards it is:
-//! where they all lead to the same leaf, nothing more is compared.
+//! A split compares one input with a bound; both ways lead to another split or to a leaf, which
+//! names an answer and the next place. Equal splits of all places are shared. A component steps
+//! only after its assumptions were found to hold; for such inputs its guards leave no gap (the
+//! machine was verified). So the remaining decision is between guards: if they all lead to the same
+//! leaf, nothing more is compared.
 //!
-//! The split that is taken is the one that leaves fewest guards on its heavier side. Guards that
-//! are badly cut would be copied again and again, so beyond a few splits a test they are compared
-//! one after the other, by the same kind of splits.
+//! The chosen split is the one that leaves the fewest guards on its larger side. Guards that cannot
+//! be split well would be copied repeatedly, so beyond a few splits per test they are compared one
+//! after the other, by the same kind of splits.
 
 use linewright_solver::mealy::{Cube, Machine, Transition};
 use std::collections::BTreeMap;
 
-/// Whereto a split leads.
+/// Target of a split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Way {
-    /// To the split of this number.
+    /// The split with this index.
     Split(usize),
-    /// To the leaf of this number.
+    /// The leaf with this index.
     Leaf(usize),
 }
 
 /// A comparison of one input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Split {
-    /// The component's input.
+    /// Index of the component's input.
     pub input: usize,
-    /// What it is compared with.
+    /// Bound of the comparison.
     pub bound: i64,
-    /// The way where the input is at most that.
+    /// Target if the input is at most the bound.
     pub at_most: Way,
-    /// The way where it is more.
+    /// Target if it is greater.
     pub above: Way,
 }
 
-/// What a transition gives: the answer's number and the place that follows; `None` where no guard
-/// holds.
+/// Result of a transition: index of the answer, and the next place; `None` if no guard holds.
 pub(super) type Leaf = Option<(usize, usize)>;
 
 /// The transitions of a machine, as decisions.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Decisions {
-    /// The splits; each leads to earlier ones only.
+    /// Splits; each leads only to earlier ones.
     pub splits: Vec<Split>,
-    /// The leaves, each once.
+    /// Distinct leaves.
     pub leaves: Vec<Leaf>,
-    /// Every answer once: values of all outputs.
+    /// Distinct answers: values of all outputs.
     pub answers: Vec<Vec<i64>>,
-    /// Where each place begins: place 0 is before step 0, place `s + 1` is state `s`.
+    /// Start of each place: place 0 is before step 0, place `s + 1` is state `s`.
     pub places: Vec<Way>,
     /// For a Moore machine, each place's answer.
     pub first_answers: Vec<Option<usize>>,
 }
 
-/// How many splits a place may have beyond the tests of its guards.
+/// Maximum number of splits of a place beyond the tests of its guards.
 const MORE: usize = 16;
 
-/// A guard's cube, and where it leads to.
+/// A guard's cube, and its leaf.
 type Row<'a> = (&'a Cube, usize);
 
 impl Decisions {
-    /// Those of a machine.
+    /// Computes the decisions of a machine.
     pub fn of(machine: &Machine) -> Self {
         let mut work = Work::default();
         let (mut places, mut first_answers) = (Vec::new(), Vec::new());
@@ -98,7 +97,7 @@ impl Decisions {
 }
 
 impl Decisions {
-    /// How many bytes the emitted tables take, where values need four bytes.
+    /// Size in bytes of the emitted tables, with four bytes per value.
     pub fn bytes(&self) -> usize {
         let answers: usize = self.answers.iter().map(Vec::len).sum();
         16 * self.splits.len() + 8 * self.leaves.len() + 4 * (answers + 2 * self.places.len())
@@ -113,7 +112,7 @@ struct Work {
     leaf_numbers: BTreeMap<Leaf, usize>,
     answers: Vec<Vec<i64>>,
     answer_numbers: BTreeMap<Vec<i64>, usize>,
-    /// How many more splits the place may have.
+    /// Number of splits that the place may still have.
     left: usize,
 }
 
@@ -149,7 +148,7 @@ impl Work {
         Way::Split(number)
     }
 
-    /// Decides between guards for inputs in `within`; `None` when too many splits were made.
+    /// Decides between guards for inputs in `within`; `None` if there are too many splits.
     fn balanced(&mut self, rows: &[Row<'_>], within: &mut [(i64, i64)]) -> Option<Way> {
         let Some(&(_, leaf)) = rows.first() else {
             return Some(Way::Leaf(self.leaf(None)));
@@ -214,14 +213,14 @@ impl Work {
     }
 }
 
-/// What a cube says of an input.
+/// The interval that a cube requires of an input.
 fn interval(cube: &Cube, input: usize) -> Option<(i64, i64)> {
     let test = cube.0.iter().find(|t| t.input == input)?;
     Some((test.low, test.high))
 }
 
-/// The split that leaves fewest guards on its heavier side, then fewest in all. Of two disjoint
-/// guards one is left on each side of some bound, so there is always one that separates.
+/// The split that leaves the fewest guards on its larger side, then the fewest in total. Of two
+/// disjoint guards one is on each side of some bound, so a separating split always exists.
 fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
     let mut found: Option<((usize, usize), usize, i64)> = None;
     for (input, &(low, high)) in within.iter().enumerate() {
@@ -229,8 +228,8 @@ fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
             .iter()
             .map(|(cube, _)| interval(cube, input).unwrap_or((low, high)))
             .collect();
-        // Sorted first and last values: how many guards begin at most at a bound, and how many end
-        // above it.
+        // Sorted first and last values, to count the guards that begin at or below a bound, and
+        // those that end above it.
         let (mut firsts, mut lasts): (Vec<i64>, Vec<i64>) = intervals.into_iter().unzip();
         firsts.sort_unstable();
         lasts.sort_unstable();
@@ -268,7 +267,7 @@ mod tests {
     const HIGH: i64 = 5;
     const INPUTS: usize = 3;
 
-    /// Disjoint guards: a random tree of cuts, whose regions get one of a few leaves each, or none.
+    /// Disjoint guards: a random tree of cuts, whose regions get one of a few leaves or none.
     fn transitions(choices: &[(u8, u8, u8)]) -> Vec<Transition> {
         let mut regions = vec![[(0, HIGH); INPUTS]];
         for &(region, input, bound) in choices {
@@ -339,7 +338,7 @@ mod tests {
         }
     }
 
-    /// Every input that a guard holds for is answered as the machine answers it.
+    /// Every input for which a guard holds gets the machine's answer.
     fn assert_agrees(machine: &Machine, decisions: &Decisions) {
         for letter in 0..(HIGH + 1).pow(INPUTS as u32) {
             let inputs = [letter % 6, letter / 6 % 6, letter / 36];

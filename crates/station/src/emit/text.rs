@@ -1,10 +1,10 @@
-//! Pieces of C text: comments, strings, names, lines of a bearable width.
+//! Pieces of C text: comments, strings, names, wrapped lines.
 
-/// Lines are broken after so many characters, where there is a place for it.
+/// Number of characters after which lines are broken, where possible.
 const WIDTH: usize = 110;
 
-/// Text that can stand in a C comment: it neither ends it nor opens another, and holds no
-/// characters that change the direction of reading or steer a terminal.
+/// Makes text safe for a C comment: it neither ends it nor opens another, and contains no
+/// characters that change the reading direction or control a terminal.
 pub fn comment(text: &str) -> String {
     let visible = |c: char| {
         let bidirectional = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
@@ -45,7 +45,7 @@ pub fn string(text: &str) -> String {
     out
 }
 
-/// A long string as literals that the compiler joins, one a line.
+/// A long string as literals that the compiler joins, one per line.
 pub fn long_string(text: &str, indent: &str) -> String {
     let mut pieces = vec![String::new()];
     for c in text.chars() {
@@ -60,7 +60,7 @@ pub fn long_string(text: &str, indent: &str) -> String {
     literals.join(&format!("\n{indent}"))
 }
 
-/// What of a name can be part of a C identifier.
+/// The part of a name that is allowed in a C identifier.
 pub fn identifier(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
@@ -73,7 +73,7 @@ pub fn identifier(name: &str) -> String {
     out
 }
 
-/// Breaks a long C expression at its spaces; `indent` begins the further lines.
+/// Breaks a long C expression at its spaces; continuation lines start with `indent`.
 pub fn wrap(text: &str, indent: &str) -> String {
     let mut out = String::new();
     let mut column = indent.len();

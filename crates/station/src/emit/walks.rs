@@ -1,46 +1,45 @@
-//! The output bits of a step in few walks.
+//! Computes the output bits of a step in few walks.
 //!
-//! The functions of a controller's output bits ask much the same: one after the other, each begins
-//! with the questions of those before it. A walk asks every question once, for many bits. It goes
-//! from place to place; a place either asks for a signal and goes on with one place or the other,
-//! or writes output bits that are decided by then. What makes a place is the list of the bits that
-//! are still open, each with what is left of its function, so walks that have come to the same list
-//! go on as one: as a decision diagram of all bits together, but for the bits' order, in which a
-//! bit is decided before it is asked for.
+//! The functions of a controller's output bits test largely the same signals: each would start with
+//! the tests of those before it. A walk makes every test once for many bits. It moves from place to
+//! place; a place either tests a signal and continues at one of two places, or writes output bits
+//! that are decided by then. A place is identified by the list of undecided bits with their
+//! residual functions, so walks that reach the same list share the rest. This is like a decision
+//! diagram of all bits together, except for the order of the bits, in which a bit is decided before
+//! it is tested.
 //!
 //! In the worst case there are exponentially more places than decisions. So a walk takes as many
-//! bits as come to no more than their share of places, and the bits after them another walk. A
-//! single bit takes as many places as its function has decisions.
+//! bits as fit into their share of places, and the remaining bits go into another walk. A single
+//! bit takes as many places as its function has decisions.
 
 use linewright_solver::game::Controls;
 use linewright_solver::symbolic::{Bit, Diagram, DiagramNode, Edge, Order};
 use std::collections::HashMap;
 
-/// A place of a walk. Place 0 is the end; the others are counted from 1.
+/// A place of a walk. Place 0 is the end; the others are numbered from 1.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum Place {
-    /// Goes on by the value of a signal.
+    /// Continues according to the value of a signal.
     Ask { bit: Bit, high: usize, low: usize },
-    /// Sets these output bits, all of them next bits, and goes on.
+    /// Sets these output bits, all of them next bits, and continues.
     Put { bits: Vec<Bit>, next: usize },
 }
 
 /// The walks of a controller.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Walks {
-    /// The places; neighbours in a walk are neighbours here.
+    /// The places; adjacent places of a walk are adjacent here.
     pub places: Vec<Place>,
-    /// Where the walks of a step begin, one after the other: those of step 0, then those of all
+    /// Starts of the walks of a step, one after the other: those of step 0, then those of all
     /// modes, goal by goal.
     pub starts: Vec<Vec<usize>>,
 }
 
-/// Bits that are still open, in the order in which they may ask for each other, with their
-/// functions.
+/// Undecided bits with their functions, in an order in which they may read each other.
 type Open = Vec<(Bit, Edge)>;
 
 impl Walks {
-    /// The walks of a controller's functions.
+    /// Computes the walks of a controller's functions.
     pub fn of(controls: &Controls) -> Self {
         let modes = controls.goals.iter().flat_map(|g| &g.modes);
         let lists: Vec<&[(Bit, Edge)]> = std::iter::once(&controls.first)
@@ -50,7 +49,7 @@ impl Walks {
         Self::of_lists(&controls.diagram, &controls.order, &lists)
     }
 
-    /// The same for lists of output bits, all of one length, with their functions in this order.
+    /// Like `of`, for lists of output bits of equal length, with their functions in this order.
     fn of_lists(diagram: &Diagram, order: &Order, lists: &[&[(Bit, Edge)]]) -> Self {
         let bits = lists.first().map_or(0, |list| list.len());
         let decisions = diagram.nodes.len();
@@ -62,8 +61,7 @@ impl Walks {
         let mut begin = 0;
         while begin < bits {
             let part = |count: usize| lists.iter().map(move |list| &list[begin..begin + count]);
-            // A single bit is always taken; the bits that are left share what is left of the
-            // places.
+            // A single bit is always taken; the remaining bits share the remaining places.
             let mut taken = maker
                 .walks(part(1), usize::MAX)
                 .expect("a single bit knows of no others; please report this");
@@ -82,7 +80,7 @@ impl Walks {
         walks
     }
 
-    /// Puts walks behind these, for further bits.
+    /// Appends walks for further bits.
     fn append(&mut self, (places, starts): (Vec<Place>, Vec<usize>)) {
         let first = self.places.len();
         let moved = |place: usize| if place == 0 { 0 } else { first + place };
@@ -99,33 +97,33 @@ impl Walks {
                 },
             }));
         for (list, start) in self.starts.iter_mut().zip(starts) {
-            // What begins at its end has nothing to do.
+            // A walk that begins at its end has nothing to do.
             list.extend((start != 0).then(|| moved(start)));
         }
     }
 }
 
-/// Functions are followed bit by bit, one call within the other, where several bits share a walk.
+/// Maximum number of bit pairs for walks of several bits, since functions are followed recursively
+/// bit by bit.
 const MOST_PAIRS: usize = 4096;
 
-/// So many places are no matter.
+/// Number of places that is always acceptable.
 const SMALL: usize = 256;
 
-/// While walks are looked for, decisions come up that the functions do not have: at most so many
-/// times as many.
+/// Maximum ratio of new decisions, which arise while walks are searched, to those of the functions.
 const MOST_NEW_NODES: usize = 4;
 
 struct Maker {
-    /// The decisions of the functions, and those that come up.
+    /// Decisions of the functions, and new ones.
     nodes: Vec<DiagramNode>,
     unique: HashMap<DiagramNode, usize>,
     restricted: HashMap<(Edge, Bit, bool), Edge>,
-    /// The place of each pair in the order.
+    /// Position of each pair in the order.
     positions: Vec<u16>,
     places: Vec<Place>,
     asking: HashMap<Open, usize>,
     putting: HashMap<Place, usize>,
-    /// Places that are known but not yet walked on from.
+    /// Known places from which the walk has not continued.
     waiting: Vec<(usize, Open)>,
     most_nodes: usize,
     most_places: usize,
@@ -149,8 +147,8 @@ impl Maker {
         }
     }
 
-    /// The walks that decide these lists of bits, one for each list: the places, and where each
-    /// begins. `None` where there would be more than `most` places.
+    /// The walks that decide these lists of bits, one per list: the places, and the start of each.
+    /// `None` if there would be more than `most` places.
     fn walks<'a>(
         &mut self,
         lists: impl Iterator<Item = &'a [(Bit, Edge)]>,
@@ -169,7 +167,7 @@ impl Maker {
         Some(self.finish(&starts))
     }
 
-    /// The lower a level, the earlier a bit is asked for.
+    /// The lower a level, the earlier a bit is tested.
     fn level(&self, bit: Bit) -> u32 {
         let position = self.positions[usize::from(bit.pair())];
         2 * u32::from(position) + u32::from(bit.0 & 1)
@@ -179,7 +177,7 @@ impl Maker {
         edge.node().map(|n| self.nodes[n].bit)
     }
 
-    /// The place at which these bits are open; those that are decided are put first.
+    /// The place at which these bits are undecided; bits that are decided are written first.
     fn enter(&mut self, mut open: Open) -> Option<usize> {
         let mut put = Vec::new();
         while let Some(decided) = open.iter().position(|(_, edge)| edge.node().is_none()) {
@@ -213,7 +211,7 @@ impl Maker {
         if self.places.len() >= self.most_places {
             return None;
         }
-        // What it asks is found out when it is walked on from.
+        // Its test is determined when the walk continues from it.
         let place = Place::Put {
             bits: Vec::new(),
             next: 0,
@@ -224,11 +222,10 @@ impl Maker {
         Some(self.places.len())
     }
 
-    /// Walks on from every place that waits.
+    /// Continues from every waiting place.
     fn walk(&mut self) -> Option<()> {
         while let Some((place, open)) = self.waiting.pop() {
-            // A bit may ask for those before it, once they are decided; the first asks for none of
-            // them.
+            // A bit may read those before it once they are decided; the first reads none of them.
             let asked = open
                 .iter()
                 .filter_map(|(_, edge)| self.top(*edge))
@@ -245,7 +242,7 @@ impl Maker {
         Some(())
     }
 
-    /// What is left of all functions where a bit has a value.
+    /// Residuals of all functions for a value of a bit.
     fn know(&mut self, open: &mut Open, bit: Bit, value: bool) -> Option<()> {
         for (_, edge) in open {
             *edge = self.restrict(*edge, bit, value)?;
@@ -281,7 +278,7 @@ impl Maker {
         if high == low {
             return Some(high);
         }
-        // The edge to high is never negated, so that equal functions are one node.
+        // The high edge is never negated, so that equal functions share a node.
         let negated = high.is_negated();
         let node = DiagramNode {
             bit,
@@ -300,8 +297,8 @@ impl Maker {
         Some(Edge::to(index).flipped(negated))
     }
 
-    /// The places in the order of a walk that always goes on with the lower edge first, so that
-    /// neighbours in a walk are neighbours in memory.
+    /// The places in depth-first order, low edge first, so that adjacent places of a walk are
+    /// adjacent in memory.
     fn finish(&self, starts: &[usize]) -> (Vec<Place>, Vec<usize>) {
         let mut numbers = vec![0; self.places.len() + 1];
         let mut order = Vec::new();
@@ -344,8 +341,8 @@ mod tests {
     const PAIRS: usize = 7;
     const OUTPUTS: usize = 4;
 
-    /// Which of these signals an output may ask for: all of the step before, the next ones of
-    /// inputs, and of outputs before it.
+    /// Signals that an output may read: all of the previous step, and the next ones of inputs and
+    /// of outputs before it.
     fn allowed(output: usize) -> Vec<Bit> {
         let inputs = PAIRS - OUTPUTS;
         (0..PAIRS)
@@ -360,8 +357,8 @@ mod tests {
             .collect()
     }
 
-    /// A function over some bits: a sum of products, each a choice of signs for bits that are
-    /// chosen.
+    /// A function over some bits: a sum of products, each with random signs for randomly chosen
+    /// bits.
     fn function(maker: &mut Maker, bits: &mut [Bit], terms: &[Vec<(usize, bool)>]) -> Edge {
         bits.sort_by_key(|bit| maker.level(*bit));
         let terms: Vec<BTreeMap<usize, bool>> = terms

@@ -1,8 +1,8 @@
-//! Names that C takes.
+//! Valid C names.
 
 use super::text::identifier;
 
-/// Words that cannot name a field, with those that a C++ compiler reserves.
+/// Words that cannot name a field, including those that a C++ compiler reserves.
 const RESERVED: [&str; 66] = [
     "and",
     "asm",
@@ -72,8 +72,7 @@ const RESERVED: [&str; 66] = [
     "alignas",
 ];
 
-/// Whether the headers that are included may have given the name away, or a compiler with
-/// extensions has.
+/// Whether the included headers, or a compiler with extensions, may define the name.
 fn is_macro(word: &str) -> bool {
     const OTHERS: [&str; 8] = [
         "NULL",
@@ -102,7 +101,8 @@ fn is_macro(word: &str) -> bool {
             && ends(&["_MAX", "_MIN", "_WIDTH", "_C", "_H"])
 }
 
-/// Whether a header of that name stands in the compiler's folders, which one of ours must not hide.
+/// Whether the compiler's folders contain a header of that name, which a generated one must not
+/// hide.
 pub(crate) fn is_header(name: &str) -> bool {
     const HEADERS: [&str; 24] = [
         "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "iso646", "limits",
@@ -112,7 +112,7 @@ pub(crate) fn is_header(name: &str) -> bool {
     HEADERS.contains(&name.to_ascii_lowercase().as_str())
 }
 
-/// A name that C takes.
+/// Converts a name to a valid C name.
 pub(crate) fn word(name: &str) -> String {
     let word = identifier(name);
     if !word.starts_with(|c: char| c.is_ascii_alphabetic()) {

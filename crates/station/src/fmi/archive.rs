@@ -1,4 +1,4 @@
-//! The archive: files in the order of their names, all of one time, compressed in the one way that
+//! Writes the archive: files in name order with a fixed time, compressed with the one method that
 //! every host can read.
 
 use super::description::{build_description, description};
@@ -10,7 +10,7 @@ use std::io::{Cursor, Write as _};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// The bytes of a unit's archive.
+/// Returns the bytes of a unit's archive.
 pub(super) fn archive(unit: &Unit, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> {
     let mut files: BTreeMap<String, (Vec<u8>, u32)> = BTreeMap::new();
     let mut text = |name: String, text: &str| files.insert(name, (text.as_bytes().to_vec(), 0o644));

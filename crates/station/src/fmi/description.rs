@@ -1,9 +1,9 @@
-//! `modelDescription.xml`: what a host knows of a unit before it loads it. One text for each
-//! version of the standard; they name the same things differently.
+//! `modelDescription.xml`: what a host knows of a unit before loading it. There is one text per
+//! version of the standard; the versions use different names.
 //!
-//! An output never depends on an input of the same instant: it changes in a step only. The
-//! description says so, and hosts then see no algebraic loops. The time of the build is left out,
-//! so that the same contract gives the same bytes.
+//! An output never depends on an input of the same instant, since it changes only in a step. The
+//! description says so, and hosts then see no algebraic loops. The build time is omitted, so that
+//! the same contract gives the same bytes.
 
 use super::units::definition;
 use super::variables::{Causality, Enumeration, Kind, Start, Variable};
@@ -15,13 +15,13 @@ use std::collections::BTreeSet;
 /// Attributes in their order.
 type Attributes = Vec<(&'static str, String)>;
 
-/// The name of the program, as files name it.
+/// Name of the program in files.
 pub(super) const TOOL: &str = concat!("Linewright ", env!("CARGO_PKG_VERSION"));
 
-/// So many of the machine's steps are simulated where the host is not told how many.
+/// Number of machine steps simulated if the host specifies no duration.
 const EXPERIMENT_STEPS: f64 = 100.0;
 
-/// Writes elements one after the other. What is written into memory cannot fail.
+/// Writes elements sequentially. Writing to memory cannot fail.
 pub(super) struct Xml(Writer<Vec<u8>>);
 
 impl Xml {
@@ -64,7 +64,7 @@ impl Xml {
     }
 }
 
-/// Text that XML can hold, in one line.
+/// Text restricted to one line of characters allowed in XML.
 pub(super) fn printable(text: &str) -> String {
     let visible = |c: char| match c {
         '\n' | '\t' | '\r' => ' ',
@@ -132,26 +132,26 @@ pub(super) fn description(unit: &Unit) -> String {
     xml.text()
 }
 
-/// The variables of a version: only FMI 3 names time.
+/// Variables of a version: only FMI 3 names time.
 pub(super) fn variables(unit: &Unit) -> impl Iterator<Item = &Variable> {
     let two = unit.version == Version::Two;
     let all = unit.interface.variables.iter();
     all.filter(move |v| !(two && v.causality == Causality::Independent))
 }
 
-/// A real number as XML has it.
+/// A real number in XML format.
 fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-/// What the unit can do.
+/// Capabilities of the unit.
 fn interface(xml: &mut Xml, unit: &Unit) {
     let yes = || "true".to_owned();
     let mut can: Attributes = vec![("modelIdentifier", unit.package.stem.clone())];
     if unit.version == Version::Two {
         can.extend([
             ("canHandleVariableCommunicationStepSize", yes()),
-            // Memory is taken for saved states only, and from the C library.
+            // Memory is allocated only for saved states, with the C library.
             ("canNotUseMemoryManagementFunctions", yes()),
             ("canGetAndSetFMUstate", yes()),
             ("canSerializeFMUstate", yes()),
@@ -226,7 +226,7 @@ fn types(xml: &mut Xml, unit: &Unit) {
     });
 }
 
-/// What both versions say of a variable, in the order of FMI 2.
+/// Attributes of a variable common to both versions, in the order of FMI 2.
 fn common(variable: &Variable) -> Attributes {
     let (causality, variability) = match variable.causality {
         Causality::Independent => ("independent", "continuous"),
@@ -244,8 +244,8 @@ fn common(variable: &Variable) -> Attributes {
     ]
 }
 
-/// What begins as something that is known: `exact` for a parameter (an input is without saying so),
-/// `calculated` for the rest.
+/// The `initial` attribute: `exact` for a parameter (implied for an input), `calculated` for
+/// others.
 fn initial(variable: &Variable) -> Option<&'static str> {
     match variable.causality {
         Causality::Parameter => Some("exact"),
@@ -254,7 +254,7 @@ fn initial(variable: &Variable) -> Option<&'static str> {
     }
 }
 
-/// A start value. What is set counts as the host does.
+/// A start value. Values that are set use the host's numbering.
 fn start(variable: &Variable) -> Option<String> {
     Some(match (variable.start?, variable.kind) {
         (Start::Real(value), _) => number(value),
@@ -310,7 +310,7 @@ fn variable_three(xml: &mut Xml, variable: &Variable, enumerations: &[Enumeratio
     xml.element(kind, &attributes);
 }
 
-/// The outputs, which depend on nothing; FMI 2 counts variables from 1, FMI 3 names their
+/// The outputs, which have no dependencies; FMI 2 numbers variables from 1, FMI 3 uses their
 /// references.
 fn structure(xml: &mut Xml, two: bool, variables: &[&Variable]) {
     let unknowns: Vec<String> = variables

@@ -1,4 +1,4 @@
-//! `documentation/index.html`: what a person who imports a unit has to know.
+//! `documentation/index.html`: what a user who imports a unit has to know.
 
 use super::Unit;
 use super::description::{TOOL, printable, variables};

@@ -1,14 +1,15 @@
-//! FMI: a machine as a co-simulation unit that other simulators load, in versions 2.0 and 3.0 of
-//! the standard.
+//! FMI: a machine as a co-simulation unit for other simulators, in versions 2.0 and 3.0 of the
+//! standard.
 //!
 //! A unit is an archive: the description of its variables (`description`), a page for people
-//! (`documentation`), the C sources, and a binary for each platform there is a compiler for. The C
-//! is a machine's own, with `ffi/fmi2.c` or `ffi/fmi3.c` in the place of the adapter for Plant
-//! Simulation; `ffi/fmi.c` says what a communication step does. Nothing in an archive depends on
-//! the time or the place of the build: same contract and compiler, same bytes.
+//! (`documentation`), the C sources, and a binary for each platform with a compiler. The C is the
+//! machine's own, with `ffi/fmi2.c` or `ffi/fmi3.c` in place of the adapter for Plant Simulation;
+//! `ffi/fmi.c` defines a communication step. An archive does not depend on the time or place of the
+//! build: same contract and compiler, same bytes.
 //!
-//! Two archives rather than one with both versions: a unit of FMI 3 may hold one of FMI 2, but many
-//! importers of today know only the one or the other, and choose by what the archive says first.
+//! There are two archives rather than one with both versions: a unit of FMI 3 may contain one of
+//! FMI 2, but many current importers know only one of them, and choose by what the archive mentions
+//! first.
 
 mod archive;
 mod description;
@@ -44,7 +45,7 @@ impl Version {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Two, Self::Three];
 
-    /// The adapter that is included at the end of the C file.
+    /// Adapter included at the end of the C file.
     fn adapter(self) -> &'static str {
         match self {
             Self::Two => "fmi2.c",
@@ -52,7 +53,7 @@ impl Version {
         }
     }
 
-    /// The files of `ffi/` that the C file includes.
+    /// Files of `ffi/` that the C file includes.
     fn support(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Self::Two => &SUPPORT_TWO,
@@ -60,7 +61,7 @@ impl Version {
         }
     }
 
-    /// The folder of a platform's binary within the archive.
+    /// Folder of a platform's binary within the archive.
     fn binaries(self, platform: Platform) -> &'static str {
         let (system, processor) = match platform {
             Platform::Windows | Platform::Msvc => ("windows", "x86_64"),
@@ -98,14 +99,13 @@ const SUPPORT_THREE: [(&str, &str); 7] = {
 /// A unit before it is compiled.
 #[derive(Debug, Clone)]
 pub struct Unit {
-    /// Which version of the standard it follows.
+    /// Version of the standard.
     pub version: Version,
     /// Its variables.
     pub interface: Interface,
-    /// What binds the description to the binary: the `guid` of FMI 2, the `instantiationToken` of
-    /// FMI 3.
+    /// Links the description to the binary: the `guid` of FMI 2, the `instantiationToken` of FMI 3.
     pub token: String,
-    /// Its C.
+    /// Its C files.
     pub package: Package,
     name: String,
     doc: String,
@@ -116,7 +116,7 @@ impl Unit {
     /// Emits a machine with the controller of each of its components, in order.
     ///
     /// # Panics
-    /// When they do not belong together.
+    /// Panics if they do not belong together.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller], version: Version) -> Self {
         let emitted = emit::emit(machine, controllers, &Profile::assumed());
         let first = first_operation(machine, controllers);
@@ -145,7 +145,7 @@ impl Unit {
         }
     }
 
-    /// The name of its archive: `assembly_cell_fmi2.fmu`.
+    /// File name of its archive: `assembly_cell_fmi2.fmu`.
     pub fn file_name(&self) -> String {
         let version = match self.version {
             Version::Two => 2,
@@ -154,15 +154,15 @@ impl Unit {
         format!("{}_fmi{version}.fmu", self.package.stem)
     }
 
-    /// Its archive, with these binaries.
+    /// Builds its archive with these binaries.
     pub fn archive(&self, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> {
         archive::archive(self, binaries)
     }
 }
 
-/// The operation that a unit begins with where its host says nothing: the first that can be done
-/// again and again with the start values of all other inputs, so that a unit simulates as it was
-/// imported. What grips a part cannot; then it is the first one.
+/// The initial operation if the host sets none: the first that can be repeated with the start
+/// values of all other inputs, so that a unit can be simulated as imported. An operation that grips
+/// a part cannot be repeated; if there is no repeatable one, the first operation.
 fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usize {
     const TIMES: usize = 3;
     let mut still = machine.clone();
@@ -180,14 +180,14 @@ fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usiz
     (0..machine.operations.len()).find(repeats).unwrap_or(0)
 }
 
-/// A hash in the customary form of a token.
+/// Formats a hash like a usual token.
 fn token(hash: &str) -> String {
     let parts = [(0, 8), (8, 12), (12, 16), (16, 20), (20, 32)].map(|(from, to)| &hash[from..to]);
     format!("{{{}}}", parts.join("-"))
 }
 
-/// The compilers for the binaries that a unit should have, and a finding for each that is not
-/// there. Whether the one for this computer is there is seen when it is started.
+/// Compilers for the binaries that a unit should have, and a finding for each missing one. Whether
+/// the compiler for this computer exists is found when it is started.
 pub fn toolchains() -> (Vec<Toolchain>, Vec<Diagnostic>) {
     let mut toolchains = vec![Toolchain::shipping()];
     let mut findings = Vec::new();
@@ -200,7 +200,7 @@ pub fn toolchains() -> (Vec<Toolchain>, Vec<Diagnostic>) {
     (toolchains, findings)
 }
 
-/// What is said where a platform's binary is missing.
+/// Finding for a platform whose binary is missing.
 fn missing(platform: &str, error: &Error) -> Diagnostic {
     let finding = error.to_diagnostic();
     let message = format!(
@@ -213,8 +213,8 @@ fn missing(platform: &str, error: &Error) -> Diagnostic {
     ))
 }
 
-/// Writes a machine's units, one for each version, into a folder, and gives their paths. A compiler
-/// that cannot be started is a finding; the units then have its binary missing.
+/// Writes a machine's units, one per version, into a folder, and returns their paths. A compiler
+/// that cannot be started is a finding; the units then lack its binary.
 pub fn build(
     machine: &Machine,
     controllers: &[mealy::Controller],

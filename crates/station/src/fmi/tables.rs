@@ -1,4 +1,4 @@
-//! The C file of a unit: the machine's own text, what the adapters must know beside it, and the
+//! The C file of a unit: the machine's own text, additional tables for the adapters, and the
 //! adapter.
 
 use super::Version;
@@ -71,7 +71,7 @@ pub(super) fn source(
     )
 }
 
-/// What the adapters must know beside the machine's own tables.
+/// Data that the adapters need beside the machine's own tables.
 pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
     let plant = machine.plant.iter().map(|p| &p.domain);
     let outputs = machine.components.iter().flat_map(|c| {

@@ -1,12 +1,12 @@
-//! Units of measurement in the words of FMI: a factor and exponents of the base units.
+//! Units of measurement in FMI: a factor and exponents of the base units.
 
-/// A unit's exponents of the base units, as attributes, and its factor.
+/// A unit's exponents of the base units as attributes, and its factor.
 pub(super) struct Definition {
     pub exponents: &'static [(&'static str, &'static str)],
     pub factor: f64,
 }
 
-/// The definition of a unit of the language; one that is not known stands for itself.
+/// Defines a unit of the language; `None` for an unknown one, which is used as is.
 pub(super) fn definition(unit: &str) -> Option<Definition> {
     const TIME: &[(&str, &str)] = &[("s", "1")];
     const LENGTH: &[(&str, &str)] = &[("m", "1")];

@@ -1,26 +1,26 @@
-//! The variables of a unit: which there are, what they are called, and what their values are.
+//! The variables of a unit: their names, types and values.
 //!
-//! The names of what every unit has are fixed; those of the machine follow the standard's
-//! structured convention: `turn_a.angle`, `part.heights[0]`. What of a name is no letter or digit
-//! becomes `_`, and a name that is taken gets a number, so that every importer can make an
-//! identifier of it. Groups, places in them and types are those of `ffi/fmi.h`.
+//! Names that every unit has are fixed; those of the machine follow the standard's structured
+//! convention: `turn_a.angle`, `part.heights[0]`. In names, anything but letters and digits becomes
+//! `_`, and a duplicate name gets a number, so that every importer can make an identifier of it.
+//! Groups, indices in them and types are those of `ffi/fmi.h`.
 
 use linewright_core::gr1::{Domain, described};
 use linewright_language::contract::machine::{Machine, PlantSource, Property, PropertyKind};
 use std::collections::BTreeSet;
 
-/// What a variable is to the host.
+/// Role of a variable for the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Causality {
     /// Time.
     Independent,
-    /// Set by the host at every step.
+    /// Set by the host in every step.
     Input,
-    /// Set by the host when it wants to.
+    /// Set by the host at any time.
     Parameter,
     /// Read by the host.
     Output,
-    /// Read by the host where it looks inside.
+    /// Read by the host for inspection.
     Local,
 }
 
@@ -29,87 +29,87 @@ pub enum Causality {
 pub enum Kind {
     /// A real number.
     Real,
-    /// A whole number of 32 bits.
+    /// A 32-bit integer.
     Integer,
-    /// A whole number of 64 bits; FMI 2 has none, and takes a real number.
+    /// A 64-bit integer; FMI 2 has none and uses a real number.
     Long,
     /// A truth value.
     Boolean,
-    /// One of the labels of [`Interface::enumerations`], by its index there.
+    /// An enumeration, by its index in [`Interface::enumerations`].
     Enumeration(usize),
 }
 
-/// A value that a variable begins with.
+/// Start value of a variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// Of a real number.
+    /// For a real number.
     Real(f64),
-    /// Of any other, in the machine's own numbers: labels count from 0.
+    /// For all other types, in the machine's own numbers: labels count from 0.
     Whole(i64),
 }
 
 /// A variable of a unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// Its name.
+    /// Name of the variable.
     pub name: String,
-    /// Its value reference.
+    /// Value reference.
     pub reference: u32,
-    /// What it is to the host.
+    /// Role for the host.
     pub causality: Causality,
-    /// Its type.
+    /// Data type.
     pub kind: Kind,
-    /// The unit of a real number; empty for a bare one.
+    /// Unit of a real number; empty for a bare one.
     pub unit: String,
-    /// The smallest and largest value, where they are known.
+    /// Smallest and largest value, if known.
     pub limits: Option<(i64, i64)>,
-    /// What it begins with; for inputs and parameters.
+    /// Start value, for inputs and parameters.
     pub start: Option<Start>,
-    /// What it is, for people.
+    /// Description for people.
     pub description: String,
 }
 
-/// The labels of an enumeration; the first one is 1 to the host.
+/// Labels of an enumeration; the host numbers them from 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Enumeration {
-    /// The name of the type.
+    /// Name of the type.
     pub name: String,
-    /// The labels.
+    /// Labels in order.
     pub labels: Vec<String>,
-    /// What it would be called if that name was free.
+    /// Preferred name, used if it is free.
     wish: String,
 }
 
-/// All variables of a unit, in the order of its description, and their types.
+/// All variables of a unit in the order of its description, and their types.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Interface {
-    /// The variables.
+    /// Variables in order.
     pub variables: Vec<Variable>,
-    /// The enumerations.
+    /// Enumeration types.
     pub enumerations: Vec<Enumeration>,
     names: Names,
 }
 
-/// A place within a group of value references.
+/// Value reference of an index in a group.
 pub fn reference(group: u32, index: usize) -> u32 {
     group * 0x10_0000 + index as u32
 }
 
-/// The groups.
+/// Groups of value references.
 pub mod group {
-    /// What every unit has.
+    /// Variables that every unit has.
     pub const UNIT: u32 = 0;
     /// The plant's signals, by wire.
     pub const SIGNALS: u32 = 1;
-    /// Properties and parameters as the host gives them.
+    /// Properties and parameters set by the host.
     pub const GIVEN: u32 = 2;
-    /// Properties as the last operation left them.
+    /// Properties as left by the last operation.
     pub const RESULTS: u32 = 3;
     /// Wires after the last step.
     pub const WIRES: u32 = 4;
 }
 
-/// A domain's type, as `ffi/fmi.h` calls it; an enumeration is one of index 0.
+/// The type of a domain, as named in `ffi/fmi.h`; an enumeration gets index 0.
 pub(super) fn kind(domain: &Domain) -> Kind {
     match domain {
         Domain::Bool => Kind::Boolean,
@@ -126,20 +126,20 @@ pub(super) fn kind(domain: &Domain) -> Kind {
 }
 
 impl Interface {
-    /// The variables of a machine's unit, which begins with this operation.
+    /// The variables of a machine's unit that starts with this operation.
     pub fn of(machine: &Machine, first_operation: usize) -> Self {
         let mut all = Self::default();
         all.general(machine, first_operation);
         all.inputs(machine);
         all.outputs(machine);
-        // Types and variables share their names, and a variable's is the one that people meet.
+        // Types and variables share a namespace, and users see the names of variables.
         for enumeration in &mut all.enumerations {
             enumeration.name = all.names.unique(&enumeration.wish);
         }
         all
     }
 
-    /// The variable of a name.
+    /// Finds the variable with a name.
     pub fn find(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|v| v.name == name)
     }
@@ -164,7 +164,7 @@ impl Interface {
             .expect("a variable was just added")
     }
 
-    /// What every unit has; the order of the numbers is that of `ffi/fmi.h`.
+    /// Variables that every unit has; their numbers are those of `ffi/fmi.h`.
     fn general(&mut self, machine: &Machine, first_operation: usize) {
         use Causality::{Independent, Input, Output};
         // `time` comes first, so that nothing else gets that name.
@@ -430,7 +430,7 @@ impl Interface {
         }
     }
 
-    /// The enumeration with these labels: one that is there, or a new one.
+    /// Returns the enumeration with these labels, existing or new.
     fn enumeration(&mut self, wish: &str, labels: &[String]) -> usize {
         // Labels are names as well.
         let mut names = Names::default();
@@ -448,7 +448,7 @@ impl Interface {
     }
 }
 
-/// Hands out names, each once.
+/// Assigns names, each once.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Names(BTreeSet<String>);
 
@@ -497,7 +497,7 @@ fn segment(text: &str) -> (String, String) {
     (plain(text), String::new())
 }
 
-/// What of a name is an identifier everywhere.
+/// The part of a name that is an identifier everywhere.
 fn plain(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {

@@ -7,11 +7,11 @@ use crate::emit::text::{comment, string, wrap};
 use crate::emit::words::word;
 use crate::template::render;
 use linewright_language::order::layout::Layout;
-use linewright_language::order::monitor::Why;
+use linewright_language::order::monitor::RefusalReason;
 use linewright_language::order::table::Table;
 use serde::Serialize;
 
-/// The monitor of a table: `PickAndPlaceUnit_order.h` and `PickAndPlaceUnit_order.c`.
+/// Emits the monitor of a table: `PickAndPlaceUnit_order.h` and `PickAndPlaceUnit_order.c`.
 pub fn files(table: &Table) -> Files {
     let text = Text::new(table);
     Files {
@@ -24,15 +24,15 @@ pub fn files(table: &Table) -> Files {
 struct Text<'a> {
     table: &'a Table,
     layout: Layout,
-    /// What everything that is declared begins with.
+    /// Prefix of all declarations.
     name: String,
-    /// The constants of the skills.
+    /// Constants of the skills.
     skills: Vec<String>,
-    /// The constants of the rules.
+    /// Constants of the rules.
     rules: Vec<String>,
 }
 
-/// What stands at the beginning of both files.
+/// Heading of both files.
 #[derive(Serialize)]
 struct Heading<'a> {
     about: String,
@@ -63,14 +63,14 @@ struct Refusal {
 struct Source<'a> {
     #[serde(flatten)]
     heading: Heading<'a>,
-    /// How many numbers a row of the table has.
+    /// Number of entries in a row of the table.
     row: usize,
     refused: u32,
     together: u32,
     unknown: u32,
-    /// The mask of all skills, in hexadecimal.
+    /// Mask of all skills in hexadecimal.
     all: String,
-    /// The comment over the table.
+    /// Comment above the table.
     after_a_skill: String,
     kind: &'static str,
     single: Vec<String>,
@@ -109,7 +109,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// What stands at the beginning of both files.
+    /// Heading of both files.
     fn heading(&self) -> Heading<'_> {
         let about = format!(
             "The skill orders of {} {}, as a monitor made by linewright.",
@@ -137,12 +137,12 @@ impl<'a> Text<'a> {
                 .map(|(number, (name, rule))| Refusal {
                     about: wrap(&format!("/* {} */", comment(&rule.to_string())), "     * "),
                     name: name.clone(),
-                    answer: self.answer(Why::Rule(number)),
+                    answer: self.answer(RefusalReason::Rule(number)),
                 });
         let others = [
-            ("RECALL", Why::Recall),
-            ("TOGETHER", Why::Together),
-            ("UNKNOWN", Why::Unknown),
+            ("RECALL", RefusalReason::Recall),
+            ("TOGETHER", RefusalReason::Together),
+            ("UNKNOWN", RefusalReason::Unknown),
         ];
         let others = others.map(|(constant, why)| Refusal {
             about: format!("/* {} */", comment(&why.text(&self.table.rules))),
@@ -161,13 +161,13 @@ impl<'a> Text<'a> {
     }
 
     /// The answer that refuses for a reason.
-    fn answer(&self, why: Why) -> i64 {
+    fn answer(&self, why: RefusalReason) -> i64 {
         -1 - i64::from(self.layout.code(why) - self.layout.refused)
     }
 
     fn source(&self) -> String {
         let Self { table, layout, .. } = self;
-        let kind = match layout.code(Why::Unknown) {
+        let kind = match layout.code(RefusalReason::Unknown) {
             0..=0xff => "uint8_t",
             0x100..=0xffff => "uint16_t",
             _ => "uint32_t",
@@ -178,18 +178,19 @@ impl<'a> Text<'a> {
         };
         let skills: Vec<String> = table.skills.iter().map(|s| comment(s)).collect();
         let after_a_skill = format!("/* After a single skill: {}. */", skills.join(", "));
-        let reasons =
-            (0..table.rules.len())
-                .map(Why::Rule)
-                .chain([Why::Recall, Why::Together, Why::Unknown]);
+        let reasons = (0..table.rules.len()).map(RefusalReason::Rule).chain([
+            RefusalReason::Recall,
+            RefusalReason::Together,
+            RefusalReason::Unknown,
+        ]);
         render(
             "monitor/monitor.c",
             Source {
                 heading: self.heading(),
                 row: layout.stride,
                 refused: layout.refused,
-                together: layout.code(Why::Together),
-                unknown: layout.code(Why::Unknown),
+                together: layout.code(RefusalReason::Together),
+                unknown: layout.code(RefusalReason::Unknown),
                 all: format!("{all:x}"),
                 after_a_skill: wrap(&after_a_skill, " * "),
                 kind,
@@ -218,12 +219,12 @@ impl<'a> Text<'a> {
     }
 }
 
-/// What of a name can stand behind another.
+/// The part of a name that is allowed after another in an identifier.
 fn identifier(name: &str) -> String {
     crate::emit::text::identifier(name)
 }
 
-/// Numbers, a row of so many to a line; none where a row has none.
+/// Numbers in lines of `width`; empty if `width` is 0.
 fn rows(numbers: &[u32], width: usize) -> Vec<String> {
     let rows = numbers.chunks(width.max(1)).map(|row| {
         let row: Vec<String> = row.iter().map(u32::to_string).collect();

@@ -1,21 +1,21 @@
-//! A monitor of skill orders as a function block of IEC 61131-3: an input a skill, whose rising
+//! A monitor of skill orders as a function block of IEC 61131-3: one input per skill, whose rising
 //! edge is the call.
 //!
-//! What is called at once is found by walking a table, skill by skill: from a set of skills and one
-//! more to the set with it. So no mask is needed, and nothing that depends on how a system stores
-//! bits. Sets that are never called at once are one place.
+//! The set of skills called at once is found by walking a table, skill by skill: from a set and one
+//! more skill to their union. So no mask is needed, and nothing that depends on how a system stores
+//! bits. All sets that are never called at once share one entry.
 
 use crate::structured_text::names::{Names, comment, identifier, stem, string};
 use crate::structured_text::tables::{element, named_table};
 use crate::structured_text::{Block, Section, Type, Variable, Width};
 use crate::template::render;
 use linewright_language::order::layout::Layout;
-use linewright_language::order::monitor::Why;
+use linewright_language::order::monitor::RefusalReason;
 use linewright_language::order::table::Table;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// How long the text of a rule may be: what systems take where no length is given.
+/// Maximum length of a rule's text: the default string length of the systems.
 const LONGEST: usize = 80;
 
 /// The monitor of a table as a function block `FB_PickAndPlaceUnitOrder`.
@@ -102,9 +102,9 @@ pub fn block(table: &Table) -> Block {
 /// The names of the block.
 struct Words {
     block: String,
-    /// The inputs.
+    /// Inputs of the skills.
     skills: Vec<String>,
-    /// An output a skill.
+    /// Outputs, one per skill.
     granted: Vec<String>,
     reset: String,
     allowed: String,
@@ -121,7 +121,7 @@ impl Words {
     fn new(table: &Table) -> Self {
         let mut names = Names::default();
         let block = names.unique(&format!("FB_{}Order", stem(&table.name)));
-        // The skills keep their names; ours give way.
+        // Skills keep their names; the block's own names give way.
         let skills: Vec<String> = table
             .skills
             .iter()
@@ -150,15 +150,15 @@ impl Words {
     }
 }
 
-/// The sets of skills that are told apart, numbered: 0 is none of them, the last number is any
-/// other.
+/// Numbers of the distinguished sets of skills: 0 is the empty set, the last number is any other
+/// set.
 struct Sets(BTreeMap<(u32, u64), usize>);
 
 impl Sets {
     fn new(table: &Table) -> Self {
         let mut sets = BTreeMap::new();
         for mask in &table.calls {
-            // With what is met on the way to it, skill by skill.
+            // Including the intermediate sets, skill by skill.
             let mut rest = *mask;
             while rest != 0 {
                 sets.insert((rest.count_ones(), rest), 0);
@@ -175,7 +175,7 @@ impl Sets {
         self.0.len() + 2
     }
 
-    /// From every set and skill to the set with both; skills come in their order.
+    /// For every set and skill, their union; in skill order.
     fn with(&self, skills: usize) -> Vec<i64> {
         let other = self.count() - 1;
         let masks = std::iter::once(0).chain(self.0.keys().map(|(_, mask)| *mask));
@@ -193,7 +193,7 @@ impl Sets {
         with
     }
 
-    /// From every state and set to the state after it.
+    /// For every state and set, the next state.
     fn next(&self, table: &Table, layout: &Layout) -> Vec<i64> {
         let mut next = Vec::new();
         for state in 0..table.states {
@@ -212,23 +212,23 @@ impl Sets {
                         i64::from(entry / layout.stride as u32)
                     }
                     Some(entry) => refusal(layout, layout.why(entry)),
-                    None => refusal(layout, Why::Together),
+                    None => refusal(layout, RefusalReason::Together),
                 }
             };
             next.push(state as i64);
             next.extend(self.0.keys().map(|(_, mask)| entry(*mask)));
-            next.push(refusal(layout, Why::Together));
+            next.push(refusal(layout, RefusalReason::Together));
         }
         next
     }
 }
 
-/// The number in the place of a state that says why there is none.
-fn refusal(layout: &Layout, why: Why) -> i64 {
+/// The number that takes the place of a next state and gives the reason why there is none.
+fn refusal(layout: &Layout, why: RefusalReason) -> i64 {
     -1 - i64::from(layout.code(why) - layout.refused)
 }
 
-/// How many elements a table has.
+/// Number of elements of a table.
 fn length(table: &Variable) -> i64 {
     match table.kind {
         Type::Array(_, last, _) => last + 1,
@@ -277,13 +277,13 @@ struct Body<'a> {
     rule: &'a str,
     set: &'a str,
     to: &'a str,
-    /// The state after the set, or why there is none.
+    /// The state after the set, or the reason why there is none.
     next: String,
     skills: Vec<Skill<'a>>,
     reasons: Vec<Reason>,
 }
 
-/// The input of a skill, its output, and the set with it.
+/// A skill's input, its output, and the union of a set with it.
 #[derive(Serialize)]
 struct Skill<'a> {
     name: &'a str,
@@ -291,7 +291,7 @@ struct Skill<'a> {
     set_with: String,
 }
 
-/// A reason for which a call is refused.
+/// A reason to refuse a call.
 #[derive(Serialize)]
 struct Reason {
     code: i64,
@@ -324,11 +324,11 @@ fn body(
                 }
             });
     let reasons = (0..table.rules.len())
-        .map(Why::Rule)
-        .chain([Why::Recall, Why::Together])
+        .map(RefusalReason::Rule)
+        .chain([RefusalReason::Recall, RefusalReason::Together])
         .map(|why| {
             let text = match why {
-                Why::Rule(rule) => table.rules[rule].name.clone(),
+                RefusalReason::Rule(rule) => table.rules[rule].name.clone(),
                 other => other.text(&table.rules),
             };
             Reason {

@@ -1,4 +1,4 @@
-//! A probe's dump, read from its text.
+//! Parses a probe's dump.
 //!
 //! A dump is lines of words. A header begins a session (a library that was loaded); a call follows
 //! the other, each with its end:
@@ -12,21 +12,21 @@
 //! expects integer:1
 //! ret 00000000...                   the bytes at `ret`, or null
 //! arg 01000000...
-//! points 8 4c696e65...              what the bytes from 8 on point to
+//! points 8 4c696e65...              the bytes that the pointer at 8 refers to
 //! end lw_probe_integer_1
 //! ```
 //!
-//! The text comes from elsewhere: whatever it holds, reading it gives findings and never more
-//! memory than the text takes. A last call without its end was cut off and is left out.
+//! The text is untrusted: whatever it contains, parsing it gives findings and never takes more
+//! memory than the text. A last call without its end was cut off and is ignored.
 
 use super::Value;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 
-/// The first word of a dump, with the version.
+/// First words of a dump, with the version.
 const HEADER: &str = "linewright-probe 1";
 
-/// Sizes beyond which no probe goes.
+/// Maximum sizes; no probe exceeds them.
 const MOST_CALLS: usize = 2000;
 const MOST_BYTES: usize = 512;
 const MOST_POINTERS: usize = 64;
@@ -37,39 +37,39 @@ const MOST_VALUES: usize = 8;
 pub struct Dump {
     /// `windows` or `unix`.
     pub platform: String,
-    /// The profile's file, of a second round.
+    /// Profile file of the second round.
     pub profile: Option<String>,
-    /// The calls in their order.
+    /// Calls in order.
     pub calls: Vec<Record>,
 }
 
-/// What a call found.
+/// Data recorded for a call.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Record {
-    /// The export.
+    /// Name of the export.
     pub name: String,
-    /// What it was called with.
+    /// Arguments of the call.
     pub expects: Vec<Value>,
-    /// The bytes at `ret`; none for a null pointer.
+    /// Bytes at `ret`; empty for a null pointer.
     pub ret: Vec<u8>,
-    /// The bytes at `arg`.
+    /// Bytes at `arg`.
     pub arg: Vec<u8>,
-    /// Where bytes of `arg` could be an address, and what stands there.
+    /// Offsets in `arg` that may hold an address, with the bytes found there.
     pub points: Vec<(usize, Vec<u8>)>,
-    /// The line at which it begins.
+    /// Line at which the record begins.
     pub place: Span,
 }
 
 impl Record {
-    /// What the 8 bytes at an offset of `arg` point to.
+    /// Bytes that the 8 bytes at an offset of `arg` point to.
     pub fn at(&self, offset: usize) -> Option<&[u8]> {
         let found = self.points.iter().find(|(at, _)| *at == offset);
         found.map(|(_, bytes)| bytes.as_slice())
     }
 }
 
-/// Reads a dump: its last session with calls, and what is wrong with the text. Findings of severity
-/// error leave nothing to go by.
+/// Parses a dump: its last session with calls, and findings about the text. After a finding of
+/// severity error the result is unusable.
 pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
     let mut reader = Reader {
         file,
@@ -83,7 +83,7 @@ pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
         let content = line.trim_end_matches(['\n', '\r']);
         let place = Span::new(file, at, at + content.len());
         at += line.len();
-        // A line without its end may be half of one.
+        // A line without its end may be truncated.
         if !whole {
             reader.cut(place);
         } else if !content.is_empty() {
@@ -99,7 +99,7 @@ pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
 struct Reader {
     file: FileId,
     sessions: Vec<Dump>,
-    /// The call that is being read, and whether it is damaged.
+    /// The call being read, and whether it is damaged.
     open: Option<(Record, bool)>,
     findings: Vec<Diagnostic>,
 }
@@ -109,7 +109,7 @@ impl Reader {
         if let Some((_, damaged)) = &mut self.open {
             *damaged = true;
         }
-        // The first ones say enough.
+        // The first findings suffice.
         if self.findings.len() < 20 {
             self.findings
                 .push(Diagnostic::warning(codes::DUMP, place, message).with_help(
@@ -280,7 +280,7 @@ fn shortened(text: &str) -> String {
     short
 }
 
-/// Bytes in hexadecimal; `null` and an empty text are none.
+/// Decodes hexadecimal bytes; empty for `null` and an empty text.
 fn bytes(hex: &str) -> Option<Vec<u8>> {
     if hex == "null" {
         return Some(Vec::new());

@@ -1,10 +1,10 @@
-//! The layout of `UF_Value`, read back from a probe's dump.
+//! Infers the layout of `UF_Value` from a probe's dump.
 //!
-//! Each question is answered by the places that explain everything that was seen: the value lies
-//! where all numbers are and where what is pointed to are the texts; the next argument begins where
-//! the next values are; an integer is as wide as its bytes are those of the number, sign included;
-//! the tag is where kinds differ and values of a kind agree. What the bytes leave open is said,
-//! with what to do. At the end the whole layout has to explain every call.
+//! Each question is answered by the positions that explain all observations: the value is where all
+//! numbers are found and where the pointers lead to the texts; the next argument begins where the
+//! next values are; an integer is as wide as its bytes match the number, sign included; the tag is
+//! where kinds differ and values of a kind agree. What the bytes leave open is reported, with
+//! advice. Finally the whole layout has to explain every call.
 
 use super::dump::{Dump, Record};
 use super::texts::{encoding, reads};
@@ -12,47 +12,48 @@ use super::{Kind, SEEN, Value, returned};
 use crate::profile::{Encoding, LARGEST_SIZE, Layout, Profile, Tag, VALUE_BYTES, read};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// How sure an answer is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// Certainty of an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Sureness {
+pub enum Confidence {
     /// Nothing else explains the dump.
     Certain,
-    /// Something else would, but is less plain; or it makes no difference.
+    /// Another answer would explain it but is less simple; or it makes no difference.
     Likely,
-    /// The dump does not say; what is written is the plainest.
+    /// The dump does not determine it; the answer is the simplest one.
     Open,
 }
 
-/// One answer.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+/// The answer to one question.
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Fact {
-    /// What was asked: `tag width`.
+    /// The question: `tag width`.
     pub what: &'static str,
     /// The answer.
     pub found: String,
-    /// How sure it is.
-    pub sure: Sureness,
-    /// Why, and what to do where it is not.
+    /// Certainty of the answer.
+    pub sure: Confidence,
+    /// Reason for it, and advice if it is not certain.
     pub why: String,
 }
 
-/// A layout and how it is known.
+/// A layout with the evidence for it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Inference {
     /// The layout.
     pub layout: Layout,
-    /// One answer a question.
+    /// One answer per question.
     pub facts: Vec<Fact>,
 }
 
-/// The way out where no layout can be found.
+/// Advice if no layout can be found.
 const VENDOR: &str = "run the probe's SimTalk unchanged and whole; if it was, compile with the vendor's header instead (-DUF_USE_VENDOR_HEADER)";
 
-/// Reads the layout from a dump's calls.
+/// Infers the layout from a dump's calls.
 pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
     let mut facts = Vec::new();
     let value = value_offset(dump, &mut facts)?;
@@ -62,7 +63,7 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
     facts.push(Fact {
         what: "packing",
         found: packing.to_string(),
-        sure: Sureness::Certain,
+        sure: Confidence::Certain,
         why: format!("value and size are multiples of {packing}"),
     });
     let slots = slots(dump, size);
@@ -77,7 +78,7 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
         strings,
         tag,
     };
-    // Texts that came changed are said above; everything else has to fit.
+    // Texts that arrived changed are already reported; everything else must match.
     let misfit = dump
         .calls
         .iter()
@@ -88,8 +89,8 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
     }
 }
 
-/// Judges the second round: whether the host read what was returned with the profile's layout. The
-/// profile is then confirmed.
+/// Evaluates the second round: whether the host read the returned values with the profile's layout.
+/// If so, the profile is confirmed.
 pub fn confirm(dump: &Dump) -> Option<Result<Profile, Vec<Diagnostic>>> {
     let text = dump.profile.as_ref()?;
     Some(judge(dump, text))
@@ -134,7 +135,7 @@ fn judge(dump: &Dump, text: &str) -> Result<Profile, Vec<Diagnostic>> {
     Ok(profile)
 }
 
-/// Where the value begins.
+/// Offset of the value.
 fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnostic>> {
     let mut left: Vec<usize> = (0..=(LARGEST_SIZE - VALUE_BYTES) as usize).collect();
     for (kind, what, least) in [
@@ -166,9 +167,9 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
         what: "value",
         found: format!("offset {}", left[0]),
         sure: if certain {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Open
+            Confidence::Open
         },
         why: if certain {
             "all numbers stand there, and the addresses of all texts".to_owned()
@@ -182,7 +183,7 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
     Ok(left[0])
 }
 
-/// Bytes from one argument to the next.
+/// Distance in bytes from one argument to the next.
 fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnostic>> {
     let several: Vec<&Record> = dump.calls.iter().filter(|r| r.expects.len() > 1).collect();
     if several.is_empty() {
@@ -208,9 +209,9 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
         what: "size",
         found: format!("{size} bytes"),
         sure: if certain {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Open
+            Confidence::Open
         },
         why: if certain {
             "so far apart are the arguments of one call".to_owned()
@@ -228,7 +229,7 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
 pub(super) struct Slot<'d> {
     pub(super) value: &'d Value,
     bytes: &'d [u8],
-    /// The call, and where in its bytes this argument begins.
+    /// The call, and the offset of this argument in its bytes.
     pub(super) record: &'d Record,
     pub(super) base: usize,
 }
@@ -276,12 +277,12 @@ fn integer_bits(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> u32 
         what: "integers",
         found: format!("{bits} bits"),
         sure: if certain {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Likely
+            Confidence::Likely
         },
         why: if certain {
-            "so many bits are those of each integer, its sign included".to_owned()
+            "width of an integer, including its sign".to_owned()
         } else {
             "run the probe again with all its integers: no negative or no large one was passed"
                 .to_owned()
@@ -290,7 +291,7 @@ fn integer_bits(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> u32 
     bits
 }
 
-/// The tag: where it lies, how wide it is, and the number of each kind.
+/// The tag: its offset, its width, and the number of each kind.
 fn tag(
     slots: &[Slot<'_>],
     value: usize,
@@ -301,7 +302,7 @@ fn tag(
     let size = slots.first().map_or(0, |s| s.bytes.len());
     let in_value = |o: usize| o >= value && o < value + VALUE_BYTES as usize;
     let clear = |o: usize, n: usize| o + n <= size && !(o..o + n).any(in_value);
-    // A place is a tag where kinds differ and values of a kind agree.
+    // A tag is where kinds differ and values of a kind agree.
     let mut places = Vec::new();
     for width in [1, 2, 4, 8] {
         let distinct = |&o: &usize| {
@@ -315,7 +316,7 @@ fn tag(
         };
         places = (0..size).filter(distinct).collect();
         if let Some(first) = places.first_mut() {
-            // A field begins at a multiple of its size: bytes below that are always 0 belong to it.
+            // A field begins at a multiple of its size: lower bytes that are always 0 belong to it.
             let start = *first / packing.min(4) * packing.min(4);
             let zero = |o: usize| slots.iter().all(|s| s.bytes[o] == 0);
             if clear(start, *first - start) && (start..*first).all(zero) {
@@ -351,7 +352,7 @@ fn tag(
     Err(Box::new(open(slots.first().map(|s| s.record), message)))
 }
 
-/// The number that all values of a kind have in common at a place.
+/// The number common to all values of a kind at an offset.
 fn agreed(slots: &[Slot<'_>], kind: Kind, offset: usize, width: usize) -> Option<u64> {
     let mut numbers = slots
         .iter()
@@ -367,7 +368,7 @@ fn number(bytes: &[u8], offset: usize, width: usize) -> Option<u64> {
     Some(u64::from_le_bytes(wide))
 }
 
-/// How wide the tag is that begins at `start` and takes at least `needed` bytes.
+/// Width of the tag that begins at `start` and takes at least `needed` bytes.
 #[expect(
     clippy::too_many_arguments,
     reason = "one question, all of whose evidence stands here"
@@ -393,7 +394,7 @@ fn wide(
             && (start + needed..start + w).all(zero)
     };
     let mut widths: Vec<usize> = [1, 2, 4, 8].into_iter().filter(possible).collect();
-    // What follows the tag, the value or the end, follows it as closely as the packing allows.
+    // Whatever follows the tag, the value or the end, follows as closely as the packing allows.
     let closes = |w: &usize| {
         let next = (start + w).next_multiple_of(packing);
         next == if start < value { value } else { size }
@@ -401,7 +402,7 @@ fn wide(
     if widths.iter().any(closes) {
         widths.retain(closes);
     }
-    // Whether the host leaves bytes as they were: then bytes that are always 0 are written.
+    // Whether the host leaves bytes unchanged: then bytes that are always 0 were written.
     let widest = widths.last().copied().unwrap_or(needed);
     let idle = |s: &Slot<'_>| {
         let beside = (0..size).any(|o| {
@@ -412,7 +413,7 @@ fn wide(
             Value::Boolean(_) => value + 4,
             _ => end,
         };
-        // Nothing has been returned yet when the probe looks at `ret`.
+        // Nothing has been returned yet when the probe reads `ret`.
         let answer = s.record.ret.get(value..end);
         let set = |bytes: &[u8]| bytes.iter().any(|b| *b != 0);
         beside || set(&s.bytes[used..end]) || answer.is_some_and(set)
@@ -427,9 +428,9 @@ fn wide(
         what: "tag",
         found: format!("offset {start}"),
         sure: if others.is_empty() {
-            Sureness::Certain
+            Confidence::Certain
         } else {
-            Sureness::Likely
+            Confidence::Likely
         },
         why: match others.first() {
             None => "there kinds differ and values of a kind agree".to_owned(),
@@ -441,9 +442,9 @@ fn wide(
         what: "tag width",
         found: format!("{} bits", 8 * width),
         sure: if widths.len() > 1 {
-            Sureness::Likely
+            Confidence::Likely
         } else {
-            Sureness::Certain
+            Confidence::Certain
         },
         why: if widths.len() <= 1 {
             "no other width explains the bytes".to_owned()
@@ -481,7 +482,7 @@ fn wide(
     facts.push(Fact {
         what: "tags",
         found: shown,
-        sure: Sureness::Certain,
+        sure: Confidence::Certain,
         why: if optional {
             "each stands in all values of its kind".to_owned()
         } else {
@@ -505,13 +506,12 @@ fn open(record: Option<&Record>, message: String) -> Diagnostic {
     Diagnostic::error(codes::LAYOUT_OPEN, place, message).with_help(VENDOR)
 }
 
-/// A text of which nothing can be found again.
+/// A text that cannot be recognized.
 fn is_empty(value: &Value) -> bool {
     matches!(value, Value::Text(t) if t.is_empty())
 }
 
-/// Whether a value can stand at an offset of `arg`, whatever the width of integers and the
-/// encoding.
+/// Whether a value can be at an offset of `arg`, for any integer width and encoding.
 fn holds(record: &Record, offset: usize, value: &Value) -> bool {
     let Some(bytes) = record.arg.get(offset..offset + VALUE_BYTES as usize) else {
         return false;
@@ -527,7 +527,7 @@ fn holds(record: &Record, offset: usize, value: &Value) -> bool {
     }
 }
 
-/// Whether a layout explains what a call got; with `texts`, also texts beyond ASCII.
+/// Whether a layout explains what a call received; with `texts`, including texts beyond ASCII.
 fn explain(layout: &Layout, record: &Record, texts: bool) -> Result<(), Box<Diagnostic>> {
     let size = layout.size as usize;
     for (i, value) in record.values() {
@@ -546,7 +546,7 @@ fn explain(layout: &Layout, record: &Record, texts: bool) -> Result<(), Box<Diag
     Ok(())
 }
 
-/// How an argument is not what was passed.
+/// How an argument differs from the value passed.
 fn misread(layout: &Layout, slot: &Slot<'_>, texts: bool) -> Option<String> {
     let tag = number(
         slot.bytes,
@@ -560,7 +560,7 @@ fn misread(layout: &Layout, slot: &Slot<'_>, texts: bool) -> Option<String> {
         Kind::Integer => tag == tags.integer,
         Kind::Real => tag == tags.real,
         Kind::Text => tag == tags.string,
-        // What the layout does without need not be explained.
+        // Kinds that the layout does not use need not be explained.
         Kind::Boolean if tags.boolean.is_none() => return None,
         Kind::Time if tag != tags.real && !tags.more_real.contains(&tag) => return None,
         Kind::Boolean => tags.boolean == Some(tag),

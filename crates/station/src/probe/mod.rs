@@ -1,27 +1,27 @@
-//! The probe: a library that is called with known values and writes down the raw bytes that it
-//! gets, and what is read back from them.
+//! The probe: a library that is called with known values and dumps the raw bytes that it receives,
+//! and the analysis of the dump.
 //!
 //! ```text
 //! calls() ─package→ Package, simtalk::text   (run in Plant Simulation)   dump::parse→ Dump ─infer→ Inference ─confirm→ Profile
 //! ```
 //!
-//! The calls determine the layout. Real numbers with eight distinctive bytes say where the value
-//! lies, several of them in one call how far the arguments are apart. Integers of both signs and
-//! all sizes say how wide an integer is: the bytes above it are those of the sign, or they are not.
-//! Where kinds differ and values of one kind agree, there is the tag. Texts with umlauts and a euro
-//! sign say how strings are written.
+//! The calls determine the layout. Real numbers with eight distinctive bytes show where the value
+//! is; several in one call show the distance between arguments. Integers of both signs and all
+//! sizes show the width of an integer: the bytes above it are those of the sign, or they are not.
+//! The tag is where kinds differ and values of one kind agree. Texts with umlauts and a euro sign
+//! show the string encoding.
 
 pub mod dump;
 pub mod infer;
 pub mod package;
 mod texts;
 
-/// A value that is passed to the probe.
+/// A value passed to the probe.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// An integer.
     Integer(i64),
-    /// A real number, exact in few digits.
+    /// A real number with few digits, represented exactly.
     Real(f64),
     /// A text.
     Text(String),
@@ -47,7 +47,7 @@ pub enum Kind {
 }
 
 impl Value {
-    /// What kind of value it is.
+    /// Kind of the value.
     pub fn kind(&self) -> Kind {
         match self {
             Self::Integer(_) => Kind::Integer,
@@ -58,7 +58,7 @@ impl Value {
         }
     }
 
-    /// As a dump names it: `integer:-2`, `text:4c77`.
+    /// Its form in a dump: `integer:-2`, `text:4c77`.
     pub fn word(&self) -> String {
         match self {
             Self::Integer(i) => format!("integer:{i}"),
@@ -73,15 +73,15 @@ impl Value {
 /// One call of the probe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Call {
-    /// The export.
+    /// Name of the export.
     pub name: String,
-    /// What it is called with.
+    /// Arguments of the call.
     pub arguments: Vec<Value>,
-    /// Whether the dump says enough without it.
+    /// Whether the dump is sufficient without it.
     pub optional: bool,
 }
 
-/// The calls of the first round.
+/// Calls of the first round.
 pub fn calls() -> Vec<Call> {
     let text = |t: &str| Value::Text(t.to_owned());
     let integers = [1, -2, 258, -30_000, 16_909_060, -1_985_229_329];
@@ -121,8 +121,8 @@ pub fn calls() -> Vec<Call> {
     calls
 }
 
-/// What a library returns in the second round: an integer of the layout's width, a real number, a
-/// text.
+/// Values returned by the library in the second round: an integer of the layout's width, a real
+/// number, a text.
 pub fn returned(integer_bits: u32) -> [Value; 3] {
     let integer = if integer_bits == 16 {
         -12_345
@@ -136,7 +136,7 @@ pub fn returned(integer_bits: u32) -> [Value; 3] {
     ]
 }
 
-/// The export that gets back in the second round what was returned.
+/// The export that receives the returned values in the second round.
 pub const SEEN: &str = "lw_confirm_seen";
 
 fn call(name: &str, arguments: Vec<Value>) -> Call {

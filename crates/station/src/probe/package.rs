@@ -9,7 +9,7 @@ use crate::simtalk::literal;
 use crate::template::render;
 use serde::Serialize;
 
-/// The probe's name as a file's.
+/// File name of the probe.
 pub const STEM: &str = "linewright_probe";
 
 /// The fields of `probe.c`.
@@ -19,7 +19,7 @@ struct Source {
     confirmed: Option<Confirmed>,
 }
 
-/// A call and the words of its arguments.
+/// A call and the dump words of its arguments.
 #[derive(Serialize)]
 struct CallOfSource {
     name: String,
@@ -27,7 +27,7 @@ struct CallOfSource {
     arguments: String,
 }
 
-/// The second round: the profile and the values that are returned with it.
+/// The second round: the profile, and the values returned with it.
 #[derive(Serialize)]
 struct Confirmed {
     profile: Vec<String>,
@@ -46,17 +46,17 @@ struct Method<'a> {
     seen: &'static str,
 }
 
-/// A call as SimTalk writes it.
+/// A call in SimTalk.
 #[derive(Serialize)]
 struct CallOfMethod {
     name: String,
-    /// Each after a comma.
+    /// Arguments, each preceded by a comma.
     arguments: String,
-    /// A time, which takes a variable of its own.
+    /// A time, which needs a variable.
     duration: Option<String>,
 }
 
-/// The probe; with a profile that of the second round, which also returns values with it.
+/// Builds the probe; with a profile, that of the second round, which also returns values with it.
 pub fn package(profile: Option<&Profile>) -> Package {
     let calls = all(profile).into_iter().map(|call| {
         let words = call
@@ -122,7 +122,7 @@ fn all(profile: Option<&Profile>) -> Vec<Call> {
     all
 }
 
-/// The SimTalk 2 text of a method that makes the calls. `library` is the library's file name.
+/// SimTalk 2 text of a method that makes the calls. `library` is the library's file name.
 pub fn simtalk(profile: Option<&Profile>, library: &str) -> String {
     let (optional, needed): (Vec<Call>, Vec<Call>) = calls().into_iter().partition(|c| c.optional);
     let written = |calls: Vec<Call>| {

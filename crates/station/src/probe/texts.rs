@@ -1,10 +1,10 @@
-//! How a host writes strings: which encodings explain what the texts of a dump became.
+//! Determines how a host encodes strings: which encodings explain the texts in the dump.
 
 use super::Value;
-use super::infer::{Fact, Slot, Sureness};
+use super::infer::{Confidence, Fact, Slot};
 use crate::profile::Encoding;
 
-/// How strings are written.
+/// The encoding of strings.
 pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> Encoding {
     let texts: Vec<(&str, &[u8])> = slots
         .iter()
@@ -28,19 +28,19 @@ pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) 
     let (found, sure, why) = if let ([one], true, true) = (every.as_slice(), umlauts, beyond) {
         (
             *one,
-            Sureness::Certain,
+            Confidence::Certain,
             "umlauts and the euro sign arrive so".to_owned(),
         )
     } else if let ([one], true) = (without_euro.as_slice(), umlauts) {
         (
             *one,
-            Sureness::Likely,
+            Confidence::Likely,
             "umlauts arrive so; the text with a euro sign came changed or not at all".to_owned(),
         )
     } else if umlauts && without_euro.contains(&Encoding::Latin1) {
         (
             Encoding::Latin1,
-            Sureness::Likely,
+            Confidence::Likely,
             "umlauts arrive so, and windows-1252 would do as well; the text with a euro sign came changed or not at all".to_owned(),
         )
     } else {
@@ -51,7 +51,7 @@ pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) 
         };
         (
             found,
-            Sureness::Open,
+            Confidence::Open,
             "umlauts did not arrive as they were sent; names without them work all the same. Were they intact in the method when the probe ran?".to_owned(),
         )
     };
@@ -64,7 +64,7 @@ pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) 
     found
 }
 
-/// Whether the bytes begin with a text in an encoding, and its end.
+/// Whether the bytes begin with a text and its terminator in an encoding.
 pub(super) fn reads(bytes: &[u8], text: &str, encoding: Encoding) -> bool {
     let mut wanted = encode(text, encoding);
     wanted.extend(if encoding == Encoding::Utf16 {
@@ -75,7 +75,7 @@ pub(super) fn reads(bytes: &[u8], text: &str, encoding: Encoding) -> bool {
     bytes.starts_with(&wanted)
 }
 
-/// A text in an encoding; `?` stands for what it does not have.
+/// A text in an encoding; `?` replaces missing characters.
 fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
     let single = |c: char| match (u32::from(c), encoding) {
         (point @ (0..0x80 | 0xa0..0x100), _) | (point @ 0x80..0xa0, Encoding::Latin1) => {
@@ -94,7 +94,7 @@ fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
     }
 }
 
-/// The characters of the bytes 0x80 to 0x9f in windows-1252; 1 where there is none.
+/// Characters of the bytes 0x80 to 0x9f in windows-1252; 1 for undefined ones.
 const WINDOWS: [u16; 32] = [
     0x20ac, 1, 0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160, 0x2039,
     0x0152, 1, 0x017d, 1, 1, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014, 0x02dc,

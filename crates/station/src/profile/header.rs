@@ -1,12 +1,12 @@
-//! A profile as the C header `uf_profile.h` that `ffi/uf_value.h` includes: part of a package like
-//! any other file, so that content hash, sources and reproducibility follow by themselves.
+//! A profile as the C header `uf_profile.h` that `ffi/uf_value.h` includes. It is part of a package
+//! like any other file, and so is covered by content hash, sources and reproducibility.
 
 use super::{Encoding, Profile};
 use crate::emit::text::{comment, string};
 use crate::template::render;
 use serde::Serialize;
 
-/// The header's name in a package.
+/// File name of the header in a package.
 pub const NAME: &str = "uf_profile.h";
 
 /// The fields of `uf_profile.h`.

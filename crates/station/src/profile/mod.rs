@@ -1,82 +1,98 @@
-//! The assumed layout of `UF_Value`, what Plant Simulation passes to a library: a *profile*.
+//! The assumed layout of `UF_Value`, the arguments that Plant Simulation passes to a library: a
+//! *profile*.
 //!
-//! The vendor's header is not public, so a layout is a setting of a build and never a fact. A
-//! profile is a small TOML file ([`read`]), becomes a C header of a package ([`header`]), and is
-//! found by the probe (`station::probe`). It is *verified* only when the program it was found in
-//! has read back what a library returned with this very layout: [`Profile::confirmed`] then holds
-//! the fingerprint of the layout, so that a layout that was edited afterwards is not taken for a
-//! verified one.
+//! The vendor's header is not public, so a layout is a build setting and never a fact. A profile is
+//! a small TOML file ([`read`]), becomes a C header of a package ([`header`]), and is found by the
+//! probe (`station::probe`). It is *verified* only if the program in which it was found has read
+//! back what a library returned with exactly this layout: [`Profile::confirmed`] then holds the
+//! layout's fingerprint, so that a layout edited later does not count as verified.
 
 pub mod header;
 mod print;
 pub mod read;
 
+use schemars::JsonSchema;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-/// The schema of a profile's file.
+/// Schema of a profile file.
 pub const SCHEMA: &str = "linewright/uf-profile/1";
+
+/// The JSON Schema of a profile's file, as the value that its TOML has.
+pub const FILE_SCHEMA: &str = include_str!("uf-profile.schema.json");
 
 /// How many bytes a value of the union takes: a real number or a pointer.
 pub const VALUE_BYTES: u32 = 8;
 
-/// No `UF_Value` is larger: the probe looks no further.
+/// Maximum size in bytes of a `UF_Value`: the probe reads no further.
 pub const LARGEST_SIZE: u32 = 64;
 
-/// The assumed layout, its name, and how it is known.
+/// An assumed layout with its name and origin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Profile {
-    /// A short name, shown by `station_describe`.
+    /// Short name, shown by `station_describe`.
     pub name: String,
-    /// Where it comes from, one line.
+    /// Origin of the layout, one line.
     pub found: String,
-    /// The fingerprint of the layout that was confirmed; `None` for one that was not.
+    /// Fingerprint of the confirmed layout; `None` if unconfirmed.
     pub confirmed: Option<String>,
     /// The layout.
     pub layout: Layout,
 }
 
-/// Where the fields of a `UF_Value` lie, and what they hold. Little-endian, with pointers of 64
-/// bits.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+/// Offsets and contents of the fields of a `UF_Value`. Little-endian, with 64-bit pointers.
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Layout {
-    /// Bytes from one argument to the next.
+    /// Distance in bytes from one argument to the next.
     pub size: u32,
     /// The `#pragma pack` that explains the offsets: 1, 2, 4 or 8.
     pub packing: u32,
-    /// Where the value begins.
+    /// Offset of the value in bytes.
     pub value: u32,
-    /// Width of an integer: 16, 32 or 64.
+    /// Width of an integer in bits: 16, 32 or 64.
     pub integer_bits: u32,
-    /// How the text is written to which a string's value points.
+    /// Encoding of the text that a string value points to.
     pub strings: Encoding,
     /// The tag.
     pub tag: Tag,
 }
 
+/// What `station_describe` and `doctor` say of a profile.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct ProfileEntry {
+    /// The name of the profile.
+    name: String,
+    /// Whether the layout was confirmed in the program that it is for.
+    verified: bool,
+    /// Where it comes from.
+    found: String,
+    /// The layout; null where the vendor's header decides it.
+    layout: Option<Layout>,
+}
+
 /// The field that says what a value is.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Tag {
-    /// Where it begins.
+    /// Offset in bytes.
     pub offset: u32,
-    /// Its width: 8, 16, 32 or 64.
+    /// Width in bits: 8, 16, 32 or 64.
     pub bits: u32,
-    /// An integer.
+    /// Tag of an integer.
     pub integer: u64,
-    /// A real number.
+    /// Tag of a real number.
     pub real: u64,
-    /// A string.
+    /// Tag of a string.
     pub string: u64,
-    /// A truth value, where it is not passed as an integer.
+    /// Tag of a truth value, if it is not passed as an integer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boolean: Option<u64>,
-    /// Further kinds of real numbers: times, lengths and the like.
+    /// Tags of further kinds of real numbers: times, lengths and the like.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub more_real: Vec<u64>,
 }
 
-/// How a text is written. All end with a zero.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// Encoding of a zero-terminated text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 pub enum Encoding {
     /// UTF-8.
     #[serde(rename = "utf-8")]
@@ -84,7 +100,7 @@ pub enum Encoding {
     /// ISO 8859-1.
     #[serde(rename = "latin-1")]
     Latin1,
-    /// Windows' variant of it, with letters and signs where ISO 8859-1 has control characters.
+    /// Windows-1252: a variant with letters and signs where ISO 8859-1 has control characters.
     #[serde(rename = "windows-1252")]
     Windows1252,
     /// UTF-16, little-endian: Windows' wide characters.
@@ -96,7 +112,7 @@ impl Encoding {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::Utf8, Self::Latin1, Self::Windows1252, Self::Utf16];
 
-    /// As a profile names it.
+    /// Name of the encoding in a profile.
     pub fn word(self) -> &'static str {
         match self {
             Self::Utf8 => "utf-8",
@@ -129,7 +145,7 @@ impl Layout {
         }
     }
 
-    /// 16 hexadecimal digits of everything that the layout says.
+    /// 16 hexadecimal digits that identify the whole layout.
     pub fn fingerprint(&self) -> String {
         let text = serde_json::to_string(self).expect("a layout is plain data; please report this");
         super::emit::hex(&Sha256::digest(text))[..16].to_owned()
@@ -137,7 +153,7 @@ impl Layout {
 }
 
 impl Profile {
-    /// The built-in one.
+    /// The built-in profile.
     pub fn assumed() -> Self {
         Self {
             name: "default".to_owned(),
@@ -147,7 +163,7 @@ impl Profile {
         }
     }
 
-    /// Whether the program that it was found in has read back what was returned with this very
+    /// Whether the program in which it was found has read back values returned with exactly this
     /// layout.
     pub fn verified(&self) -> bool {
         self.confirmed.as_deref() == Some(self.layout.fingerprint().as_str())
@@ -163,25 +179,25 @@ impl Profile {
         format!("profile \"{}\" ({state})", self.name)
     }
 
-    /// What `station_describe` says of it.
-    pub fn describe(&self) -> serde_json::Value {
-        serde_json::json!({
-            "name": self.name,
-            "verified": self.verified(),
-            "found": self.found,
-            "layout": self.layout,
-        })
+    /// The profile as shown by `station_describe`.
+    pub fn describe(&self) -> ProfileEntry {
+        ProfileEntry {
+            name: self.name.clone(),
+            verified: self.verified(),
+            found: self.found.clone(),
+            layout: Some(self.layout.clone()),
+        }
     }
 
-    /// The same for a library that is compiled with the vendor's own header: its layout is not
-    /// known here.
-    pub fn describe_vendors() -> serde_json::Value {
-        serde_json::json!({
-            "name": "vendor header",
-            "verified": true,
-            "found": "compiled with the vendor's cwinfunc.h",
-            "layout": null,
-        })
+    /// The same for a library compiled with the vendor's own header, whose layout is not known
+    /// here.
+    pub fn describe_vendors() -> ProfileEntry {
+        ProfileEntry {
+            name: "vendor header".to_owned(),
+            verified: true,
+            found: "compiled with the vendor's cwinfunc.h".to_owned(),
+            layout: None,
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! A profile as its file: always the same text for the same profile, and read again as it was.
+//! Prints a profile as a file: always the same text for the same profile, which parses back to it.
 
 use super::{Profile, SCHEMA};
 use std::fmt::Write as _;
@@ -53,7 +53,7 @@ impl Profile {
     }
 }
 
-/// A basic string of TOML.
+/// A TOML basic string.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {

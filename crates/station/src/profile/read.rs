@@ -1,8 +1,8 @@
-//! A profile read from its file, strictly: unknown keys, missing ones, values that cannot be and
-//! fields that overlap are findings, all of them at once, each at its place.
+//! Parses a profile strictly: unknown and missing keys, impossible values and overlapping fields
+//! are findings, all reported at once with their places.
 //!
-//! The `toml` crate gives the tree with the place of every key and value; it is walked by hand,
-//! since a derived reader stops at the first mistake.
+//! The `toml` crate gives the tree with the place of every key and value; it is walked manually,
+//! since a derived reader stops at the first error.
 
 use super::{Encoding, LARGEST_SIZE, Layout, Profile, SCHEMA, Tag, VALUE_BYTES};
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
@@ -11,10 +11,10 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The longest name, and the longest line about where a profile comes from.
+/// Maximum length of the name, and of the line on the profile's origin.
 const LONGEST: [usize; 2] = [60, 200];
 
-/// Reads a profile; without one, the findings say why.
+/// Parses a profile; if there is none, the findings give the reason.
 pub fn parse(file: FileId, text: &str) -> Result<Profile, Vec<Diagnostic>> {
     let mut reader = Reader {
         file,
@@ -32,7 +32,7 @@ struct Reader {
     findings: Vec<Diagnostic>,
 }
 
-/// A table whose keys are taken one by one; what is left is unknown.
+/// A table whose keys are taken one by one; the remaining keys are unknown.
 struct Fields<'t, 'i> {
     table: &'t DeTable<'i>,
     place: Range<usize>,
@@ -40,8 +40,8 @@ struct Fields<'t, 'i> {
     known: Vec<&'static str>,
 }
 
-/// A value and where it stands.
-type Placed<T> = Spanned<T>;
+/// A value with its place.
+type SpannedValue<T> = Spanned<T>;
 
 impl Reader {
     fn report(&mut self, place: Range<usize>, message: String, help: impl Into<String>) {
@@ -131,7 +131,7 @@ impl Reader {
         })
     }
 
-    /// The table `[layout]`; the tag is still that of the assumption.
+    /// Reads the table `[layout]`; the tag is still that of the assumption.
     fn layout(&mut self, fields: &mut Fields<'_, '_>) -> Option<PlacedLayout> {
         let size = self.number(fields, "size", 9..=i64::from(LARGEST_SIZE));
         let packing = self.one_of(fields, "packing", &[1, 2, 4, 8]);
@@ -152,7 +152,7 @@ impl Reader {
                 };
                 self.report(
                     given.span(),
-                    format!("\"{}\" is no encoding of strings", given.get_ref()),
+                    format!("\"{}\" is not a string encoding", given.get_ref()),
                     help,
                 );
             }
@@ -167,7 +167,7 @@ impl Reader {
         })
     }
 
-    /// The table `[tag]`.
+    /// Reads the table `[tag]`.
     fn tag(&mut self, fields: &mut Fields<'_, '_>) -> Option<PlacedTag> {
         let offset = self.number(fields, "offset", 0..=i64::from(LARGEST_SIZE - 1));
         let bits = self.one_of(fields, "bits", &[8, 16, 32, 64]);
@@ -198,8 +198,8 @@ impl Reader {
         })
     }
 
-    /// Whether the tags fit their field, and differ.
-    fn distinct(&mut self, bits: Option<i64>, tags: &[(&'static str, Placed<i64>)]) {
+    /// Checks that the tags fit their field and differ.
+    fn distinct(&mut self, bits: Option<i64>, tags: &[(&'static str, SpannedValue<i64>)]) {
         for (i, (name, number)) in tags.iter().enumerate() {
             if let Some(bits) = bits.filter(|b| *b < 64 && *number.get_ref() >> b != 0) {
                 self.report(
@@ -222,7 +222,7 @@ impl Reader {
         }
     }
 
-    /// Whether layout and tag go together.
+    /// Checks that layout and tag are compatible.
     fn together(&mut self, layout: &PlacedLayout, tag: &PlacedTag) -> Layout {
         let bytes = *tag.bits.get_ref() / 8;
         let (size, value, offset) = (
@@ -278,7 +278,7 @@ impl Reader {
             if of % unit != 0 {
                 self.report(
                     place,
-                    format!("{what} {of}, which is no multiple of {unit} as `packing = {packing}` wants it"),
+                    format!("{what} {of}, which is not a multiple of {unit} as `packing = {packing}` wants it"),
                     "make the packing smaller, or correct the number",
                 );
             }
@@ -306,14 +306,14 @@ impl Reader {
         }
     }
 
-    /// A value that must be there, in a form that `read` takes.
+    /// A required value, converted by `read`.
     fn required<T>(
         &mut self,
         fields: &mut Fields<'_, '_>,
         key: &'static str,
         wanted: &str,
         read: impl FnOnce(&DeValue<'_>) -> Option<T>,
-    ) -> Option<Placed<T>> {
+    ) -> Option<SpannedValue<T>> {
         let Some(value) = fields.take(key) else {
             let within = fields.within;
             let place = fields.place.clone();
@@ -337,13 +337,17 @@ impl Reader {
         read.map(|v| Spanned::new(value.span(), v))
     }
 
-    fn text(&mut self, fields: &mut Fields<'_, '_>, key: &'static str) -> Option<Placed<String>> {
+    fn text(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+    ) -> Option<SpannedValue<String>> {
         self.required(fields, key, "a text in quotes", |v| {
             v.as_str().map(str::to_owned)
         })
     }
 
-    /// A text of one line that is neither empty nor long.
+    /// A single line of text, neither empty nor too long.
     fn line(
         &mut self,
         fields: &mut Fields<'_, '_>,
@@ -363,7 +367,7 @@ impl Reader {
             );
             return None;
         }
-        // Shown, it stands before "(unverified)".
+        // The name is shown before "(unverified)".
         if key == "name" && value.to_lowercase().contains("verified") {
             self.report(
                 text.span(),
@@ -379,7 +383,7 @@ impl Reader {
         fields: &mut Fields<'_, '_>,
         key: &'static str,
         within: std::ops::RangeInclusive<i64>,
-    ) -> Option<Placed<i64>> {
+    ) -> Option<SpannedValue<i64>> {
         let wanted = if *within.end() == i64::MAX {
             format!("a whole number from {}", within.start())
         } else {
@@ -395,7 +399,7 @@ impl Reader {
         fields: &mut Fields<'_, '_>,
         key: &'static str,
         all: &[i64],
-    ) -> Option<Placed<i64>> {
+    ) -> Option<SpannedValue<i64>> {
         let words: Vec<String> = all.iter().map(i64::to_string).collect();
         let wanted = format!("one of {}", words.join(", "));
         self.required(fields, key, &wanted, |v| {
@@ -404,7 +408,11 @@ impl Reader {
     }
 
     /// A list of tags.
-    fn numbers(&mut self, fields: &mut Fields<'_, '_>, key: &'static str) -> Vec<Placed<i64>> {
+    fn numbers(
+        &mut self,
+        fields: &mut Fields<'_, '_>,
+        key: &'static str,
+    ) -> Vec<SpannedValue<i64>> {
         let wanted = "a list of whole numbers from 0";
         let read = self.required(fields, key, wanted, |v| {
             let all = v.as_array()?.iter().map(|item| {
@@ -465,17 +473,17 @@ impl Reader {
 }
 
 struct PlacedLayout {
-    size: Placed<i64>,
-    packing: Placed<i64>,
-    value: Placed<i64>,
-    integer_bits: Placed<i64>,
+    size: SpannedValue<i64>,
+    packing: SpannedValue<i64>,
+    value: SpannedValue<i64>,
+    integer_bits: SpannedValue<i64>,
     strings: Encoding,
 }
 
 struct PlacedTag {
-    offset: Placed<i64>,
-    bits: Placed<i64>,
-    tags: Vec<(&'static str, Placed<i64>)>,
+    offset: SpannedValue<i64>,
+    bits: SpannedValue<i64>,
+    tags: Vec<(&'static str, SpannedValue<i64>)>,
 }
 
 impl<'t, 'i> Fields<'t, 'i> {
@@ -498,7 +506,7 @@ impl<'t, 'i> Fields<'t, 'i> {
     }
 }
 
-/// A whole number that fits 64 bits.
+/// An integer that fits 64 bits.
 fn whole(value: &DeValue<'_>) -> Option<i64> {
     let number = value.as_integer()?;
     i64::from_str_radix(number.as_str(), number.radix()).ok()

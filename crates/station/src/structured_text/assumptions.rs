@@ -1,35 +1,36 @@
-//! What a machine relies on, asked before its transitions.
+//! Checks a machine's assumptions before its transitions.
 //!
-//! A machine's guards were put together over inputs that the assumptions exclude, so it has
-//! transitions for some of those, too. So a step first evaluates the contract's assumptions one
-//! after the other, and the first that is broken refuses it, by its name. That takes the inputs of
-//! the step before, which are kept.
+//! A machine's guards were combined over inputs that the assumptions exclude, so it has transitions
+//! for some of those, too. So a step first evaluates the contract's assumptions one after the
+//! other; the first violated one refuses the step and is named. This needs the inputs of the
+//! previous step, which are kept.
 //!
-//! The standard can say every assumption. One whose condition would be longer than
-//! [`LONGEST`](super::expression::LONGEST) is not asked: then only such inputs are refused for
-//! which the machine has no transition, without a name.
+//! Every assumption can be expressed in the standard. One whose condition would be longer than
+//! [`LONGEST`](super::expression::LONGEST) is not checked: then only inputs without a transition
+//! are refused, and no assumption is named.
 
 use super::Variable;
 use super::expression::Translator;
-use super::interface::{Interface, Own, mentions};
+use super::interface::{BlockVariables, Interface, mentions};
 use super::text::{indented, wrap_condition};
 use linewright_core::gr1::{Expr, Formula, Specification, Time};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// The assumptions as statements.
+/// Assumptions as statements.
 pub(super) struct Assumptions {
     no_step: String,
     state: String,
     first: String,
     later: String,
-    /// What is kept of the step before: the variable, the input it is a copy of, and its value
+    /// Values kept of the previous step: the variable, the input that it copies, and its value
     /// before step 0.
     kept: Vec<(Variable, String, String)>,
 }
 
 impl Assumptions {
-    /// The assumptions of a machine whose state is in this variable, below 0 before step 0.
+    /// The assumptions of a machine whose state is in this variable, which is negative before step
+    /// 0.
     pub fn new(interface: &mut Interface<'_>, specification: &Specification, state: &str) -> Self {
         let side = &specification.assumptions;
         let mut kept = BTreeMap::new();
@@ -104,13 +105,13 @@ impl Assumptions {
         }
     }
 
-    /// The error of a step for which the machine has no transition.
+    /// Error of a step without a transition.
     pub fn no_step(&self) -> &str {
         &self.no_step
     }
 
-    /// The step of a machine: what it relies on, then the transition, then what is kept.
-    pub fn around(&self, own: &Own, transition: &str) -> String {
+    /// The step of a machine: assumption checks, then the transition, then the values to keep.
+    pub fn around(&self, own: &BlockVariables, transition: &str) -> String {
         let (refused, fine) = (&own.refused, &own.fine);
         let mut out = String::new();
         let state = &self.state;
@@ -140,7 +141,7 @@ impl Assumptions {
         out
     }
 
-    /// What forgets the step before.
+    /// Statements that forget the previous step.
     pub fn reset(&self) -> String {
         let kept = self.kept.iter();
         kept.fold(String::new(), |mut out, (copy, _, usual)| {
@@ -149,7 +150,7 @@ impl Assumptions {
         })
     }
 
-    /// What it keeps.
+    /// Variables that it keeps.
     pub fn into_locals(self) -> impl Iterator<Item = Variable> {
         self.kept.into_iter().map(|(copy, ..)| copy)
     }

@@ -1,13 +1,12 @@
-//! Values as whole numbers, for tables and bits: 0 and 1, the number of a label, or the value
-//! itself.
+//! Values as integers, for tables and bits: 0 and 1, the number of a label, or the value itself.
 //!
-//! The standard has no conversion between enumerations and numbers, so that a CASE does it.
+//! The standard has no conversion between enumerations and numbers, so a CASE statement is used.
 
 use super::interface::Port;
 use super::{Type, Width};
 use std::fmt::Write;
 
-/// The width of a variable that takes the numbers of all these ports.
+/// Width of a variable that holds the numbers of all these ports.
 pub(super) fn width(ports: &[Port<'_>]) -> Width {
     let widths = ports.iter().map(|p| match &p.kind {
         Type::Integer(width) => *width,
@@ -16,7 +15,7 @@ pub(super) fn width(ports: &[Port<'_>]) -> Width {
     widths.max().unwrap_or(Width::Int)
 }
 
-/// Statements that put the number of a port into `target`, of this width.
+/// Statements that store the number of a port in `target`, of this width.
 pub(super) fn read(port: &Port<'_>, target: &str, width: Width) -> String {
     let name = &port.name;
     match &port.kind {

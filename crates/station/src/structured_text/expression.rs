@@ -1,9 +1,9 @@
-//! Formulas as conditions of Structured Text.
+//! Emits formulas as conditions of Structured Text.
 //!
-//! Whole numbers are computed in the narrowest type that holds every intermediate value. The
-//! standard rounds quotients towards 0 and contracts round them down, so that a division of what
-//! may be negative takes some words. Enumerations are compared by their labels, and become numbers
-//! only where nothing else will do.
+//! Integers are computed in the narrowest type that holds every intermediate value. The standard
+//! rounds quotients toward 0 while contracts round them down, so a division of possibly negative
+//! numbers takes a longer expression. Enumerations are compared by their labels, and become numbers
+//! only where necessary.
 
 use super::interface::Port;
 use super::{Type, Width, literal};
@@ -11,22 +11,21 @@ use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, UnaryOp, VarId};
 use std::collections::BTreeMap;
 
-/// A condition has at most so many characters. What is said of numbers is said several times in
-/// quotients of negative ones, so that a formula of nothing else could grow without bound.
+/// Maximum length of a condition in characters. Quotients of negative numbers repeat their
+/// operands, so that a formula of nothing else could grow without bound.
 pub(super) const LONGEST: usize = 100_000;
 
-/// What variables are called.
+/// Names of variables.
 pub(super) struct Translator<'a> {
     pub specification: &'a Specification,
     pub inputs: &'a [Port<'a>],
     pub outputs: &'a [Port<'a>],
-    /// For a formula that speaks of two steps: copies of the inputs of the earlier one, by their
-    /// places.
+    /// For a formula about two steps: copies of the earlier step's inputs, by index.
     pub kept: Option<&'a BTreeMap<usize, String>>,
 }
 
 impl Translator<'_> {
-    /// The condition that a formula does not hold; none if it would be too long.
+    /// The condition that a formula is violated; `None` if it would be too long.
     pub fn broken(&self, expr: &Expr) -> Option<String> {
         let expr = expr.simplify();
         bounded(match self.connected(&expr, true) {
@@ -35,7 +34,7 @@ impl Translator<'_> {
         })
     }
 
-    /// The operands that AND or OR joins in a truth value or its negation, if one does.
+    /// The operands joined by AND or OR in a truth value or its negation, if it has this form.
     fn connected(&self, expr: &Expr, negate: bool) -> Option<(Option<Vec<String>>, &'static str)> {
         let signs = [(true, " AND "), (false, " OR ")];
         let mut found = signs.into_iter().filter_map(|(and, sign)| {
@@ -48,7 +47,7 @@ impl Translator<'_> {
         Some((texts.collect(), sign))
     }
 
-    /// The name of a variable and its port.
+    /// Name and port of a variable.
     fn variable(&self, id: VarId, time: Time) -> Option<(String, &Port<'_>)> {
         let specification = self.specification;
         match (specification.variable(id).owner, time, self.kept) {
@@ -61,7 +60,7 @@ impl Translator<'_> {
                 };
                 Some((name, port))
             }
-            // Until the step is made, outputs have the values of the step before.
+            // Until the step is made, outputs have the values of the previous step.
             (Owner::System, Time::Now, Some(_)) => {
                 let place = specification.outputs().position(|v| v == id)?;
                 let port = &self.outputs[place];
@@ -75,7 +74,7 @@ impl Translator<'_> {
         &self.specification.variable(id).domain
     }
 
-    /// Whether an expression is a truth value by its form.
+    /// Whether an expression's form makes it a truth value.
     fn is_truth(&self, expr: &Expr) -> bool {
         match expr {
             Expr::Const(_) => false,
@@ -127,7 +126,7 @@ impl Translator<'_> {
             Expr::If(c, a, b) => {
                 let (a, b) = (self.truth(a, negate)?, self.truth(b, negate)?);
                 match &**c {
-                    // One that is short can be said twice.
+                    // A short one can be repeated.
                     Expr::Var(..) | Expr::Unary(..) => {
                         let (yes, no) = (self.truth(c, false)?, self.truth(c, true)?);
                         format!("(({yes} AND {a}) OR ({no} AND {b}))")
@@ -140,7 +139,7 @@ impl Translator<'_> {
         })
     }
 
-    /// Two values of one enumeration.
+    /// Compares two values of one enumeration.
     fn labels(&self, a: &Expr, b: &Expr, equal: bool) -> Option<String> {
         let (a, b) = match (a, b) {
             (Expr::Const(_) | Expr::If(..), Expr::Var(..)) => (b, a),
@@ -155,7 +154,7 @@ impl Translator<'_> {
         Some(format!("({name} {sign} {other})"))
     }
 
-    /// A value of the enumeration that a port has.
+    /// The label for a value of a port's enumeration.
     fn label(&self, expr: &Expr, port: &Port<'_>) -> Option<String> {
         match expr {
             Expr::Const(c) => port.labels.get(usize::try_from(*c).ok()?).cloned(),
@@ -197,7 +196,7 @@ impl Translator<'_> {
             .try_fold(own, |width, part| Some(width.max(self.width(part)?)))
     }
 
-    /// A whole number of this width, as an operand.
+    /// An integer of this width, as an operand.
     fn number(&self, expr: &Expr, width: Width) -> Option<String> {
         use BinaryOp as B;
         let word = width.keyword();
@@ -244,7 +243,7 @@ impl Translator<'_> {
     }
 }
 
-/// A text that is not too long.
+/// The text, unless it is too long.
 fn bounded(text: String) -> Option<String> {
     (text.len() <= LONGEST).then_some(text)
 }
@@ -258,12 +257,12 @@ fn numbered(name: &str, labels: &[String], word: &str) -> String {
     })
 }
 
-/// A quotient that is rounded down, or its rest, which has the divisor's sign; `signs` tells which
-/// of the two may be negative. The standard's own rounds towards 0, and its rest has the dividend's
-/// sign.
+/// A quotient that is rounded down, or its remainder, which has the divisor's sign; `signs` says
+/// which of the two may be negative. The standard's own quotient rounds toward 0, and its remainder
+/// has the dividend's sign.
 fn rounded_down(op: BinaryOp, x: &str, y: &str, signs: (bool, bool), word: &str) -> String {
     let rest = format!("({x} MOD {y})");
-    // No divisor's range holds 0. A rest that has the other sign than the divisor tells that the
+    // No divisor's range contains 0. If the remainder's sign differs from the divisor's, the
     // quotient is one too high.
     let high = match signs {
         (false, false) => None,
@@ -277,7 +276,7 @@ fn rounded_down(op: BinaryOp, x: &str, y: &str, signs: (bool, bool), word: &str)
             format!("(({x} / {y}) - SEL({high}, {zero}, {word}#1))")
         }
         (_, None) => rest,
-        // The divisor may be a bare literal, which SEL could not give a type.
+        // The divisor may be a bare literal, which SEL cannot type.
         (_, Some(high)) => format!("({rest} + SEL({high}, {zero}, ({zero} + {y})))"),
     }
 }
@@ -291,8 +290,8 @@ fn is_arithmetic(op: BinaryOp) -> bool {
     )
 }
 
-/// What a truth value or its negation is the conjunction of, or else the disjunction, from left to
-/// right: expressions, and whether each is negated.
+/// The operands of the conjunction, or else the disjunction, that a truth value or its negation is,
+/// from left to right; with each, whether it is negated.
 fn operands(expr: &Expr, negate: bool, conjunction: bool) -> Vec<(&Expr, bool)> {
     use BinaryOp as B;
     let mut found = Vec::new();

@@ -1,7 +1,7 @@
-//! A controller as functions: a table of decisions with shared parts, which a loop walks.
+//! A controller as functions: a table of decisions with shared parts, walked by a loop.
 //!
-//! A block cannot call itself and should not need other blocks, so the walk is written out in each
-//! of the four places that ask for a function's value: assumptions, modes, outputs, goals.
+//! A block cannot call itself and should not need other blocks, so the walk is repeated in each of
+//! the four places that evaluate a function: assumptions, modes, outputs, goals.
 
 use super::interface::{Interface, Port};
 use super::tables::{element, table};
@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// The tables of the decisions, and which of them give what.
+/// Tables of the decisions, and of the roots.
 struct Tables {
     promise: Variable,
     promise_error: Variable,
@@ -57,7 +57,7 @@ impl Tables {
         let highs = numbers(&mut nodes.iter().map(|n| n.high.0));
         let lows = numbers(&mut nodes.iter().map(|n| n.low.0));
 
-        // The outputs of step 0 come first, then those of the modes; equal ones are there once.
+        // The outputs of step 0 come first, then those of the modes; equal ones are shared.
         let count = controls.first.len();
         let mut rows: Vec<&[(Bit, Edge)]> = vec![&controls.first];
         let mut known: BTreeMap<&[(Bit, Edge)], usize> = BTreeMap::new();
@@ -169,12 +169,12 @@ struct Step<'a> {
     signals: &'a str,
     refused: &'a str,
     fine: &'a str,
-    /// How many bits of the last step's values there are.
+    /// Number of bits of the last step's values.
     pairs: usize,
     /// Statements that write the inputs to their signals.
     inputs: Vec<String>,
     first_promises: usize,
-    /// How many promises there are of step 0 and of later steps together.
+    /// Number of promises, for step 0 and later steps together.
     promises: usize,
     promise_error: &'a str,
     evaluate_promise: String,
@@ -182,7 +182,7 @@ struct Step<'a> {
     end_of_modes: String,
     evaluate_mode: String,
     first_output: String,
-    /// How many outputs are computed in a step.
+    /// Number of outputs computed in a step.
     count: usize,
     evaluate_output: String,
     output_signal: &'a str,
@@ -203,7 +203,7 @@ struct Evaluate<'a> {
     low: String,
 }
 
-/// The scratch variables of a step.
+/// Temporary variables of a step.
 struct Scratch {
     signals: Variable,
     at: Variable,
@@ -213,7 +213,7 @@ struct Scratch {
     code: Variable,
 }
 
-/// Tables, memory and step.
+/// Emits tables, memory and step.
 pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Parts {
     let pairs = functions.pairs().max(1) as i64;
     let goal = interface.fresh("goal");
@@ -240,7 +240,7 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
         &tables.goal_mode,
         &tables.output_signal,
     ];
-    // Indices and edges are of one type, also where they are one beyond a table.
+    // Indices and edges have the same type, even if they are one beyond a table.
     let rows = all.iter().map(|t| match t.kind {
         Type::Array(_, last, _) => Width::of(0, last + 1),
         _ => Width::Lint,
@@ -296,7 +296,7 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
     }
 }
 
-/// The width in which values are taken apart into bits.
+/// Width in which values are split into bits.
 fn code_width(interface: &Interface<'_>) -> Width {
     let ports = || interface.inputs.iter().chain(&interface.outputs);
     let widths = ports().map(|p| {
@@ -327,7 +327,7 @@ fn step(
     let get = |table: &Variable, place: &str| {
         element(table).convert(index, &format!("{}[{place}]", table.name))
     };
-    // The value of the function that `place` of a table names.
+    // Evaluates the function that `place` of a table names.
     let evaluate = |table: &Variable, place: &str, levels: usize| {
         let node = format!("{edge} / 2");
         let statements = render(
@@ -385,8 +385,7 @@ fn step(
     )
 }
 
-/// Statements that write the bits of an input to its signals of this step, the least significant
-/// first.
+/// Statements that write the bits of an input to its signals in this step, least significant first.
 fn take_apart(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
     let signal = |bit: &Bit| format!("{}[{}]", scratch.signals.name, bit.primed().0);
     if let ([bit], Type::Bool) = (bits, &port.kind) {
@@ -414,7 +413,7 @@ fn take_apart(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
     out
 }
 
-/// Statements that set an output from its signals of this step.
+/// Statements that set an output from its signals in this step.
 fn put_together(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
     let signal = |bit: &Bit| format!("{}[{}]", scratch.signals.name, bit.primed().0);
     if let ([bit], Type::Bool) = (bits, &port.kind) {

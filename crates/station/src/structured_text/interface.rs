@@ -1,5 +1,5 @@
-//! What all blocks have in common: names and types of the ports, the control inputs and outputs,
-//! and how a call begins and ends.
+//! Common parts of all blocks: names and types of the ports, the control inputs and outputs, and
+//! the beginning and end of a call.
 
 use super::names::{Names, comment, identifier, part, stem};
 use super::text::{indented, wrap_condition};
@@ -13,13 +13,13 @@ use std::fmt::Write;
 
 /// An input or output of the controller as a variable of the block.
 pub(super) struct Port<'a> {
-    /// The variable.
+    /// Name of the variable.
     pub name: String,
-    /// Its type.
+    /// Type of the variable.
     pub kind: Type,
     /// The labels of an enumeration, as declared.
     pub labels: Vec<String>,
-    /// What it stands for.
+    /// The port of the controller.
     pub of: &'a mealy::Port,
 }
 
@@ -32,29 +32,29 @@ pub(super) struct Interface<'a> {
     names: Names,
     block: String,
     types: Vec<Enumeration>,
-    /// Which of `types` is which enumeration.
+    /// Index in `types` of each enumeration.
     known: BTreeMap<(Option<String>, Vec<String>), usize>,
-    /// The inputs in the order of the specification.
+    /// Inputs in the order of the specification.
     pub inputs: Vec<Port<'a>>,
-    /// The outputs and internal variables.
+    /// Outputs and internal variables.
     pub outputs: Vec<Port<'a>>,
-    own: Own,
+    own: BlockVariables,
     errors: Enumeration,
     broken: BTreeMap<String, String>,
     outside: Vec<Option<String>>,
 }
 
-/// The block's own variables that every form uses.
+/// The block's own variables used by every form.
 #[derive(Serialize)]
-pub(super) struct Own {
+pub(super) struct BlockVariables {
     pub enable: String,
     pub reset: String,
     pub stepped: String,
     pub error: String,
     pub error_id: String,
-    /// The error of this call.
+    /// Error of this call.
     pub refused: String,
-    /// The label that says that there is none.
+    /// Label that means no error.
     pub fine: String,
 }
 
@@ -75,16 +75,16 @@ struct Description<'a> {
 #[derive(Serialize)]
 struct Call<'a> {
     #[serde(flatten)]
-    own: &'a Own,
-    /// What sets state and outputs back.
+    own: &'a BlockVariables,
+    /// Statements that reset state and outputs.
     beginning: String,
-    /// What refuses inputs outside their domains.
+    /// Statements that refuse inputs outside their domains.
     checks: String,
     step: String,
 }
 
 impl<'a> Interface<'a> {
-    /// The interface of a controller.
+    /// Creates the interface of a controller.
     pub fn new(controller: &'a mealy::Controller, specification: &'a Specification) -> Self {
         let contract = controller.name();
         let prefix = stem(contract);
@@ -99,7 +99,7 @@ impl<'a> Interface<'a> {
             known: BTreeMap::new(),
             inputs: Vec::new(),
             outputs: Vec::new(),
-            own: Own {
+            own: BlockVariables {
                 enable: String::new(),
                 reset: String::new(),
                 stepped: String::new(),
@@ -116,8 +116,8 @@ impl<'a> Interface<'a> {
             broken: BTreeMap::new(),
             outside: Vec::new(),
         };
-        // Enumerations come first: they shall be called the same in all blocks that share them, so
-        // that outputs of one can be connected with inputs of another.
+        // Enumerations come first: they need the same names in all blocks that share them, so that
+        // outputs of one can be connected to inputs of another.
         let ports = controller.inputs().iter().chain(controller.outputs());
         for port in ports {
             interface.declare(port);
@@ -136,8 +136,8 @@ impl<'a> Interface<'a> {
             });
             interface.outside.push(label);
         }
-        // The contract's words keep their names; ours give way.
-        interface.own = Own {
+        // Names from the contract are kept; the block's own names give way.
+        interface.own = BlockVariables {
             enable: interface.fresh("enable"),
             reset: interface.fresh("reset"),
             stepped: interface.fresh("stepped"),
@@ -150,7 +150,7 @@ impl<'a> Interface<'a> {
     }
 
     /// The block's own variables.
-    pub fn own(&self) -> &Own {
+    pub fn own(&self) -> &BlockVariables {
         &self.own
     }
 
@@ -159,12 +159,12 @@ impl<'a> Interface<'a> {
         self.errors.name.clone()
     }
 
-    /// A name for one more variable.
+    /// A name for an additional variable.
     pub fn fresh(&mut self, wish: &str) -> String {
         self.names.unique(&identifier(wish))
     }
 
-    /// One more error, and its label.
+    /// Adds an error; returns its label.
     fn error(&mut self, wish: &str, meaning: &str) -> String {
         let label = format!("{}_{wish}", self.prefix);
         let label = self.names.unique(&label);
@@ -172,7 +172,7 @@ impl<'a> Interface<'a> {
         label
     }
 
-    /// The error that an assumption of this name is broken.
+    /// The error for a violated assumption with this name.
     pub fn broken(&mut self, name: &str) -> String {
         if let Some(label) = self.broken.get(name) {
             return label.clone();
@@ -184,7 +184,7 @@ impl<'a> Interface<'a> {
         label
     }
 
-    /// The error that there is no transition.
+    /// The error for a missing transition.
     pub fn no_step(&mut self) -> String {
         let meaning = "the controller has no step for these inputs; it has one wherever the assumptions are kept";
         self.error("no_step", meaning)
@@ -202,7 +202,7 @@ impl<'a> Interface<'a> {
         let prefix = if let Some(name) = name {
             stem(name)
         } else {
-            // An array's elements have the type in common.
+            // The elements of an array share their type.
             let whole = port.name.split('[').next().unwrap_or_default();
             format!("{}_{}", self.prefix, part(whole))
         };
@@ -214,7 +214,7 @@ impl<'a> Interface<'a> {
                 .map(|label| {
                     let wish = format!("{prefix}_{}", part(label));
                     let declared = self.names.unique(&wish);
-                    // What the name says already needs no words.
+                    // What the name already says is not repeated.
                     let meaning = if declared == format!("{prefix}_{label}") {
                         String::new()
                     } else {
@@ -250,7 +250,7 @@ impl<'a> Interface<'a> {
         named.collect()
     }
 
-    /// The block, with what a form of controllers adds.
+    /// Completes the block with the parts of a form of controllers.
     pub fn finish(self, parts: Parts) -> Block {
         let body = self.body(&parts);
         let description = self.description();
@@ -370,8 +370,8 @@ impl<'a> Interface<'a> {
         )
     }
 
-    /// Refuses inputs outside their domains. Systems differ in whether an enumeration can have
-    /// other values than its labels.
+    /// Refuses inputs outside their domains. In some systems an enumeration can have values other
+    /// than its labels.
     fn domain_checks(&self) -> String {
         let mut out = String::new();
         for (port, label) in self.inputs.iter().zip(&self.outside) {
@@ -415,7 +415,7 @@ fn text(formula: &Formula) -> String {
 }
 
 impl Port<'_> {
-    /// A value of the port.
+    /// A value of the port as text.
     pub fn value(&self, value: i64) -> String {
         match self.kind {
             Type::Bool => if value == 0 { "FALSE" } else { "TRUE" }.to_owned(),
@@ -424,7 +424,7 @@ impl Port<'_> {
         }
     }
 
-    /// Its value before the first call: 0 where that is one, or the lowest.
+    /// Its value before the first call: 0 if that is in the domain, otherwise the lowest.
     pub fn usual(&self) -> String {
         self.value(self.zero())
     }

@@ -1,5 +1,5 @@
-//! A machine as a CASE over its states, with one condition a transition: what a person would write
-//! by hand.
+//! A machine as a CASE over its states with one condition per transition, as a person would write
+//! it.
 
 use super::assumptions::Assumptions;
 use super::interface::{Interface, Port};
@@ -9,8 +9,7 @@ use linewright_core::gr1::Specification;
 use linewright_solver::mealy::{Guard, Machine, Transition};
 use std::fmt::Write;
 
-/// A machine is written so while it has at most so many tests and assignments; a longer one becomes
-/// tables.
+/// Maximum number of tests and assignments of a machine in this form; a longer one becomes tables.
 const MOST_TERMS: usize = 4_000;
 
 /// Whether a machine is written as a CASE.
@@ -23,7 +22,7 @@ pub(super) fn is_short(machine: &Machine) -> bool {
     terms.sum::<usize>() <= MOST_TERMS
 }
 
-/// The variable that holds the state, and how its comment explains it.
+/// The variable that holds the state, with an explanation in its comment.
 pub(super) fn state(interface: &mut Interface<'_>, machine: &Machine) -> Variable {
     let width = Width::of(0, machine.states.len() as i64);
     let name = interface.fresh("state");
@@ -35,7 +34,7 @@ pub(super) fn state(interface: &mut Interface<'_>, machine: &Machine) -> Variabl
     .beginning("-1")
 }
 
-/// State and step.
+/// Emits state and step.
 pub(super) fn parts(
     interface: &mut Interface<'_>,
     machine: &Machine,
@@ -75,7 +74,7 @@ pub(super) fn parts(
     }
 }
 
-/// What is done in one state.
+/// The statements of one state.
 fn choice(
     interface: &Interface<'_>,
     machine: &Machine,
@@ -105,7 +104,7 @@ fn choice(
     out
 }
 
-/// A guard, or nothing where it always holds.
+/// A guard as a condition; `None` if it always holds.
 fn condition(inputs: &[Port<'_>], machine: &Machine, guard: &Guard) -> Option<String> {
     let mut cubes = Vec::new();
     for cube in machine.guard_values(guard) {
@@ -128,7 +127,7 @@ fn condition(inputs: &[Port<'_>], machine: &Machine, guard: &Guard) -> Option<St
     })
 }
 
-/// Several operands as one.
+/// Joins several operands into one.
 fn grouped(operands: &[String], operator: &str) -> String {
     match operands {
         [only] => only.clone(),
@@ -136,8 +135,8 @@ fn grouped(operands: &[String], operator: &str) -> String {
     }
 }
 
-/// The tests that all have to hold for a port to have one of these values; none where every value
-/// will do.
+/// The tests that must all hold for a port to have one of these values; empty if every value is
+/// allowed.
 fn port_tests(port: &Port<'_>, values: &[(i64, i64)]) -> Vec<String> {
     let name = &port.name;
     let (low, high) = (port.of.domain.low(), port.of.domain.high());
@@ -160,7 +159,7 @@ fn port_tests(port: &Port<'_>, values: &[(i64, i64)]) -> Vec<String> {
             }
         }
         _ => {
-            // A single value that is left out reads better than what is left in.
+            // Excluding a single value is easier to read than listing the allowed ones.
             let count: i64 = values.iter().map(|(a, b)| b - a + 1).sum();
             if count == high - low && high - low > 1 {
                 let hole = values

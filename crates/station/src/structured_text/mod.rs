@@ -1,14 +1,14 @@
-//! A controller for a programmable controller: a function block of IEC 61131-3 Structured Text, as
-//! text or as PLCopen XML.
+//! Emits a controller as a function block of IEC 61131-3 Structured Text, as text or as PLCopen
+//! XML.
 //!
-//! A [`Block`] is plain data, the same for both written forms. Only what the second edition of the
-//! standard has and every larger system takes is used: no methods, no pointers, no typed access to
-//! enumerations, `(* *)` comments, explicit conversions. Enumerations are prefixed
-//! (`Command_turn`), so that their labels need no qualifier, which systems write differently.
+//! A [`Block`] is plain data, the same for both output formats. It uses only what the second
+//! edition of the standard has and every larger system accepts: no methods, no pointers, no typed
+//! access to enumerations, `(* *)` comments, explicit conversions. Enumerations are prefixed
+//! (`Command_turn`), so that their labels need no qualifier, whose syntax differs between systems.
 //!
-//! A machine becomes a CASE over its states (`machine.rs`), or tables where that would be long
-//! (`tables.rs`); functions become a table of decisions that a loop walks (`functions.rs`). What is
-//! the same for all, the interface and how a call begins and ends, stands in `interface.rs`.
+//! A machine becomes a CASE over its states (`machine.rs`), or tables if that would be long
+//! (`tables.rs`); functions become a table of decisions that a loop walks (`functions.rs`). The
+//! common interface, and the beginning and end of a call, are in `interface.rs`.
 
 mod assumptions;
 mod codes;
@@ -28,17 +28,17 @@ use linewright_solver::mealy;
 /// A function block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Block {
-    /// The contract's name.
+    /// Name of the contract.
     pub contract: String,
-    /// The block's own: `FB_Turn`.
+    /// Name of the block: `FB_Turn`.
     pub name: String,
-    /// What it is and how it is used, one paragraph a line.
+    /// Description and usage, one paragraph per line.
     pub description: Vec<String>,
-    /// The enumerations it needs, its own errors last.
+    /// Enumerations that it needs, its own errors last.
     pub types: Vec<Enumeration>,
-    /// Its variables, by kind; the controller's own ones first.
+    /// Variables by kind; the controller's own ones first.
     pub sections: Vec<(Section, Vec<Variable>)>,
-    /// Its statements.
+    /// Statements of the body.
     pub body: String,
 }
 
@@ -47,13 +47,13 @@ pub struct Block {
 pub struct Enumeration {
     /// `E_Command`
     pub name: String,
-    /// What it is.
+    /// Description for a comment.
     pub description: String,
-    /// The labels as declared, `Command_turn`, and what each means.
+    /// The labels as declared, `Command_turn`, with their meanings.
     pub labels: Vec<(String, String)>,
 }
 
-/// The kinds of variables.
+/// Kinds of variables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Section {
     /// `VAR_INPUT`
@@ -71,43 +71,43 @@ pub enum Section {
 /// A variable of a block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Variable {
-    /// Its name.
+    /// Name of the variable.
     pub name: String,
-    /// Its type.
+    /// Type of the variable.
     pub kind: Type,
-    /// Its value before the first call, where that is not the type's own.
+    /// Value before the first call, if it differs from the type's default.
     pub initial: Initial,
-    /// What it is; may be empty.
+    /// Description; may be empty.
     pub description: String,
 }
 
-/// The value of a variable before the first call.
+/// Value of a variable before the first call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Initial {
     /// `FALSE`, 0, or the first label.
     Usual,
     /// This one.
     Value(String),
-    /// Those of an array, in order.
+    /// Values of an array, in order.
     Values(Vec<String>),
 }
 
-/// The types that are used.
+/// Types of variables.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Type {
     /// `BOOL`
     Bool,
-    /// Whole numbers of 16, 32 or 64 bits.
+    /// Integer of 16, 32 or 64 bits.
     Integer(Width),
     /// An enumeration, by its name.
     Enumeration(String),
-    /// `STRING` of at most so many characters
+    /// `STRING` with this maximum number of characters.
     Text(usize),
     /// An array with these first and last indices.
     Array(i64, i64, Box<Type>),
 }
 
-/// How wide a whole number is.
+/// Width of an integer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Width {
     /// `INT`
@@ -119,7 +119,7 @@ pub enum Width {
 }
 
 impl Width {
-    /// The narrowest that holds all values between two.
+    /// The narrowest width that holds all values from `low` to `high`.
     pub(super) fn of(low: i64, high: i64) -> Self {
         if i16::try_from(low).is_ok() && i16::try_from(high).is_ok() {
             Self::Int
@@ -130,7 +130,7 @@ impl Width {
         }
     }
 
-    /// Its keyword.
+    /// Keyword of the type.
     fn keyword(self) -> &'static str {
         match self {
             Self::Int => "INT",
@@ -139,8 +139,8 @@ impl Width {
         }
     }
 
-    /// An expression of this width as one of another. No conversion is left to the compiler: the
-    /// second edition has none, and systems differ in the warnings they give.
+    /// Converts an expression of this width to another. No conversion is left to the compiler: the
+    /// second edition has none, and systems differ in their warnings.
     pub(super) fn convert(self, to: Self, text: &str) -> String {
         if self == to {
             text.to_owned()
@@ -150,7 +150,7 @@ impl Width {
     }
 }
 
-/// A whole number. One that a `DINT` does not hold carries its type.
+/// An integer. If it does not fit a `DINT`, it carries its type.
 fn literal(value: i64) -> String {
     if i32::try_from(value).is_ok() {
         value.to_string()
@@ -159,7 +159,7 @@ fn literal(value: i64) -> String {
     }
 }
 
-/// The function block of a controller of this specification.
+/// Creates the function block of a controller of this specification.
 pub fn block(controller: &mealy::Controller, specification: &Specification) -> Block {
     let mut interface = Interface::new(controller, specification);
     match controller {
@@ -178,7 +178,7 @@ pub fn block(controller: &mealy::Controller, specification: &Specification) -> B
     }
 }
 
-/// The same with tables, however short the machine is: for the tests.
+/// Like `block`, but always with tables, even for a short machine; for tests.
 #[doc(hidden)]
 pub fn block_of_tables(machine: &mealy::Machine, specification: &Specification) -> Block {
     let controller = mealy::Controller::Machine(machine.clone());
@@ -193,17 +193,17 @@ struct Parts {
     locals: Vec<Variable>,
     /// Tables.
     constants: Vec<Variable>,
-    /// Not kept.
+    /// Variables that are not kept.
     temporaries: Vec<Variable>,
-    /// What leads back to before step 0.
+    /// Statements that return to before step 0.
     reset: String,
-    /// A step: it sets `refused`, or changes the state and the outputs. Inputs are within their
-    /// domains.
+    /// Statements of a step: they set `refused`, or change the state and the outputs. Inputs are
+    /// within their domains.
     step: String,
 }
 
 impl Variable {
-    /// A variable that has its type's own value before the first call.
+    /// A variable with the type's default before the first call.
     pub fn new(name: &str, kind: Type, description: &str) -> Self {
         Self {
             name: name.to_owned(),
@@ -213,7 +213,7 @@ impl Variable {
         }
     }
 
-    /// The same with this value before the first call.
+    /// Sets the value before the first call.
     #[must_use]
     pub fn beginning(self, value: &str) -> Self {
         Self {

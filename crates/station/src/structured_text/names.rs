@@ -1,13 +1,12 @@
-//! Names that IEC 61131-3 takes.
+//! Valid names of IEC 61131-3.
 //!
-//! An identifier is made of ASCII letters, digits and single underscores, does not begin with a
-//! digit and does not end with an underscore. Upper and lower case are the same. Keywords cannot be
-//! names, nor the standard's functions and function blocks, nor what the larger development systems
-//! reserve beside.
+//! An identifier consists of ASCII letters, digits and single underscores, does not begin with a
+//! digit and does not end with an underscore. Case is ignored. Keywords, the standard's functions
+//! and function blocks, and words reserved by the larger development systems cannot be names.
 
 use std::collections::BTreeSet;
 
-/// What the standard reserves: keywords of all its editions and languages, elementary types,
+/// Words reserved by the standard: keywords of all its editions and languages, elementary types,
 /// standard functions and function blocks.
 const STANDARD: &str = "
     ABSTRACT ACTION AND ANY ANY_BIT ANY_CHAR ANY_CHARS ANY_DATE ANY_DERIVED ANY_DURATION ANY_ELEMENTARY ANY_INT ANY_MAGNITUDE
@@ -26,8 +25,8 @@ const STANDARD: &str = "
     TO_BIG_ENDIAN TO_LITTLE_ENDIAN TRUNC UPPER_BOUND
     CTD CTU CTUD F_TRIG RS RTC R_TRIG SEMA SR TOF TON TP";
 
-/// What development systems reserve beside: operators and modifiers of CODESYS and TwinCAT, words
-/// of Siemens' SCL, and the instructions of IL.
+/// Further words reserved by development systems: operators and modifiers of CODESYS and TwinCAT,
+/// words of Siemens' SCL, and the instructions of IL.
 const VENDORS: &str = "
     ADR ANDN AND_THEN BEGIN BIT BITADR CAL CALC CALCN DATA_BLOCK END_DATA_BLOCK END_FUNCTIONBLOCK END_ORGANIZATION_BLOCK
     END_PROPERTY END_REGION END_UNION FUNCTIONBLOCK GOTO INDEXOF INI JMP JMPC JMPCN LD LDN NIL ORGANIZATION_BLOCK ORN OR_ELSE
@@ -43,7 +42,7 @@ fn is_reserved(word: &str) -> bool {
     listed(STANDARD) || listed(VENDORS) || converts
 }
 
-/// A German letter in ASCII.
+/// Transliterates a German letter to ASCII.
 fn umlaut(c: char) -> Option<&'static str> {
     Some(match c {
         'ä' => "ae",
@@ -57,7 +56,7 @@ fn umlaut(c: char) -> Option<&'static str> {
     })
 }
 
-/// What of a name can be part of an identifier; never empty.
+/// The part of a name that can be part of an identifier; never empty.
 pub(crate) fn part(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
@@ -81,7 +80,7 @@ pub(crate) fn part(name: &str) -> String {
     }
 }
 
-/// What an identifier can begin with.
+/// Valid beginning of an identifier.
 pub(crate) fn stem(name: &str) -> String {
     let word = part(name);
     if word.starts_with(|c: char| c.is_ascii_digit()) {
@@ -101,12 +100,12 @@ pub(crate) fn identifier(name: &str) -> String {
     }
 }
 
-/// Hands out identifiers, each once, whatever its case.
+/// Assigns identifiers, each once, ignoring case.
 #[derive(Debug, Default)]
 pub(crate) struct Names(BTreeSet<String>);
 
 impl Names {
-    /// The identifier that was wished for, or the first one with a number behind it that is free.
+    /// The preferred identifier, or the first free one with a number appended.
     pub fn unique(&mut self, wish: &str) -> String {
         let mut name = wish.to_owned();
         let mut number = 2;
@@ -118,9 +117,9 @@ impl Names {
     }
 }
 
-/// Text that can stand in a comment: it neither ends it nor opens another, holds nothing that a
+/// Makes text safe for a comment: it neither ends it nor opens another, and contains nothing that a
 /// system could take for a directive, no character that XML forbids, and none that changes the
-/// direction of reading.
+/// reading direction.
 pub(crate) fn comment(text: &str) -> String {
     let hidden = |c: char| {
         let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
@@ -138,8 +137,8 @@ pub(crate) fn comment(text: &str) -> String {
     text.replace("*)", "* )").replace("(*", "( *")
 }
 
-/// A character string of at most so many characters: in ASCII, since a `STRING` holds bytes in
-/// whatever code the system has.
+/// A character string of at most `most` characters: in ASCII, since a `STRING` holds bytes in the
+/// system's own encoding.
 pub(crate) fn string(text: &str, most: usize) -> String {
     let mut ascii = String::new();
     for c in text.chars() {

@@ -1,7 +1,7 @@
 //! A block as PLCopen XML: the exchange format of PLCopen's technical committee 6, version 2.01.
 //!
-//! The elements are in the order of its schema. The same block gives the same bytes, so nothing is
-//! said of the time and place of the writing: the date that the schema demands is a fixed one.
+//! The elements are in schema order. The same block gives the same bytes, so time and place of
+//! writing are omitted: the date required by the schema is fixed.
 
 use super::{Block, Enumeration, Initial, Section, Type, Variable};
 use quick_xml::Writer;
@@ -11,10 +11,10 @@ use std::fmt::Write as _;
 const NAMESPACE: &str = "http://www.plcopen.org/xml/tc6_0201";
 const XHTML: &str = "http://www.w3.org/1999/xhtml";
 
-/// Demanded by the schema, and no statement: the true one would make every output different.
+/// Required by the schema, but meaningless: the true date would make every output different.
 const CREATED: &str = "1970-01-01T00:00:00";
 
-/// An XML document in the making, in memory.
+/// An XML document under construction in memory.
 struct Document(Writer<Vec<u8>>);
 
 impl Document {
@@ -27,7 +27,7 @@ impl Document {
         self.event(Event::Empty(start));
     }
 
-    /// An element with what `inside` writes.
+    /// An element with the content written by `inside`.
     fn element(&mut self, name: &str, attributes: &[(&str, &str)], inside: impl FnOnce(&mut Self)) {
         let start = BytesStart::new(name).with_attributes(attributes.iter().copied());
         self.event(Event::Start(start));
@@ -35,7 +35,7 @@ impl Document {
         self.event(Event::End(BytesEnd::new(name)));
     }
 
-    /// Text in the form that the schema wants for it.
+    /// Text in the form required by the schema.
     fn formatted(&mut self, name: &str, text: &str) {
         self.element(name, &[], |d| {
             d.element("xhtml", &[("xmlns", XHTML)], |d| {
@@ -104,7 +104,8 @@ impl Document {
 }
 
 impl Enumeration {
-    /// What it is and what its labels mean: the format has no place for the meaning of a label.
+    /// Description with the meanings of its labels: the format has no place for the meaning of a
+    /// label.
     fn description_text(&self) -> String {
         let mut out = self.description.clone();
         for (label, meaning) in self.labels.iter().filter(|(_, m)| !m.is_empty()) {
@@ -118,7 +119,7 @@ impl Enumeration {
 }
 
 impl Section {
-    /// Its element, and whether its variables are constants.
+    /// Name of its element, and whether its variables are constants.
     fn element(self) -> (&'static str, bool) {
         match self {
             Self::Input => ("inputVars", false),
@@ -131,7 +132,7 @@ impl Section {
 }
 
 impl Block {
-    /// The types and the function block, as a project of PLCopen XML.
+    /// Returns the types and the function block as a PLCopen XML project.
     pub fn to_plcopen(&self) -> String {
         let mut document = Document(Writer::new_with_indent(Vec::new(), b' ', 2));
         document.event(Event::Decl(BytesDecl::new("1.0", Some("utf-8"), None)));

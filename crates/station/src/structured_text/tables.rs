@@ -1,8 +1,8 @@
-//! A machine as tables: for those of many states and transitions.
+//! A machine as tables, for machines with many states and transitions.
 //!
-//! A state has transitions, a transition has cubes, a cube has tests, each from its own first row
-//! up to the first row of the next one. What a transition sets stands in a table of answers, each
-//! once.
+//! A state has transitions, a transition has cubes, a cube has tests; each extends from its first
+//! row to the first row of the next one. The values set by transitions are in a table of distinct
+//! answers.
 
 use super::assumptions::Assumptions;
 use super::interface::Interface;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 /// The fields of `tables.st`.
 #[derive(Serialize)]
 struct TableStep<'a> {
-    /// Statements that put the inputs into the table of values.
+    /// Statements that store the inputs in the table of values.
     inputs: Vec<String>,
     taken: &'a str,
     row: &'a str,
@@ -37,7 +37,7 @@ struct TableStep<'a> {
     test_high: String,
     refused: &'a str,
     no_step: &'a str,
-    /// Where the answer of the transition begins.
+    /// Index at which the transition's answer begins.
     answer: String,
     /// Statements that set the outputs from there.
     outputs: Vec<String>,
@@ -45,7 +45,7 @@ struct TableStep<'a> {
     next_state: String,
 }
 
-/// A table in the making.
+/// A table under construction.
 #[derive(Default)]
 struct Table(Vec<i64>);
 
@@ -55,7 +55,7 @@ impl Table {
     }
 }
 
-/// A constant array, in the narrowest type. It has at least one element: the standard has no empty
+/// A constant array of the narrowest type. It has at least one element: the standard has no empty
 /// arrays.
 pub(super) fn table(
     interface: &mut Interface<'_>,
@@ -67,7 +67,7 @@ pub(super) fn table(
     named_table(&interface.fresh(wish), values, first, about)
 }
 
-/// The same, with a name.
+/// Like `table`, with a given name.
 pub(crate) fn named_table(name: &str, mut values: Vec<i64>, first: i64, about: &str) -> Variable {
     if values.is_empty() {
         values.push(0);
@@ -94,7 +94,7 @@ pub(crate) fn element(table: &Variable) -> Width {
     }
 }
 
-/// Tables, state and step.
+/// Emits tables, state and step.
 pub(super) fn parts(
     interface: &mut Interface<'_>,
     machine: &Machine,
@@ -192,7 +192,7 @@ pub(super) fn parts(
         unreachable!("a state is a number")
     };
     let own = interface.own();
-    // Everything is as wide as the widest of its kind, so that nothing is converted in the loops.
+    // Everything is as wide as the widest of its kind, so that the loops need no conversions.
     let get = |table: &Variable, place: &str, width: Width| {
         element(table).convert(width, &format!("{}[{place}]", table.name))
     };

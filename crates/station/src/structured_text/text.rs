@@ -1,11 +1,11 @@
-//! A block as Structured Text.
+//! Prints a block as Structured Text.
 
 use super::{Block, Enumeration, Initial, Section, Type, Variable};
 use crate::template::render;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// A variable and its comment stand on one line of at most so many characters, or on two.
+/// Maximum length of a line that holds a variable and its comment; otherwise they take two lines.
 const WIDTH: usize = 110;
 
 /// The fields of `block.st`.
@@ -32,12 +32,12 @@ struct SectionText {
     variables: Vec<String>,
 }
 
-/// Breaks a long text at its spaces; `indent` begins the further lines.
+/// Breaks a long text at its spaces; continuation lines start with `indent`.
 pub(super) fn wrap(text: &str, indent: &str) -> String {
     crate::emit::text::wrap(text, indent)
 }
 
-/// The same for a condition: a test, from its bracket to the next one, stays on its line.
+/// Like `wrap`, for a condition: a test, from its bracket to the next one, stays on one line.
 pub(super) fn wrap_condition(text: &str, indent: &str) -> String {
     const HELD: char = '\u{a0}';
     let mut held = String::new();
@@ -50,7 +50,7 @@ pub(super) fn wrap_condition(text: &str, indent: &str) -> String {
     wrap(&held, indent).replace(HELD, " ")
 }
 
-/// The same lines, so many levels further in.
+/// Indents the lines by this number of levels.
 pub(super) fn indented(text: &str, levels: usize) -> String {
     let indent = "    ".repeat(levels);
     text.lines().fold(String::new(), |mut out, line| {
@@ -64,7 +64,7 @@ pub(super) fn indented(text: &str, levels: usize) -> String {
 }
 
 impl Section {
-    /// The keywords that begin it.
+    /// Keywords that begin the section.
     fn keywords(self) -> &'static str {
         match self {
             Self::Input => "VAR_INPUT",
@@ -137,7 +137,7 @@ impl Variable {
 }
 
 impl Block {
-    /// The types and the function block, as text.
+    /// Returns the types and the function block as text.
     pub fn to_text(&self) -> String {
         let sections = self.sections.iter().map(|(section, variables)| {
             let variables = variables.iter();
@@ -159,7 +159,7 @@ impl Block {
         )
     }
 
-    /// The description in lines of a bearable width.
+    /// The description in wrapped lines.
     pub(super) fn description_text(&self) -> String {
         let lines = self.description.iter();
         lines.fold(String::new(), |mut out, line| {

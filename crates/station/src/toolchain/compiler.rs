@@ -1,16 +1,16 @@
-//! Which C compilers there are: for this computer, and for 64-bit Windows.
+//! Finds C compilers for this computer and for 64-bit Windows.
 //!
-//! For this computer it is the one that the `cc` crate finds; the environment variables `CC` and
-//! `CFLAGS` are honoured. A Windows library is made by the first of these that is there, with the
-//! flags that `CFLAGS_x86_64_pc_windows_gnu` holds:
+//! For this computer it is the compiler found by the `cc` crate, which respects the environment
+//! variables `CC` and `CFLAGS`. A Windows library is made by the first available compiler of this
+//! list, with the flags from `CFLAGS_x86_64_pc_windows_gnu`:
 //!
-//! 1. what `CC_x86_64_pc_windows_gnu` names;
+//! 1. the value of `CC_x86_64_pc_windows_gnu`;
 //! 2. `x86_64-w64-mingw32-gcc` on the PATH (Debian's `gcc-mingw-w64-x86-64`);
 //! 3. `zig` on the PATH, as `zig cc`;
 //! 4. `python3 -m ziglang`, or `python -m ziglang` (PyPI's `ziglang`).
 //!
-//! Microsoft's compiler is looked for on Windows only. The `cc` crate would name some other
-//! compiler in its place, so it is not asked for that.
+//! Microsoft's compiler is searched only on Windows. Elsewhere the `cc` crate would return some
+//! other compiler instead, so it is not used for that.
 
 use super::trial::{self, Answer};
 use crate::Error;
@@ -18,7 +18,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What a library is compiled for.
+/// Target platform of a library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Platform {
     /// The computer that this program runs on.
@@ -29,10 +29,10 @@ pub enum Platform {
     Msvc,
 }
 
-/// A compiler for 64-bit Windows that was looked for.
+/// A kind of compiler for 64-bit Windows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CrossCompiler {
-    /// The one that the environment names.
+    /// The one named by the environment.
     Named,
     /// MinGW's gcc.
     MinGw,
@@ -42,13 +42,13 @@ pub enum CrossCompiler {
     PythonZig,
 }
 
-/// A compiler as it is started.
+/// A compiler with its command line.
 #[derive(Debug, Clone)]
 pub struct Compiler {
     program: PathBuf,
-    /// What stands before all other arguments.
+    /// Arguments before all others.
     first: Vec<OsString>,
-    /// How many of them belong to its name: `cc` of `zig cc`.
+    /// Number of those that belong to its name: `cc` of `zig cc`.
     named: usize,
     environment: Vec<(OsString, OsString)>,
 }
@@ -60,7 +60,7 @@ const NAMED: &str = "CC_x86_64_pc_windows_gnu";
 const NAMED_FLAGS: &str = "CFLAGS_x86_64_pc_windows_gnu";
 
 impl Platform {
-    /// In the words of the `cc` crate.
+    /// Target triple for the `cc` crate.
     pub(super) fn triple(self) -> String {
         match self {
             Self::Host => host(),
@@ -69,7 +69,7 @@ impl Platform {
         }
     }
 
-    /// What the names of its libraries end in, with the dot.
+    /// File name suffix of its libraries, with the dot.
     pub fn suffix(self) -> &'static str {
         match self {
             Self::Host => std::env::consts::DLL_SUFFIX,
@@ -77,8 +77,7 @@ impl Platform {
         }
     }
 
-    /// The environment variables that decide which compiler is run, and how, as far as they are
-    /// set.
+    /// Environment variables that affect the choice of compiler and its flags, if set.
     pub(super) fn environment(self) -> Vec<(String, OsString)> {
         let triple = self.triple();
         let with_target = |name: &&str| {
@@ -118,8 +117,8 @@ impl Compiler {
         }
     }
 
-    /// The compiler for this computer, or one by its path or name that takes the same options.
-    /// `work` is a folder for the files with which its kind is found out.
+    /// The compiler for this computer, or the one with the given path or name, which takes the same
+    /// options. `work` is a folder for the files used to identify its kind.
     pub(super) fn host(wanted: Option<&Path>, work: &Path) -> Result<Self, Error> {
         let missing = |command: String, cause: String| Error::CompilerMissing { command, cause };
         let named = || match (wanted, std::env::var("CC")) {
@@ -135,7 +134,7 @@ impl Compiler {
         Ok(Self::of(&tool))
     }
 
-    /// The first compiler for 64-bit Windows that there is.
+    /// The first available compiler for 64-bit Windows.
     pub fn windows() -> Result<(CrossCompiler, Self), Error> {
         let found = CrossCompiler::ALL
             .into_iter()
@@ -166,7 +165,7 @@ impl Compiler {
         }
     }
 
-    /// As it is started, with the arguments that always stand first.
+    /// The command with its fixed arguments.
     pub fn command(&self) -> Command {
         let mut command = Command::new(&self.program);
         command.args(&self.first);
@@ -175,12 +174,12 @@ impl Compiler {
         command
     }
 
-    /// The program's path, as far as it is found on the PATH.
+    /// Path of the program, as found on the PATH.
     pub fn program(&self) -> PathBuf {
         on_path(self.program.as_os_str()).unwrap_or_else(|| self.program.clone())
     }
 
-    /// What is started, as a person would write it.
+    /// The command as a person would write it.
     pub fn show(&self) -> String {
         let first = self.first[..self.named].iter().map(|a| a.to_string_lossy());
         let program = self.program.display().to_string();
@@ -188,7 +187,7 @@ impl Compiler {
         words.join(" ")
     }
 
-    /// The first line of what it says of itself; an error says why it does not.
+    /// First line of its version output, or an error that explains why there is none.
     pub fn version(&self) -> Result<String, String> {
         let answer = trial::answer(self.command().arg("--version"))?;
         if !answer.status.success() {
@@ -199,7 +198,7 @@ impl Compiler {
 }
 
 impl CrossCompiler {
-    /// All, in the order in which they are taken.
+    /// All kinds, in order of preference.
     pub const ALL: [Self; 4] = [Self::Named, Self::MinGw, Self::Zig, Self::PythonZig];
 
     /// Its name in messages.
@@ -212,12 +211,12 @@ impl CrossCompiler {
         }
     }
 
-    /// Whether it is looked for without being named.
+    /// Whether it is searched without being named.
     pub fn is_usual(self) -> bool {
         self != Self::Named
     }
 
-    /// Whether it is there; nothing is compiled.
+    /// Finds the compiler; compiles nothing.
     pub fn find(self) -> Option<Compiler> {
         let zig = ["cc", "-target", "x86_64-windows-gnu"];
         match self {
@@ -269,7 +268,7 @@ fn tool(wanted: Option<&Path>, work: &Path) -> Result<cc::Tool, String> {
     build.try_get_compiler().map_err(|e| e.to_string())
 }
 
-/// This computer in the words of the `cc` crate.
+/// Target triple of this computer, for the `cc` crate.
 fn host() -> String {
     let system = if cfg!(target_os = "macos") {
         "apple-darwin"
@@ -287,7 +286,7 @@ fn host() -> String {
     format!("{}-{system}", std::env::consts::ARCH)
 }
 
-/// The program of a name in one of the folders of the PATH, or at a path.
+/// The program with a name in one of the folders of the PATH, or at a path.
 pub fn on_path(program: &OsStr) -> Option<PathBuf> {
     let is_program = |path: &PathBuf| path.is_file();
     if Path::new(program).components().count() > 1 {

@@ -1,6 +1,7 @@
-//! What is written down beside a library: whose it is, and what its bytes are.
+//! The record stored beside a library: its owner and its checksum.
 
 use crate::{Error, Package, disk, emit};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -8,17 +9,26 @@ use std::path::{Path, PathBuf};
 const SCHEMA: &str = "linewright/library/1";
 
 /// The manifest of a library.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 pub(crate) struct Manifest {
     schema: String,
+    /// The machine that the library is of.
     machine: String,
+    /// The hash of the machine and its contracts, in hexadecimal digits.
     contract_hash: String,
+    /// The size of the library in bytes.
     length: u64,
+    /// The SHA-256 sum of the library, in hexadecimal digits.
     sha256: String,
 }
 
+/// The JSON Schema of a manifest.
+pub fn schema(generator: &mut SchemaGenerator) -> Schema {
+    Manifest::json_schema(generator)
+}
+
 impl Manifest {
-    /// That of a package's library with these bytes.
+    /// Creates the manifest of a package's library with these bytes.
     pub(super) fn new(package: &Package, bytes: &[u8]) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
@@ -29,7 +39,7 @@ impl Manifest {
         }
     }
 
-    /// Where a library's manifest is.
+    /// Path of a library's manifest.
     pub(super) fn path(library: &Path) -> PathBuf {
         library.with_extension("json")
     }

@@ -1,22 +1,22 @@
-//! Compiling packages into libraries, and remembering what was compiled.
+//! Compiles packages into libraries, and reuses earlier results.
 //!
-//! Which compiler is taken stands in [`compiler`]; it is started only when something has to be
-//! compiled. A library's name carries a hash of all that decides what is in it: the C text, the
-//! runtime, the flags, and what names the compiler. Beside it stands a manifest with its length and
+//! [`compiler`] chooses the compiler; it is started only if something has to be compiled. A
+//! library's name includes a hash of everything that determines its content: the C text, the
+//! runtime, the flags, and the compiler's name. Beside it is a manifest with its length and
 //! SHA-256, without which it is not loaded.
 //!
 //! # Same package, same compiler, same bytes
 //!
-//! The compiler is started in a temporary folder and sees no path: the source and the library are
-//! named after the machine. The linker for Windows would note the time and the library's own name;
-//! the first is switched off, the second is fixed.
+//! The compiler is started in a temporary folder and sees no path: source and library are named
+//! after the machine. The linker for Windows would record the time and the library's own name; the
+//! former is disabled, the latter is fixed.
 //!
 //! # Optimisation
 //!
-//! What ships is optimised ([`Toolchain::shipping`]), what the bundled runner builds for itself is
-//! not ([`Toolchain::host`]): a run has to make some hundred thousand steps before the optimiser
-//! has paid for itself. `-O2` takes twice as long to compile and steps no faster: a step is a chain
-//! of short decisions. The figures are in `tests/bench/README.md`.
+//! Shipped libraries are optimized ([`Toolchain::shipping`]); those that the bundled runner builds
+//! for itself are not ([`Toolchain::host`]): only after some hundred thousand steps does a run
+//! recover the cost of optimizing. `-O2` takes twice as long to compile and its steps are no
+//! faster: a step is a chain of short decisions. The figures are in `tests/bench/README.md`.
 
 pub mod compiler;
 mod manifest;
@@ -29,6 +29,7 @@ use super::{Error, disk, emit};
 pub use compiler::{Compiler, CrossCompiler, Platform};
 use linewright_core::deadline::Deadline;
 pub(super) use manifest::Manifest;
+pub use manifest::schema as manifest_schema;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::ffi::OsString;
@@ -40,7 +41,7 @@ pub(super) use work::WorkFolder;
 /// `LW_ABI_VERSION` of `ffi/station.h`.
 pub(super) const ABI_VERSION: i32 = 1;
 
-/// Flags of every library that is compiled with gcc's options, beside the level of optimisation.
+/// Flags of every library compiled with gcc's options, apart from the optimization level.
 const FLAGS: [&str; 4] = [
     "-std=c99",
     "-shared",
@@ -48,26 +49,26 @@ const FLAGS: [&str; 4] = [
     "-ffp-contract=off",
 ];
 
-/// What the runner builds for itself, and what ships.
+/// Optimization level of the runner's own libraries, and of shipped ones.
 const FAST_TO_BUILD: &str = "-O0";
 const FAST_TO_STEP: &str = "-O1";
 
-/// Further ones for the linker. An export that the library calls itself is always its own.
+/// Additional linker flags. An export called by the library itself always resolves to its own.
 const HOST_LINKER: &[&str] = if cfg!(target_os = "linux") {
     &["-pthread", "-Wl,-Bsymbolic", "-lm"]
 } else {
     &["-pthread", "-lm"]
 };
 
-/// The same for Windows: no time of the build in the library, and nothing of the compiler beside
-/// it.
+/// Linker flags for Windows: no build time in the library, and no other compiler files needed
+/// beside it.
 const WINDOWS_LINKER: &[&str] = &["-static-libgcc", "-Wl,--no-insert-timestamp"];
 
-/// Microsoft's compiler and linker. `/Brepro` puts a hash where the time would stand.
+/// Flags of Microsoft's compiler and linker. `/Brepro` puts a hash in place of the time.
 const MSVC_FLAGS: &[&str] = &["/nologo", "/O2", "/fp:precise", "/utf-8", "/LD"];
 const MSVC_LINKER: &[&str] = &["/link", "/Brepro"];
 
-/// How a 64-bit DLL is made by hand of a package's C file: with MinGW's compiler, and with
+/// Commands that make a 64-bit DLL from a package's C file: with MinGW's compiler, and with
 /// Microsoft's.
 pub fn by_hand(source: &str, library: &str) -> [String; 2] {
     let gcc: Vec<&str> = FLAGS.into_iter().chain([FAST_TO_STEP]).collect();
@@ -85,33 +86,33 @@ pub fn by_hand(source: &str, library: &str) -> [String; 2] {
     ]
 }
 
-/// A C compiler, and what it compiles for.
+/// A C compiler and its target platform.
 #[derive(Debug)]
 pub struct Toolchain {
     platform: Platform,
-    /// A compiler for this computer by its path or name.
+    /// Path or name of a compiler for this computer.
     command: Option<PathBuf>,
     flags: Vec<String>,
-    /// Further flags, which stand last.
+    /// Additional flags at the end.
     linker: &'static [&'static str],
-    /// What is found before anything is built.
+    /// Name of the compiler, found before anything is built.
     name: &'static str,
-    /// When compilers are ended.
+    /// Deadline at which compilers are terminated.
     deadline: Deadline,
     found: OnceLock<Result<Compiler, (String, String)>>,
 }
 
-/// A library that is in its folder.
+/// A library in its folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Built {
-    /// The library.
+pub struct BuiltLibrary {
+    /// Path of the library.
     pub path: PathBuf,
-    /// Whether a compiler was run; otherwise it was there already.
+    /// Whether a compiler was run; otherwise the library already existed.
     pub compiled: bool,
 }
 
-impl Built {
-    /// Whether the library's bytes are those that were built; an error where they are not.
+impl BuiltLibrary {
+    /// Checks that the library's bytes are those that were built; otherwise returns an error.
     pub fn verify(&self) -> Result<(), Error> {
         Manifest::verify(&self.path)
     }
@@ -144,29 +145,29 @@ impl Toolchain {
         Self::new(platform, &flags)
     }
 
-    /// The compiler that the environment names, else the platform's `cc`; its libraries are quickly
-    /// built. Nothing is looked for yet.
+    /// The compiler named by the environment, or else the platform's `cc`; optimizes for compile
+    /// time. Nothing is searched yet.
     pub fn host() -> Self {
         Self::like_gcc(Platform::Host, FAST_TO_BUILD)
     }
 
-    /// The same compiler; its libraries are quick.
+    /// The same compiler; optimizes for run time.
     pub fn shipping() -> Self {
         Self::like_gcc(Platform::Host, FAST_TO_STEP)
     }
 
-    /// The first compiler for 64-bit Windows that there is. An error where there is none.
+    /// The first available compiler for 64-bit Windows, or an error.
     pub fn windows() -> Result<Self, Error> {
         let (kind, compiler) = Compiler::windows()?;
         Ok(Self::cross(kind, compiler))
     }
 
-    /// A compiler for 64-bit Windows that was found.
+    /// Uses a compiler for 64-bit Windows that was found.
     pub fn cross(kind: CrossCompiler, compiler: Compiler) -> Self {
         let mut toolchain = Self::like_gcc(Platform::Windows, FAST_TO_STEP);
         if matches!(kind, CrossCompiler::Zig | CrossCompiler::PythonZig) {
-            // Without these, zig adds traps for undefined behaviour, and debug information with
-            // paths. Its linker notes no time, and refuses to be told so.
+            // Without these, zig adds traps for undefined behavior, and debug information with
+            // paths. Its linker records no time, and rejects the option to omit it.
             let quiet = ["-fno-sanitize=undefined", "-g0", "-s"];
             toolchain.flags.extend(quiet.map(str::to_owned));
             toolchain.linker = &[];
@@ -176,7 +177,7 @@ impl Toolchain {
         toolchain
     }
 
-    /// Microsoft's compiler. An error where there is none; no other compiler is taken for it.
+    /// Microsoft's compiler, or an error; no other compiler is used instead.
     pub fn msvc() -> Result<Self, Error> {
         let compiler = Compiler::msvc()?;
         let mut toolchain = Self::new(Platform::Msvc, MSVC_FLAGS);
@@ -184,7 +185,7 @@ impl Toolchain {
         Ok(toolchain)
     }
 
-    /// A compiler for this computer, by its path or name.
+    /// Uses a compiler for this computer with this path or name.
     pub fn with_compiler(command: impl Into<PathBuf>) -> Self {
         Self {
             command: Some(command.into()),
@@ -192,21 +193,21 @@ impl Toolchain {
         }
     }
 
-    /// Other compiler flags than the usual ones; those for the linker stay.
+    /// Replaces the default compiler flags; those for the linker stay.
     #[must_use]
     pub fn with_flags(mut self, flags: &[&str]) -> Self {
         self.flags = flags.iter().map(|f| (*f).to_owned()).collect();
         self
     }
 
-    /// Compilers that run at this time are ended, and none is started later.
+    /// Sets the time at which running compilers are terminated; none is started later.
     #[must_use]
     pub fn until(mut self, deadline: Deadline) -> Self {
         self.deadline = deadline;
         self
     }
 
-    /// What its libraries run on.
+    /// Platform of its libraries.
     pub fn platform(&self) -> Platform {
         self.platform
     }
@@ -216,7 +217,7 @@ impl Toolchain {
         self.platform.suffix() == ".dll"
     }
 
-    /// Where a package's library is, or will be: `assembly_cell-0123456789abcdef.so`.
+    /// Path of a package's library, existing or not: `assembly_cell-0123456789abcdef.so`.
     pub fn path(&self, package: &Package, folder: &Path) -> PathBuf {
         let mut hash = Sha256::new();
         hash.update(&package.hash);
@@ -240,25 +241,30 @@ impl Toolchain {
         folder.join(format!("{}-{}{suffix}", package.stem, &hash[..16]))
     }
 
-    /// Sees to it that a package's library is in `folder`. Unless `rebuild` is asked for, a library
-    /// that is there already is taken as it is; loading it checks that it is whole, and so does
-    /// [`Built::verify`].
-    pub fn build(&self, package: &Package, folder: &Path, rebuild: bool) -> Result<Built, Error> {
+    /// Ensures that a package's library is in `folder`. Unless `rebuild` is set, an existing
+    /// library is used as it is; its integrity is checked when it is loaded, and by
+    /// [`BuiltLibrary::verify`].
+    pub fn build(
+        &self,
+        package: &Package,
+        folder: &Path,
+        rebuild: bool,
+    ) -> Result<BuiltLibrary, Error> {
         let path = self.path(package, folder);
         let compiled = rebuild || !path.is_file() || !Manifest::path(&path).is_file();
         if compiled {
             self.compile(package, folder, &path)?;
         }
-        Ok(Built { path, compiled })
+        Ok(BuiltLibrary { path, compiled })
     }
 
-    /// The same for several packages at once, compiled in parallel.
+    /// Like `build`, for several packages, compiled in parallel.
     pub fn build_all(
         &self,
         packages: &[Package],
         folder: &Path,
         rebuild: bool,
-    ) -> Vec<Result<Built, Error>> {
+    ) -> Vec<Result<BuiltLibrary, Error>> {
         packages
             .par_iter()
             .map(|package| self.build(package, folder, rebuild))
@@ -272,7 +278,7 @@ impl Toolchain {
         };
         self.deadline.check().map_err(given_up)?;
         create_folder(folder)?;
-        // Beside its place, so that the library can be renamed into it.
+        // Beside the final place, so that the library can be renamed into it.
         let work = WorkFolder::new(folder)?;
         let written = package.write_source(work.path())?;
         let source = written.file_name().unwrap_or_default();
@@ -299,7 +305,7 @@ impl Toolchain {
         if !output.status.success() {
             // Ctrl-C on a terminal ends the compiler as well.
             self.deadline.check().map_err(given_up)?;
-            // Microsoft's compiler says what is wrong on its standard output.
+            // Microsoft's compiler reports errors on its standard output.
             let text = [output.stdout, output.stderr].concat();
             return Err(failed(format!("{}\n({})", text.trim_end(), output.status)));
         }
@@ -312,9 +318,9 @@ impl Toolchain {
             path: path.to_owned(),
             cause,
         };
-        // A library without a manifest is made again, so that of other bytes goes first and the new
-        // one comes last. One of the same bytes stays: another process may just have built the
-        // same, and be about to load it.
+        // A library without a manifest is rebuilt, so a manifest for other bytes is removed first
+        // and the new one is written last. A manifest for the same bytes stays: another process may
+        // just have built the same library and be about to load it.
         let manifest_path = Manifest::path(path);
         if disk::read(&manifest_path).is_ok_and(|old| old != manifest) {
             std::fs::remove_file(&manifest_path).map_err(unwritable)?;
@@ -327,7 +333,7 @@ impl Toolchain {
         self.flags.iter().map(String::as_str)
     }
 
-    /// The compiler's arguments, from the folder in which the source is.
+    /// The compiler's arguments, relative to the folder of the source.
     fn arguments(&self, source: &std::ffi::OsStr, made: &str) -> Vec<OsString> {
         let mut arguments: Vec<OsString> = self.flags().map(OsString::from).collect();
         arguments.push(source.to_owned());
@@ -340,8 +346,8 @@ impl Toolchain {
         arguments
     }
 
-    /// The compiler, found when first asked for. `work` is a folder for the files with which its
-    /// kind is found out.
+    /// The compiler, found on first use. `work` is a folder for the files used to identify its
+    /// kind.
     fn compiler(&self, work: &Path) -> Result<&Compiler, Error> {
         let found = self.found.get_or_init(|| {
             Compiler::host(self.command.as_deref(), work).map_err(|e| match e {

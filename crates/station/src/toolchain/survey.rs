@@ -1,16 +1,17 @@
-//! What there is on this computer: compilers, each of which is tried with a line of C, and what
-//! tests use beside them, which is asked for its version.
+//! Surveys this computer: compilers, each tried with a line of C, and the programs used by tests,
+//! with their versions.
 
 use super::compiler::on_path;
 use super::trial::{self, Answer};
 use super::{Compiler, CrossCompiler};
 use crate::Error;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Where Wine is installed without being on the PATH.
+/// Locations where Wine is installed without being on the PATH.
 const WINE_PLACES: [&str; 8] = [
     "/usr/lib/wine/wine64",
     "/usr/lib/wine/wine",
@@ -26,35 +27,35 @@ const WINE_PLACES: [&str; 8] = [
 const PACKAGES: [&str; 3] = ["fmpy", "blark", "ziglang"];
 
 /// A program that was found.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Found {
-    /// As it is started.
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
+pub struct FoundProgram {
+    /// Command that starts it.
     pub command: String,
-    /// The first line of what it says of its version.
+    /// First line of its version output.
     pub version: Option<String>,
-    /// Why a compiler compiles nothing, although it is there.
+    /// Why a compiler cannot compile anything although it exists.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
 }
 
-/// What was looked for, and found or not.
+/// Result of the survey.
 #[derive(Debug)]
 pub struct Survey {
     /// The C compiler for this computer.
-    pub host: Result<Found, Error>,
-    /// Those for 64-bit Windows, in the order in which they are taken.
-    pub cross: Vec<(CrossCompiler, Option<Found>)>,
+    pub host: Result<FoundProgram, Error>,
+    /// Compilers for 64-bit Windows, in order of preference.
+    pub cross: Vec<(CrossCompiler, Option<FoundProgram>)>,
     /// Wine.
-    pub wine: Option<Found>,
+    pub wine: Option<FoundProgram>,
     /// Python 3.
-    pub python: Option<Found>,
-    /// Which of the packages that tests use it has.
+    pub python: Option<FoundProgram>,
+    /// Installed packages that tests use.
     pub packages: Vec<&'static str>,
 }
 
 impl Survey {
-    /// The compiler that `--target windows` takes: the first that is there. It may have a fault.
-    pub fn windows(&self) -> Option<(CrossCompiler, &Found)> {
+    /// The compiler used by `--target windows`: the first that exists. It may have a fault.
+    pub fn windows(&self) -> Option<(CrossCompiler, &FoundProgram)> {
         let mut cross = self.cross.iter();
         cross.find_map(|(kind, found)| Some((*kind, found.as_ref()?)))
     }
@@ -75,7 +76,7 @@ pub fn survey() -> Survey {
                 (Err(why), _) => Err(why.clone()),
                 (_, Err(e)) => Err(e.to_string()),
             };
-            Found {
+            FoundProgram {
                 command: compiler.show(),
                 version: version.ok(),
                 fault: tried.err(),
@@ -92,7 +93,7 @@ pub fn survey() -> Survey {
     }
 }
 
-/// Wine's program for 64 bits, on the PATH or in one of its usual places.
+/// Wine's 64-bit program, on the PATH or in one of its usual places.
 pub fn wine() -> Option<PathBuf> {
     let named = ["wine64", "wine"]
         .into_iter()
@@ -104,13 +105,13 @@ pub fn wine() -> Option<PathBuf> {
     named.or_else(place)
 }
 
-fn host() -> Result<Found, Error> {
+fn host() -> Result<FoundProgram, Error> {
     let work = tempfile::tempdir().map_err(|cause| Error::Unwritable {
         path: std::env::temp_dir(),
         cause,
     })?;
     let useless = |command: String, cause: String| Error::CompilerMissing { command, cause };
-    // Its kind is found out by a library that would wait for one that hangs.
+    // Its kind is found by a library that would wait for a hanging compiler.
     let named = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
     let program = named.split_whitespace().next().unwrap_or("cc");
     if let Some(program) = on_path(OsStr::new(program)) {
@@ -122,18 +123,18 @@ fn host() -> Result<Found, Error> {
         .version()
         .and_then(|v| trial::compiles(&compiler, work.path()).map(|()| v))
         .map_err(|why| useless(compiler.show(), why))?;
-    Ok(Found {
+    Ok(FoundProgram {
         command: compiler.program().display().to_string(),
         version: Some(version),
         fault: None,
     })
 }
 
-/// A program and what it says of its version.
-fn asked(program: &Path) -> Found {
+/// A program with its version output.
+fn asked(program: &Path) -> FoundProgram {
     let mut command = Command::new(program);
     let answer = trial::answer(command.arg("--version").env("WINEDEBUG", "-all"));
-    Found {
+    FoundProgram {
         command: program.display().to_string(),
         version: answer.ok().and_then(|a| Answer::first_line(&a.stdout)),
         fault: None,

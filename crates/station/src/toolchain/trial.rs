@@ -1,16 +1,17 @@
-//! Programs that are tried: started with a deadline, and compilers with a line of C.
+//! Runs programs with a deadline, and tries compilers with a line of C.
 
 use super::compiler::Compiler;
-use linewright_core::deadline::{Deadline, Late};
+use linewright_core::deadline::{Deadline, StopReason};
 use std::io::{Read, Seek};
 use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-/// A program that says nothing for so long hangs. Zig needs its time when it runs first.
+/// Time without an answer after which a program is considered hung. Zig needs time on its first
+/// run.
 const PATIENCE: Duration = Duration::from_mins(1);
 
-/// How a program that has ended answered.
+/// Output of a program that has ended.
 pub(super) struct Answer {
     pub status: ExitStatus,
     pub stdout: String,
@@ -18,25 +19,26 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    /// The first line of a text that is not empty.
+    /// The first non-empty line of a text.
     pub fn first_line(text: &str) -> Option<String> {
         let line = text.lines().find(|l| !l.trim().is_empty())?;
         Some(line.trim().to_owned())
     }
 }
 
-/// Runs a program to its end; an error says why there is no answer. One that does not end is ended.
+/// Runs a program to its end; an error explains why there is no answer. A program that does not end
+/// is terminated.
 pub(super) fn answer(command: &mut Command) -> Result<Answer, String> {
     let answer = answer_until(command, Deadline::in_time(PATIENCE)).map_err(|e| e.to_string())?;
     answer.map_err(|_| format!("it did not answer within {} s", PATIENCE.as_secs()))
 }
 
-/// Runs a program to its end, or ends it when the deadline is past.
+/// Runs a program to its end, or terminates it at the deadline.
 pub(super) fn answer_until(
     command: &mut Command,
     deadline: Deadline,
-) -> std::io::Result<Result<Answer, Late>> {
-    // Files rather than pipes: what a program leaves running cannot hold them open for us.
+) -> std::io::Result<Result<Answer, StopReason>> {
+    // Files rather than pipes: a process left running by the program cannot hold them open.
     let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
     let mut child = command
         .stdin(Stdio::null())
@@ -49,7 +51,7 @@ pub(super) fn answer_until(
             break status;
         }
         if let Err(late) = deadline.check() {
-            // It may have ended at this very moment; then there is nothing to end.
+            // It may have ended just now; then there is nothing to terminate.
             let _ = child.kill();
             let _ = child.wait();
             return Ok(Err(late));
@@ -70,7 +72,7 @@ pub(super) fn answer_until(
     }))
 }
 
-/// Lets a compiler compile a line; an error says why it does not.
+/// Tries to compile a line; an error explains why that fails.
 pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
     let (source, object) = ("trial.c", work.join("trial.o"));
     std::fs::write(work.join(source), "int lw_trial(void) { return 0; }\n")
@@ -85,7 +87,7 @@ pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
         return Err(why());
     }
     let length = std::fs::metadata(&object).map_or(0, |m| m.len());
-    // It may be tried by another compiler next.
+    // Another compiler may use it next.
     let _ = std::fs::remove_file(&object);
     if length == 0 {
         return Err("it made nothing".to_owned());

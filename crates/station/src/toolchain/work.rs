@@ -1,36 +1,35 @@
-//! The folder in which something is compiled: beside the place of what is made, and gone
+//! The folder in which something is compiled: beside the place of the result, and removed
 //! afterwards.
 //!
-//! A process that is killed cannot tidy up. So each folder holds a file that its process has
-//! locked, which the system unlocks when the process ends, however it ends; the next build removes
-//! the folders beside its own whose file nobody has locked. A lock says more than the number of a
-//! process, which may be another one's by now.
+//! A killed process cannot clean up. So each folder holds a file locked by its process, which the
+//! system unlocks however the process ends; the next build removes adjacent folders whose file is
+//! not locked. A lock is more reliable than a process ID, which may have been reused.
 
 use super::super::Error;
 use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// How the names of these folders begin.
+/// Prefix of the names of these folders.
 const PREFIX: &str = ".build-";
 
-/// The file in it that is locked as long as the folder is in use.
+/// The file in it that is locked while the folder is in use.
 const LOCK: &str = "in-use";
 
-/// A folder without that file was made by a process that is only about to put it there, or that was
-/// killed then; after so long it is the latter.
+/// Age after which a folder without that file is considered abandoned: a younger one may belong to
+/// a process that is just creating the file.
 const FORGOTTEN: Duration = Duration::from_hours(1);
 
-/// A folder to compile in. It goes when this is dropped.
+/// A folder to compile in; removed when dropped.
 #[derive(Debug)]
 pub struct WorkFolder {
-    /// Unlocked before the folder is removed: Windows removes no file that is open.
+    /// Unlocked before the folder is removed: Windows does not remove open files.
     lock: Option<File>,
     folder: tempfile::TempDir,
 }
 
 impl WorkFolder {
-    /// A new one in a folder that is there; those that killed builds have left in it go.
+    /// Creates a folder in an existing one, and removes those left by killed builds.
     pub fn new(beside: &Path) -> Result<Self, Error> {
         remove_stale(beside);
         let unwritable = |cause| Error::Unwritable {
@@ -41,11 +40,11 @@ impl WorkFolder {
             .prefix(PREFIX)
             .tempdir_in(beside)
             .map_err(unwritable)?;
-        // It gets its name when it is locked: nobody finds it unlocked who might take the folder
+        // It gets its name only once it is locked: so nobody finds it unlocked and takes the folder
         // for a stale one.
         let unnamed = folder.path().join("in-use.new");
         let lock = File::create(&unnamed).map_err(unwritable)?;
-        // Where files cannot be locked, folders of killed builds stay.
+        // If files cannot be locked, folders of killed builds stay.
         let lock = lock.try_lock().is_ok().then_some(lock);
         if lock.is_some() {
             std::fs::rename(&unnamed, folder.path().join(LOCK)).map_err(unwritable)?;
@@ -53,7 +52,7 @@ impl WorkFolder {
         Ok(Self { lock, folder })
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
@@ -65,8 +64,7 @@ impl Drop for WorkFolder {
     }
 }
 
-/// Removes folders that killed builds have left. What cannot be removed stays: it is in nobody's
-/// way.
+/// Removes folders left by killed builds. Those that cannot be removed stay and do no harm.
 fn remove_stale(beside: &Path) {
     let entries = std::fs::read_dir(beside).into_iter().flatten().flatten();
     for entry in entries {
@@ -118,15 +116,15 @@ mod tests {
             let then = SystemTime::now() - Duration::from_hours(hours);
             File::open(at(name)).unwrap().set_modified(then).unwrap();
         };
-        // One of a build that was killed, with what it had written.
+        // A folder of a killed build, with its partial output.
         std::fs::create_dir_all(at(".build-killed/obj")).unwrap();
         std::fs::write(at(".build-killed/in-use"), "").unwrap();
         std::fs::write(at(".build-killed/obj/a.c"), "int a;").unwrap();
-        // Two that have no lock: one is just being made, the other was left long ago.
+        // Two without a lock: one is just being created, the other was abandoned long ago.
         std::fs::create_dir(at(".build-young")).unwrap();
         std::fs::create_dir(at(".build-old")).unwrap();
         age(".build-old", 2);
-        // Not ours.
+        // Not one of these folders.
         std::fs::write(at(".build-file"), "").unwrap();
         std::fs::create_dir(at("build-other")).unwrap();
         let running = WorkFolder::new(place.path()).unwrap();

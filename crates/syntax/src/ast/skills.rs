@@ -1,4 +1,4 @@
-//! Skills and the orders in which they may be called, as they were written.
+//! Skills and the orders on their calls, as written.
 
 use super::{Argument, Name};
 use linewright_core::source::Span;
@@ -6,13 +6,13 @@ use linewright_core::source::Span;
 /// `skills PickAndPlaceUnit { ... }`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SkillSet {
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// Its name.
+    /// Name of the set.
     pub name: Name,
-    /// What stands within.
+    /// Items within the braces.
     pub items: Vec<SkillItem>,
-    /// Whether something within could not be understood; it was reported.
+    /// Whether some part could not be parsed; this was reported.
     pub broken: bool,
 }
 
@@ -28,101 +28,101 @@ pub enum SkillItem {
 /// `component x: {left, right} = left { Left -> left ... }`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SkillComponent {
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// Its name.
+    /// Name of the component.
     pub name: Name,
-    /// Its situations; empty where none were written.
+    /// Situations; empty if none were written.
     pub situations: Vec<Name>,
-    /// Where it is at the start, if that was written.
+    /// Initial situation, if written.
     pub initial: Option<Name>,
-    /// Its skills.
+    /// Skills of the component.
     pub skills: Vec<Skill>,
-    /// Whether a skill could not be understood; it was reported.
+    /// Whether a skill could not be parsed; this was reported.
     pub broken: bool,
 }
 
 /// `Left -> left`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Skill {
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// Its name.
+    /// Name of the skill.
     pub name: Name,
-    /// The situation that it leads to, where one was written.
+    /// Situation that it leads to, if written.
     pub effect: Option<Name>,
 }
 
 /// `order name [requirement] at level: rule deletes ...`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Order {
-    /// The doc comment.
+    /// Doc comment without slashes.
     pub doc: String,
-    /// Its name.
+    /// Name of the order.
     pub name: Option<Name>,
-    /// Its requirement.
+    /// Requirement that it belongs to.
     pub requirement: Option<String>,
-    /// From which level on it is kept.
+    /// Lowest level at which it is kept.
     pub level: Option<Name>,
-    /// What it says.
+    /// Rule that it states.
     pub rule: OrderRule,
-    /// Where that stands.
+    /// Place of the rule.
     pub body: Span,
-    /// The transitions that a published model deletes for it.
+    /// Transitions that a published model deletes for it.
     pub deletions: Vec<Deletion>,
-    /// The whole of it, from its first word.
+    /// Place of the whole order, from its first word.
     pub span: Span,
 }
 
-/// `Left & Down`: skills called at once; mostly one.
+/// `Left & Down`: skills called at once; usually one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Event {
-    /// The skills, as they were written.
+    /// Skills, in source order.
     pub skills: Vec<Name>,
 }
 
 impl Event {
-    /// Where it stands.
+    /// Returns the place of the event.
     pub fn span(&self) -> Span {
         span_of(&self.skills)
     }
 }
 
-/// What an order says. Lists of events mean any of them.
+/// The rule of an order. A list of events means any of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum OrderRule {
     /// `never X`
     Never(Vec<Event>),
     /// `after X until Y: never Z`
     After {
-        /// What begins it.
+        /// Events that begin it.
         from: Vec<Event>,
-        /// What ends it; empty where nothing was written.
+        /// Events that end it; empty if omitted.
         until: Vec<Event>,
-        /// What must not be called meanwhile.
+        /// Events that must not be called in between.
         never: Vec<Event>,
     },
     /// `X before Y`
     Before {
-        /// What comes first.
+        /// Events that come first.
         first: Vec<Event>,
-        /// What waits for it.
+        /// Events that wait for them.
         then: Vec<Event>,
     },
     /// `X only after Y`
     OnlyAfter {
-        /// What needs it.
+        /// Events with the requirement.
         what: Vec<Event>,
-        /// What is needed.
+        /// Events that are required.
         after: Vec<Event>,
     },
     /// `at most 2 of X between Y and Z`
     AtMost {
-        /// How many, and where that stands.
+        /// Maximum count, and its place.
         count: (u64, Span),
-        /// Of what.
+        /// Counted events.
         of: Vec<Event>,
-        /// What begins and what ends the count, where that was written.
+        /// Events that begin and end the count, if written.
         between: Option<(Vec<Event>, Vec<Event>)>,
     },
     /// `never X twice in a row`
@@ -136,9 +136,9 @@ pub enum OrderRule {
 /// A regular expression over skills.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Regex {
-    /// What it is.
+    /// Kind of expression.
     pub kind: RegexKind,
-    /// Where it stands.
+    /// Place of the expression.
     pub span: Span,
 }
 
@@ -155,16 +155,16 @@ pub enum RegexKind {
     AnyBut(Vec<Name>),
     /// `Left & Down`: in any order, or at once.
     AnyOrder(Vec<Name>),
-    /// `Left Down`: one after the other, at least two.
+    /// `Left Down`: a concatenation of at least two expressions.
     Concat(Vec<Regex>),
-    /// `Left | Right`: one of them, at least two.
+    /// `Left | Right`: a union of at least two expressions.
     Either(Vec<Regex>),
     /// `Left*`
     Repeat(Box<Regex>, Times),
 }
 
 impl Regex {
-    /// The expressions directly within.
+    /// Returns the direct subexpressions.
     pub fn children(&self) -> &[Self] {
         match &self.kind {
             RegexKind::Concat(parts) | RegexKind::Either(parts) => parts,
@@ -178,7 +178,7 @@ impl Regex {
     }
 }
 
-/// How often, as it was written.
+/// A number of repetitions, as written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Times {
     /// `*`
@@ -196,7 +196,8 @@ pub enum Times {
 }
 
 impl Times {
-    /// The least and the greatest number of times; no greatest where there is no end.
+    /// Returns the minimum and the maximum number of repetitions; the maximum is `None` if
+    /// unbounded.
     pub fn bounds(self) -> (u64, Option<u64>) {
         match self {
             Self::Any => (0, None),
@@ -225,31 +226,31 @@ impl std::fmt::Display for Times {
 /// `down & left -> right`
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Deletion {
-    /// From where.
+    /// Situations before the transition.
     pub from: Vec<Situation>,
-    /// To where.
+    /// Situations after the transition.
     pub to: Vec<Situation>,
 }
 
 impl Deletion {
-    /// Where it stands.
+    /// Returns the place of the deletion.
     pub fn span(&self) -> Span {
         let ends = self.from.first().zip(self.to.last());
         ends.map_or_else(Span::default, |(a, b)| a.span().to(b.span()))
     }
 }
 
-/// `left`, or `x.left` where several components have a situation of that name.
+/// `left`, or `x.left` if several components have a situation of that name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Situation {
-    /// The component, where it was written.
+    /// Component, if written.
     pub component: Option<Name>,
-    /// The situation.
+    /// Name of the situation.
     pub label: Name,
 }
 
 impl Situation {
-    /// Where it stands.
+    /// Returns the place of the situation.
     pub fn span(&self) -> Span {
         let first = self.component.as_ref().unwrap_or(&self.label);
         first.span.to(self.label.span)
@@ -259,13 +260,13 @@ impl Situation {
 /// `skills PickAndPlaceUnit at reasonable { Left = ... }` in a machine: when it calls each skill.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkillCalls {
-    /// The set of skills.
+    /// Name of the set.
     pub set: Name,
-    /// How much is forbidden to the machine.
+    /// Level of the rules that the machine keeps.
     pub level: Option<Name>,
-    /// Each skill, and when it is being called.
+    /// Each skill, and the condition under which it is being called.
     pub calls: Vec<Argument>,
-    /// Whether something within could not be understood; it was reported.
+    /// Whether some part could not be parsed; this was reported.
     pub broken: bool,
 }
 

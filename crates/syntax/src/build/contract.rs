@@ -22,8 +22,7 @@ impl Builder {
                 Rule::type_decl => items.push(ContractItem::Type(self.type_decl(item))),
                 Rule::const_decl => items.push(ContractItem::Const(self.const_decl(item))),
                 _ => {
-                    // `always a or` and nothing more: what came before the `or` is not what was
-                    // meant.
+                    // Only `always a or`: the text before the `or` is not what was meant.
                     if begins_with_operator(item.as_str())
                         && matches!(items.last(), Some(ContractItem::Formula { .. }))
                     {
@@ -70,7 +69,7 @@ impl Builder {
         }
     }
 
-    /// A formula's name and requirement.
+    /// Builds a formula's name and requirement.
     pub(super) fn label(&mut self, c: &mut Children<'_>) -> (Option<Name>, Option<String>) {
         let Some(label) = c.take(Rule::label) else {
             return (None, None);

@@ -11,8 +11,7 @@ use pest::iterators::Pair;
 
 impl Builder {
     pub(super) fn domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
-        // The expressions in a type are trees of their own, also where the type stands within an
-        // expression.
+        // Expressions in a type are separate trees, even if the type is within an expression.
         let level = std::mem::take(&mut self.level);
         let domain = self.domain_part(pair);
         self.level = level;
@@ -72,8 +71,9 @@ impl Builder {
         }
     }
 
-    /// An expression. One whose tree is too deep is a finding, and `false` stands in for it: every
-    /// later stage walks these trees by recursion, and has the stack for [`MAX_TREE`] levels only.
+    /// Builds an expression. If its tree is too deep, reports that and returns `false` instead:
+    /// every later stage walks these trees by recursion, and has the stack for only [`MAX_TREE`]
+    /// levels.
     pub(super) fn expr(&mut self, pair: Pair<'_, Rule>) -> Expr {
         self.level += 1;
         let expr = self.part(pair);
@@ -136,7 +136,7 @@ impl Builder {
         Box::new(self.expr(c.next()))
     }
 
-    /// `a op b op c`, where each operator binds in its own way.
+    /// Builds `a op b op c` with the binding strength of each operator.
     fn operators(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let mut c = Children::of(pair);
         let first = c.next();
@@ -151,8 +151,8 @@ impl Builder {
         self.grouped(first, rest).expr
     }
 
-    /// Groups what binds tighter, and joins the groups by the operators that bind loosest.
-    fn grouped(&mut self, first: Placed, rest: Vec<(Infix, Placed)>) -> Placed {
+    /// Groups the operands of tighter operators, and joins the groups by the loosest operators.
+    fn grouped(&mut self, first: PlacedExpr, rest: Vec<(Infix, PlacedExpr)>) -> PlacedExpr {
         let Some(loosest) = rest.iter().map(|(op, _)| op.binds()).min() else {
             return first;
         };
@@ -172,10 +172,10 @@ impl Builder {
         self.joined(&ops, operands)
     }
 
-    /// Operands of operators that bind equally: implications group to the right, all else to the
-    /// left. A chain of one operator that may be grouped in any way is halved instead, which keeps
-    /// long conjunctions and sums shallow.
-    fn joined(&mut self, ops: &[Infix], mut operands: Vec<Placed>) -> Placed {
+    /// Joins operands of equally strong operators: implications group to the right, all others to
+    /// the left. A chain of one associative operator is halved instead, which keeps long
+    /// conjunctions and sums shallow.
+    fn joined(&mut self, ops: &[Infix], mut operands: Vec<PlacedExpr>) -> PlacedExpr {
         if let Infix::Binary(op) = ops[0]
             && matches!(
                 op,
@@ -204,16 +204,16 @@ impl Builder {
         joined.unwrap_or_else(|| unreachable!("a chain has an operand"))
     }
 
-    /// An operand with its place.
-    pub(super) fn placed(&mut self, pair: Pair<'_, Rule>) -> Placed {
+    /// Builds an operand with its place.
+    pub(super) fn placed(&mut self, pair: Pair<'_, Rule>) -> PlacedExpr {
         let place = self.span(&pair);
         let expr = self.expr(pair);
-        Placed { expr, place }
+        PlacedExpr { expr, place }
     }
 
-    /// Chains that cannot be halved make deep trees; refuse what would be deeper than any real
-    /// formula.
-    pub(super) fn limit(&mut self, operands: &mut Vec<Placed>) {
+    /// Rejects chains that cannot be halved if they are longer than any real formula: they make
+    /// deep trees.
+    pub(super) fn limit(&mut self, operands: &mut Vec<PlacedExpr>) {
         if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
                 Diagnostic::error(
@@ -253,7 +253,7 @@ impl Builder {
         if prefixes.is_empty() {
             return self.expr(c.next());
         }
-        let Placed { expr, place } = self.placed(c.next());
+        let PlacedExpr { expr, place } = self.placed(c.next());
         prefixes
             .into_iter()
             .rev()
@@ -296,11 +296,11 @@ impl Builder {
             return make(ExprKind::Member(Box::new(first), members), span);
         }
         // `a < b < c` is `a < b and b < c`.
-        let mut links: Vec<Placed> = Vec::new();
+        let mut links: Vec<PlacedExpr> = Vec::new();
         let mut left = first;
         while let Some(op) = c.take(Rule::compare_op) {
-            // What stands in the middle is compared twice, so it is copied; nested copies would
-            // grow without bound.
+            // The middle operand is compared twice, so it is copied; nested copies would grow
+            // without bound.
             if !links.is_empty() && !small_enough_for_the_middle(&left.expr) {
                 self.findings.push(
                     Diagnostic::error(
@@ -333,7 +333,7 @@ impl Builder {
         if signs.is_empty() {
             return self.expr(c.next());
         }
-        let Placed { expr, place } = self.placed(c.next());
+        let PlacedExpr { expr, place } = self.placed(c.next());
         signs.into_iter().rev().fold(expr, |body, (rule, span)| {
             let whole = span.to(place);
             let body = Box::new(body);
@@ -354,7 +354,7 @@ impl Builder {
         if c.pairs.peek().is_none() {
             return self.expr(base);
         }
-        let Placed { mut expr, place } = self.placed(base);
+        let PlacedExpr { mut expr, place } = self.placed(base);
         for (count, p) in c.rest().enumerate() {
             let span = place.to(self.span(&p));
             if count == MAX_PREFIXES {
@@ -431,13 +431,13 @@ impl Builder {
     }
 }
 
-/// Left-grouping chains have at most so many operands.
+/// Maximum operands per left-grouping chain.
 pub(crate) const MAX_CHAIN: usize = 200;
-/// So many `not`, signs, indices or primes may follow each other.
+/// Maximum consecutive prefixes of one kind: `not`, signs, indices or primes.
 const MAX_PREFIXES: usize = 100;
-/// An expression's tree is at most so deep.
+/// Maximum depth of an expression's tree.
 const MAX_TREE: usize = 256;
-/// The middle of `a < b < c` has at most so many operators and operands.
+/// Maximum number of operators and operands in the middle of `a < b < c`.
 const MAX_MIDDLE: usize = 64;
 
 fn deeper_than(e: &Expr, levels: usize) -> bool {
@@ -451,7 +451,7 @@ fn deeper_than(e: &Expr, levels: usize) -> bool {
     false
 }
 
-/// Whether an expression may stand in the middle of `a < b < c`.
+/// Returns whether an expression is small enough for the middle of `a < b < c`.
 pub(crate) fn small_enough_for_the_middle(e: &Expr) -> bool {
     smaller_than(e, MAX_MIDDLE)
 }
@@ -473,14 +473,15 @@ pub(super) fn make(kind: ExprKind, span: Span) -> Expr {
     Expr { kind, span }
 }
 
-/// An expression, and where it stands with the brackets around it: what holds it reaches so far.
+/// An expression and its place including the brackets around it; an expression that contains it
+/// extends that far.
 #[derive(Clone)]
-pub(super) struct Placed {
+pub(super) struct PlacedExpr {
     pub expr: Expr,
     pub place: Span,
 }
 
-/// What stands between two operands.
+/// An infix operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Infix {
     Binary(BinaryOp),
@@ -504,7 +505,7 @@ impl Infix {
         }
     }
 
-    fn join(self, a: Placed, b: Placed) -> Placed {
+    fn join(self, a: PlacedExpr, b: PlacedExpr) -> PlacedExpr {
         let place = a.place.to(b.place);
         let (a, b) = (Box::new(a.expr), Box::new(b.expr));
         let kind = match self {
@@ -512,14 +513,14 @@ impl Infix {
             Self::Since => ExprKind::Since(a, b),
             Self::Until(op) => ExprKind::Until(op, a, b),
         };
-        Placed {
+        PlacedExpr {
             expr: make(kind, place),
             place,
         }
     }
 }
 
-fn balanced(op: BinaryOp, mut operands: Vec<Placed>) -> Placed {
+fn balanced(op: BinaryOp, mut operands: Vec<PlacedExpr>) -> PlacedExpr {
     while operands.len() > 1 {
         let mut halved = Vec::with_capacity(operands.len().div_ceil(2));
         let mut pairs = operands.into_iter();

@@ -1,6 +1,6 @@
 //! Lines: parts, places, routes.
 
-use super::super::ast::{Counted, Line, LineItem, StationItem, Supply};
+use super::super::ast::{Line, LineItem, PartCount, StationItem, Supply};
 use super::super::parser::Rule;
 use super::expression::binary_op;
 use super::{Builder, Children};
@@ -26,16 +26,16 @@ impl Builder {
         Line { doc, name, items }
     }
 
-    pub(super) fn counted(&mut self, pair: Pair<'_, Rule>) -> Counted {
+    pub(super) fn counted(&mut self, pair: Pair<'_, Rule>) -> PartCount {
         let mut c = Children::of(pair);
         let count = self.count(&c.next());
-        Counted {
+        PartCount {
             count,
             name: self.name(&c.next()),
         }
     }
 
-    /// `, at most 6 in the line`.
+    /// Builds `, at most 6 in the line`.
     fn at_most(&mut self, pair: Pair<'_, Rule>) -> u64 {
         let span = self.span(&pair);
         let mut c = Children::of(pair);

@@ -1,6 +1,8 @@
 //! Machines: properties, components, operations.
 
-use super::super::ast::{Binding, Component, Machine, MachineItem, Performed, Place, Typed};
+use super::super::ast::{
+    Binding, Component, Machine, MachineItem, OperationCall, Place, TypedDecl,
+};
 use super::super::parser::Rule;
 use super::{Builder, Children};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -80,13 +82,13 @@ impl Builder {
         }
     }
 
-    pub(super) fn typed(&mut self, pair: Pair<'_, Rule>) -> Typed {
+    pub(super) fn typed(&mut self, pair: Pair<'_, Rule>) -> TypedDecl {
         let mut c = Children::of(pair);
         let doc = Self::doc(&mut c);
         let name = self.name(&c.next());
         let domain = self.domain(c.next());
         let values: Vec<_> = c.rest().collect();
-        Typed {
+        TypedDecl {
             doc,
             name,
             domain,
@@ -94,18 +96,18 @@ impl Builder {
         }
     }
 
-    /// An operation and its arguments.
-    pub(super) fn performed(&mut self, pair: Pair<'_, Rule>) -> Performed {
+    /// Builds an operation and its arguments.
+    pub(super) fn performed(&mut self, pair: Pair<'_, Rule>) -> OperationCall {
         let mut c = Children::of(pair);
         let name = self.name(&c.next());
         let arguments = c.take(Rule::arguments);
-        Performed {
+        OperationCall {
             name,
             arguments: self.arguments(arguments),
         }
     }
 
-    /// The tree holds one of these in a component, so a second one is a finding here already.
+    /// Reports a second `word` in a component, since the tree has room for only one.
     fn once(&mut self, said: bool, word: &str, item: &Pair<'_, Rule>) {
         if said {
             let message = format!("`{word}` stands twice");
@@ -116,7 +118,7 @@ impl Builder {
         }
     }
 
-    /// The contract that a machine refines, and which of its wires the contract's variables are.
+    /// Builds a refined contract and the bindings of its variables to wires.
     fn refines(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
@@ -146,11 +148,11 @@ impl Builder {
         refines
     }
 
-    /// `h[0].x = e`
+    /// Builds `h[0].x = e`.
     fn binding(&mut self, item: Pair<'_, Rule>) -> Binding {
         let mut c = Children::of(item);
         let name = self.name(&c.next());
-        // Every array has a first element.
+        // Every array has an element 0.
         let index = c.take(Rule::integer).map(|i| self.integer(&i).unwrap_or(0));
         let member = c.take(Rule::path).map(|p| self.name(&p));
         Binding {

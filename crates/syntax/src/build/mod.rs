@@ -1,8 +1,8 @@
-//! From pest's pairs to the syntax tree.
+//! Conversion of pest's pairs to the syntax tree.
 //!
-//! Every rule of the grammar has one function here of nearly its name. The grammar guarantees which
-//! children a pair has; where one is missing all the same, [`Children::next`] stops with a message
-//! that asks for a report.
+//! Every grammar rule has one function here with nearly the same name. The grammar guarantees which
+//! children a pair has; if one is missing nevertheless, [`Children::next`] stops with a message
+//! that asks for a bug report.
 
 mod contract;
 mod expression;
@@ -25,13 +25,13 @@ pub(super) struct Builder {
     pub tree: File,
     pub findings: Vec<Diagnostic>,
     file: FileId,
-    /// The length of the file; a mended copy is longer.
+    /// Length of the file; a mended copy is longer.
     length: usize,
-    /// How many expressions the one being built stands within.
+    /// Number of expressions around the one being built.
     level: usize,
 }
 
-/// The children of a pair without punctuation.
+/// Children of a pair without punctuation.
 struct Children<'a> {
     pairs: std::iter::Peekable<std::vec::IntoIter<Pair<'a, Rule>>>,
 }
@@ -131,7 +131,7 @@ impl Builder {
         }
     }
 
-    /// A pair's place without the blanks and comments behind it, which pest counts in.
+    /// Returns a pair's place without the trailing blanks and comments that pest includes.
     fn span(&self, pair: &Pair<'_, Rule>) -> Span {
         let span = pair.as_span();
         let trimmed = span.as_str().trim_end();
@@ -150,7 +150,7 @@ impl Builder {
         )
     }
 
-    /// Remembers where an item stands.
+    /// Records the place of an item.
     fn place(&mut self, pair: &Pair<'_, Rule>) {
         if pair.as_rule() != Rule::EOI {
             let span = self.span(pair);
@@ -175,7 +175,7 @@ impl Builder {
         }
     }
 
-    /// A natural number; one that does not fit is a finding, and none.
+    /// Builds a natural number; reports one that is too large and returns `None`.
     fn integer(&mut self, pair: &Pair<'_, Rule>) -> Option<i64> {
         let text = pair.as_str().trim();
         match text.parse::<i64>() {
@@ -193,8 +193,7 @@ impl Builder {
         }
     }
 
-    /// How many of something; for a number that does not fit one of them, of which nothing else is
-    /// wrong.
+    /// Builds a count. A number that is too large becomes 1, so that it causes no other findings.
     fn count(&mut self, pair: &Pair<'_, Rule>) -> u64 {
         self.integer(pair).map_or(1, |count| count as u64)
     }
@@ -312,7 +311,7 @@ impl Builder {
     }
 }
 
-/// Words that only hold a rule together.
+/// Returns whether a rule is only a keyword.
 fn is_keyword(rule: Rule) -> bool {
     matches!(
         rule,

@@ -8,7 +8,7 @@ use linewright_core::source::Span;
 use pest::iterators::Pair;
 
 impl Builder {
-    /// An expression, which may go on with `precedes ...` or `responds to ...`.
+    /// Builds an expression that may continue with `precedes ...` or `responds to ...`.
     pub(super) fn patterned(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
@@ -35,8 +35,8 @@ impl Builder {
         make(ExprKind::Pattern(kind.in_scope(bound, scope)), span)
     }
 
-    /// `always`, `eventually` and `never`, which reach as far as they can; those with a bound or a
-    /// scope are patterns.
+    /// Builds `always`, `eventually` and `never`, which extend as far as possible; those with a
+    /// bound or a scope are patterns.
     pub(super) fn wide(&mut self, rule: Rule, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
@@ -107,9 +107,9 @@ pub(super) fn until_op(word: &str) -> UntilOp {
     }
 }
 
-/// `p -> a until b` is `p -> (a until b)`, as everywhere else, though the word stands loosest in
-/// the grammar. `place` is where the left side stands with its brackets: what stands in brackets
-/// stays together.
+/// Makes `p -> a until b` mean `p -> (a until b)`, as everywhere else, although the grammar parses
+/// `until` as the loosest operator. `place` is the place of the left side with its brackets: a
+/// bracketed expression is not split.
 fn until((left, place): (Expr, Span), op: UntilOp, right: Expr, whole: Span) -> Expr {
     match left.kind {
         ExprKind::Binary(BinaryOp::Implies, a, b) if left.span == place => {

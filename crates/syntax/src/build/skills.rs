@@ -1,4 +1,4 @@
-//! Skills, their components, and the orders in which they may be called.
+//! Skills, their components, and the orders on their calls.
 
 use super::super::ast::{
     Argument, Deletion, Event, Name, Order, OrderRule, Regex, RegexKind, Situation, Skill,
@@ -69,7 +69,7 @@ impl Builder {
         component
     }
 
-    /// `skills Set at level { Left = ... }`
+    /// Builds `skills Set at level { Left = ... }`.
     pub(super) fn skill_calls(&mut self, pair: Pair<'_, Rule>) -> SkillCalls {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
@@ -98,7 +98,7 @@ impl Builder {
 
     fn order(&mut self, pair: Pair<'_, Rule>) -> Order {
         let whole = self.span(&pair);
-        // A doc comment belongs to it, and is no part of it.
+        // A doc comment is part of the pair, but not of its place.
         let mut words = pair.clone().into_inner();
         let keyword = words.find(|p| p.as_rule() == Rule::k_order);
         let start = keyword.map_or(whole.start, |k| self.span(&k).start);
@@ -216,7 +216,7 @@ impl Builder {
 
     // ---- regular expressions --------------------------------------------------------------------
 
-    /// `A B | C`. What is alone stands for itself, so that brackets leave no trace.
+    /// Builds `A B | C`. A single part is returned as is, so brackets leave no trace.
     fn regex(&mut self, pair: Pair<'_, Rule>) -> Regex {
         let span = self.span(&pair);
         let rule = pair.as_rule();
@@ -259,7 +259,7 @@ impl Builder {
         let span = self.span(&pair);
         let kind = match pair.as_rule() {
             Rule::group => match Children::of(pair).pairs.next() {
-                // With its brackets, which a repetition begins at.
+                // Includes the brackets, since a repetition begins at them.
                 Some(inner) => {
                     let inner = self.regex(inner);
                     return Regex { span, ..inner };

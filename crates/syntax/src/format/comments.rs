@@ -1,8 +1,8 @@
-//! The comments of a file, and where its words stand.
+//! The comments of a file, and the places of its words.
 //!
-//! Texts, comments and words are cut as the grammar cuts them: `//` within quotes is no comment,
-//! and neither is what stands behind one on its line. What is found is put back by the printer: the
-//! tree holds no comment but some doc comments.
+//! Strings, comments and words are split as in the grammar: `//` within quotes is no comment, and
+//! neither is the text after one on its line. The printer puts the comments back, since the tree
+//! contains only some doc comments.
 
 /// The kinds of comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,50 +15,50 @@ enum Kind {
 /// A comment.
 #[derive(Debug, Clone)]
 pub(super) struct Comment {
-    /// All of it, without blanks at its end, with `\n` between its lines.
+    /// Text without trailing blanks, with `\n` between its lines.
     pub text: String,
-    /// Where it begins.
+    /// Offset of its first byte.
     pub start: usize,
     kind: Kind,
-    /// Whether nothing stands before it on its line.
+    /// Whether it is the first thing on its line.
     pub own_line: bool,
-    /// Whether an empty line stands before it.
+    /// Whether an empty line precedes it.
     pub blank_before: bool,
-    /// Whether nothing stands behind it on its line.
+    /// Whether it is the last thing on its line.
     pub newline_after: bool,
 }
 
 impl Comment {
-    /// Whether it ends with its line.
+    /// Returns whether the comment extends to the end of its line.
     pub fn line(&self) -> bool {
         self.kind != Kind::Block
     }
 
-    /// Whether it is `///`, which belongs to what follows.
+    /// Returns whether it is a doc comment `///`, which belongs to the next item.
     pub fn doc(&self) -> bool {
         self.kind == Kind::Doc
     }
 }
 
-/// A word, number, text or sign.
+/// A word, number, string or symbol.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Token {
-    /// Where it begins.
+    /// Offset of its first byte.
     pub start: usize,
-    /// Where it ends.
+    /// Offset of its end.
     pub end: usize,
-    /// Whether an empty line stands before it.
+    /// Whether an empty line precedes it.
     pub blank_before: bool,
 }
 
-/// Comments and words, in order.
+/// Comments and tokens, in order.
 #[derive(Debug, Default)]
 pub(super) struct Cut {
     pub comments: Vec<Comment>,
     pub tokens: Vec<Token>,
 }
 
-/// Cuts a text.
+/// Splits a text into comments and tokens.
 pub(super) fn cut(text: &str) -> Cut {
     let mut cut = Cut::default();
     let (mut i, mut gap) = (0, 0);
@@ -115,13 +115,13 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// How many lines end within a text.
+/// Returns the number of line ends in a text.
 pub(super) fn newlines(text: &str) -> usize {
     let returns = text.matches('\r').count();
     returns + text.matches('\n').count() - text.matches("\r\n").count()
 }
 
-/// Words and signs of operators, which may be spelled in several ways, and the end of
+/// Keywords and symbols of operators, which may be spelled in several ways, and the end of
 /// `within 5 steps`.
 const SPELLINGS: &[&str] = &[
     "always",
@@ -149,7 +149,7 @@ const SPELLINGS: &[&str] = &[
     "steps",
 ];
 
-/// The words, numbers and texts of a file, without the words for operators.
+/// Returns the words, numbers and strings of a file, without keywords for operators.
 pub(super) fn words<'t>(text: &'t str, cut: &Cut) -> Vec<&'t str> {
     cut.tokens
         .iter()
@@ -157,7 +157,7 @@ pub(super) fn words<'t>(text: &'t str, cut: &Cut) -> Vec<&'t str> {
         .filter(|w| w.starts_with(|c| is_word(c) || c == '"'))
         .flat_map(|w| {
             if w.starts_with(|c: char| c.is_ascii_digit()) {
-                // What follows a number need not stand apart from it: `1B`.
+                // The text after a number need not be separated from it: `1B`.
                 let end = w.find(|c: char| !c.is_ascii_digit()).unwrap_or(w.len());
                 let (number, rest) = w.split_at(end);
                 let rest = (!rest.is_empty()).then_some(rest);

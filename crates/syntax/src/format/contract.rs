@@ -2,7 +2,7 @@
 
 use super::super::ast::{
     Argument, ConstDecl, Contract, ContractItem, Counter, Define, Expr, ExprKind, Header, Name,
-    Ownership, Parameter, Performed, TypeDecl,
+    OperationCall, Ownership, Parameter, TypeDecl,
 };
 use super::printer::Printer;
 use linewright_core::source::Span;
@@ -87,7 +87,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Things with commas between them, without brackets.
+    /// Prints elements separated by commas, without brackets.
     pub(super) fn list<T>(
         &mut self,
         items: &[T],
@@ -113,7 +113,7 @@ impl Printer<'_> {
         self.expression(&a.value);
     }
 
-    /// `(cells = 8)`, or nothing; `before` stands before it.
+    /// Prints `(cells = 8)`, or nothing if there are no arguments; `before` is the place before it.
     pub(super) fn arguments(&mut self, before: Span, arguments: &[Argument]) {
         if !arguments.is_empty() {
             let span = |a: &Argument| a.name.span.to(a.value.span);
@@ -121,7 +121,7 @@ impl Printer<'_> {
         }
     }
 
-    pub(super) fn performed(&mut self, p: &Performed) {
+    pub(super) fn performed(&mut self, p: &OperationCall) {
         self.name(&p.name);
         self.arguments(p.name.span, &p.arguments);
     }
@@ -137,7 +137,7 @@ impl Printer<'_> {
         self.block(place, &c.items, true, |p, _, item| p.contract_item(item));
     }
 
-    /// A formula's name and requirement.
+    /// Prints a formula's name and requirement.
     pub(super) fn label(&mut self, name: Option<&Name>, requirement: Option<&str>) {
         if let Some(name) = name {
             self.name(name);
@@ -196,7 +196,7 @@ impl Printer<'_> {
         }
     }
 
-    /// A word and an expression, which may stand on a line of their own.
+    /// Prints a keyword and an expression, which may be on its own line.
     pub(super) fn clause(&mut self, word: &str, before: Span, e: &Expr) {
         let forced = self.broken(before, e.span);
         self.nest = 1;
@@ -206,7 +206,7 @@ impl Printer<'_> {
         self.nest = 0;
     }
 
-    /// Whether a value is a list that begins and ends on lines of its own.
+    /// Returns whether a value is a list that begins and ends on separate lines.
     pub(super) fn opens_wide(&self, e: &Expr) -> bool {
         let open = Span {
             end: e.span.start,

@@ -1,9 +1,9 @@
 //! Expressions, formulas and types.
 //!
-//! Brackets stand where the grammar needs them to give the same tree, and where operators of
-//! different kinds are easily misread: around `and` within `or`, around what `not` and `always`
-//! speak of when it has operators of its own, around an `if` within an `if`. What the builder
-//! halves (`a and b and c`) or copies (`a < b < c`) is put together again before it is printed.
+//! Brackets are printed where the grammar needs them for the same tree, and where mixed operators
+//! are easily misread: around `and` within `or`, around the operand of `not` and `always` if it has
+//! operators, and around an `if` within an `if`. Expressions that the builder halved
+//! (`a and b and c`) or copied (`a < b < c`) are reassembled before printing.
 
 use super::super::ast::{
     BinaryOp, Domain, DomainKind, Expr, ExprKind, Pattern, PatternKind, Quantifier, Scope,
@@ -13,48 +13,49 @@ use super::parts::{Parts, binding, parts, wide};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// Binds tighter than any expression: what is asked to bind so stands in brackets.
+/// Tighter than any expression: an operand that must bind like this is always bracketed.
 const APART: u8 = u8::MAX;
 
-/// What stands behind an expression that is printed without brackets.
+/// The context after an expression that is printed without brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Behind {
-    /// A closing bracket, a word of a statement, or nothing.
+pub(super) enum Continuation {
+    /// A closing bracket, a keyword of a statement, or nothing.
     Nothing,
-    /// An operator or a scope, which a word that reaches far to the right would take for its own.
+    /// An operator or a scope, which a prefix word that extends far to the right would absorb.
     Operator,
-    /// `within 5 steps`, which `once` would take for its own, too.
+    /// `within 5 steps`, which `once` would absorb, too.
     Within,
 }
 
 impl Printer<'_> {
-    /// An expression with nothing behind it that it could take for its own.
+    /// Prints an expression with nothing after it that it could absorb.
     pub fn expression(&mut self, e: &Expr) {
-        self.operand(e, binds::PATTERN, Behind::Nothing);
+        self.operand(e, binds::PATTERN, Continuation::Nothing);
     }
 
-    /// An expression where the grammar wants one that binds at least so tight.
-    pub fn operand(&mut self, e: &Expr, least: u8, behind: Behind) {
+    /// Prints an expression where the grammar requires a minimum binding strength.
+    pub fn operand(&mut self, e: &Expr, least: u8, behind: Continuation) {
         let parts = parts(e);
         let tight = match &parts {
             Parts::Chain(_, _, whole, _) | Parts::Single(whole) => *whole,
         };
         let open = match &e.kind {
-            ExprKind::Past(_, _, None) => behind == Behind::Within,
-            kind => wide(kind) && behind != Behind::Nothing,
+            ExprKind::Past(_, _, None) => behind == Continuation::Within,
+            kind => wide(kind) && behind != Continuation::Nothing,
         };
         self.before(e.span);
         if tight < least || open {
             self.put("(");
-            self.parts(e, parts, Behind::Nothing);
+            self.parts(e, parts, Continuation::Nothing);
             self.put(")");
         } else {
             self.parts(e, parts, behind);
         }
     }
 
-    /// An expression in brackets if it has operators of its own, which are easily taken for others.
-    fn argument_of_word(&mut self, e: &Expr, behind: Behind) {
+    /// Prints the operand of a prefix word, in brackets if it has operators, since these are easily
+    /// misread.
+    fn argument_of_word(&mut self, e: &Expr, behind: Continuation) {
         let brackets = match &e.kind {
             ExprKind::If(..) => true,
             _ => (binds::COMPARISON..=binds::PRODUCT).contains(&binding(e)),
@@ -63,7 +64,7 @@ impl Printer<'_> {
         self.operand(e, least, behind);
     }
 
-    fn parts(&mut self, e: &Expr, parts: Parts<'_>, behind: Behind) {
+    fn parts(&mut self, e: &Expr, parts: Parts<'_>, behind: Continuation) {
         match parts {
             Parts::Single(_) => self.single(e, behind),
             Parts::Chain(operands, signs, whole, least) => {
@@ -81,7 +82,7 @@ impl Printer<'_> {
                             p.gap(level, true, forced);
                         }
                         let ends = i + 1 == operands.len();
-                        let behind = if ends { behind } else { Behind::Operator };
+                        let behind = if ends { behind } else { Continuation::Operator };
                         // Easily misread: `a - -b`, and where an `if` among operators ends.
                         let apart = match operand.kind {
                             ExprKind::Neg(_) => whole >= binds::ADDITIVE && i > 0,
@@ -96,7 +97,7 @@ impl Printer<'_> {
         }
     }
 
-    fn single(&mut self, e: &Expr, behind: Behind) {
+    fn single(&mut self, e: &Expr, behind: Continuation) {
         match &e.kind {
             ExprKind::Unknown => {
                 let written = self.number(e.span).map(str::to_owned);
@@ -149,7 +150,7 @@ impl Printer<'_> {
                 self.put(op.word());
                 self.put(" ");
                 let within = bound.is_some();
-                self.argument_of_word(a, if within { Behind::Within } else { behind });
+                self.argument_of_word(a, if within { Continuation::Within } else { behind });
                 self.bound(bound.as_deref());
             }
             ExprKind::Binary(..) | ExprKind::Since(..) | ExprKind::Until(..) => {
@@ -199,16 +200,16 @@ impl Printer<'_> {
                 self.sequence(["{", "}"], open, items, |a| a.name.span, Self::argument);
             }
             ExprKind::Member(a, items) => {
-                self.operand(a, binds::ADDITIVE, Behind::Operator);
+                self.operand(a, binds::ADDITIVE, Continuation::Operator);
                 self.put(" in ");
                 self.sequence(["{", "}"], a.span, items, |a| a.span, Self::expression);
             }
             ExprKind::Within(a, low, high) => {
-                self.operand(a, binds::ADDITIVE, Behind::Operator);
+                self.operand(a, binds::ADDITIVE, Continuation::Operator);
                 self.put(" in ");
-                // A brace here would begin a list of values.
+                // A brace here would begin a set of values.
                 if begins_with_brace(low) {
-                    self.operand(low, APART, Behind::Nothing);
+                    self.operand(low, APART, Continuation::Nothing);
                     self.put("..");
                     self.limit(high, false);
                 } else {
@@ -219,7 +220,7 @@ impl Printer<'_> {
         }
     }
 
-    /// What an index, or a member's name, stands behind.
+    /// Prints the base of an index or a member.
     fn base(&mut self, base: &Expr, paths_apart: bool) {
         let plain = match &base.kind {
             ExprKind::Index(..) | ExprKind::Field(..) | ExprKind::Call(..) | ExprKind::List(_) => {
@@ -228,15 +229,15 @@ impl Printer<'_> {
             ExprKind::Path(_) => !paths_apart,
             _ => false,
         };
-        self.operand(base, if plain { 0 } else { APART }, Behind::Operator);
+        self.operand(base, if plain { 0 } else { APART }, Continuation::Operator);
     }
 
-    /// A number as the author wrote it, without its unit.
+    /// Returns a number as the author wrote it, without its unit.
     fn number(&self, span: Span) -> Option<&str> {
         let text = self.written(span)?;
         let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
         let text = &text[..end.unwrap_or(text.len())];
-        // The unit may stand right behind it: `1e3mm`.
+        // The unit may follow directly: `1e3mm`.
         let end = text
             .char_indices()
             .rev()
@@ -263,8 +264,8 @@ impl Printer<'_> {
         }
     }
 
-    /// `if a then b else if c then d else e`
-    fn ladder(&mut self, e: &Expr, behind: Behind) {
+    /// Prints `if a then b else if c then d else e`.
+    fn ladder(&mut self, e: &Expr, behind: Continuation) {
         let at_break = self.at_break();
         self.level(|p, level| {
             p.nest(at_break);
@@ -280,7 +281,7 @@ impl Printer<'_> {
                     p.nest += 1;
                     p.gap(inner, true, forced);
                     let again = matches!(then.kind, ExprKind::If(..));
-                    p.operand(then, if again { APART } else { 0 }, Behind::Nothing);
+                    p.operand(then, if again { APART } else { 0 }, Continuation::Nothing);
                 });
                 let forced = p.broken(then.span, otherwise.span);
                 p.gap(level, true, forced);
@@ -295,17 +296,17 @@ impl Printer<'_> {
     fn bound(&mut self, bound: Option<&Expr>) {
         if let Some(bound) = bound {
             self.put(" within ");
-            self.operand(bound, binds::ADDITIVE, Behind::Nothing);
+            self.operand(bound, binds::ADDITIVE, Continuation::Nothing);
             let one = matches!(bound.kind, ExprKind::Int(1));
             self.put(if one { " step" } else { " steps" });
         }
     }
 
-    fn pattern(&mut self, pattern: &Pattern, behind: Behind) {
+    fn pattern(&mut self, pattern: &Pattern, behind: Continuation) {
         let after = match (&pattern.bound, &pattern.scope) {
-            (Some(_), _) => Behind::Within,
+            (Some(_), _) => Continuation::Within,
             (None, Scope::Globally) => behind,
-            _ => Behind::Operator,
+            _ => Continuation::Operator,
         };
         let at_break = self.at_break();
         self.level(|p, level| {
@@ -318,7 +319,7 @@ impl Printer<'_> {
                 PatternKind::Response(_, b) => (" responds to", b),
             };
             if let PatternKind::Precedence(a, b) | PatternKind::Response(a, b) = &pattern.kind {
-                p.operand(a, binds::NEGATION, Behind::Operator);
+                p.operand(a, binds::NEGATION, Continuation::Operator);
                 p.put(word);
                 p.nest(at_break);
                 let forced = p.broken(a.span, b.span);
@@ -342,7 +343,7 @@ impl Printer<'_> {
             p.gap(level, true, forced);
             p.put(word);
             let ends = if second.is_some() {
-                Behind::Operator
+                Continuation::Operator
             } else {
                 behind
             };
@@ -356,7 +357,7 @@ impl Printer<'_> {
 
     // ---- types ----------------------------------------------------------------------------------
 
-    /// A type.
+    /// Prints a type.
     pub fn domain(&mut self, domain: &Domain) {
         self.before(domain.span);
         match &domain.kind {
@@ -388,7 +389,7 @@ impl Printer<'_> {
             }
             DomainKind::Array(length, domain) => {
                 self.put("array[");
-                self.operand(length, binds::ADDITIVE, Behind::Nothing);
+                self.operand(length, binds::ADDITIVE, Continuation::Nothing);
                 self.put("] of ");
                 self.domain(domain);
             }
@@ -397,7 +398,8 @@ impl Printer<'_> {
         }
     }
 
-    /// `0..n-1`. With `unit`, a unit follows that must not become that of the last number.
+    /// Prints `0..n-1`. With `unit`, a unit follows that must not be read as part of the last
+    /// number.
     fn limits(&mut self, low: &Expr, high: &Expr, unit: bool) {
         self.limit(low, false);
         self.put("..");
@@ -411,24 +413,24 @@ impl Printer<'_> {
                 if plain(a) && plain(b) =>
             {
                 self.put(if unit { "(" } else { "" });
-                self.operand(a, binds::PRODUCT, Behind::Operator);
+                self.operand(a, binds::PRODUCT, Continuation::Operator);
                 self.put(op.sign());
-                self.operand(b, binds::PRODUCT, Behind::Operator);
+                self.operand(b, binds::PRODUCT, Continuation::Operator);
                 self.put(if unit { ")" } else { "" });
             }
             ExprKind::Path(_) | ExprKind::Call(..) | ExprKind::Index(..) | ExprKind::Field(..) => {
-                self.operand(e, binds::ADDITIVE, Behind::Operator);
+                self.operand(e, binds::ADDITIVE, Continuation::Operator);
             }
             _ => self.operand(
                 e,
                 if unit { APART } else { binds::ADDITIVE },
-                Behind::Operator,
+                Continuation::Operator,
             ),
         }
     }
 }
 
-/// Whether the first sign of an expression may be that of a record.
+/// Returns whether an expression may begin with the brace of a record.
 fn begins_with_brace(e: &Expr) -> bool {
     match &e.kind {
         ExprKind::Record(_) => true,

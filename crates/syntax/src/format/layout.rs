@@ -1,53 +1,53 @@
-//! From pieces of text and places where a line may end to lines.
+//! Layout: converts pieces of text and possible line breaks to lines.
 //!
-//! A statement is a list of pieces. A [`Piece::Break`] is a blank or the end of a line; it ends the
-//! line where the author ended it, and where what follows up to the next break of its own or an
+//! A statement is a list of pieces. A [`Piece::Break`] is either a blank or a line end. It is a
+//! line end where the author had one, and where the text up to the next break of the same or an
 //! outer level would not fit. So the outermost operator breaks first, and within one operator lines
-//! are filled (Oppen, Prettyprinting, 1980: inconsistent breaking). What the author broke stays
-//! broken, so that a formatted text keeps every break it has: formatting it again changes nothing.
+//! are filled (Oppen, Prettyprinting, 1980: inconsistent breaking). The author's line ends are
+//! kept, so formatted text keeps all its breaks, and formatting it again changes nothing.
 
 use super::comments::Comment;
 
-/// Lines are at most so wide, where a break can be found.
+/// Maximum line width in columns, wherever a break is possible.
 pub(super) const WIDTH: usize = 135;
-/// Blanks of one step of indentation.
+/// Number of blanks per level of indentation.
 const INDENT: usize = 4;
 
 /// A part of a statement.
 #[derive(Debug, Clone)]
 pub(super) enum Piece {
-    /// A text without breaks.
+    /// Text without breaks.
     Text(String),
-    /// An operand of this level begins.
+    /// Beginning of an operand of this level.
     Mark { level: usize },
-    /// A blank, or nothing, or the end of a line.
+    /// A blank or nothing, or a line end.
     Break {
         level: usize,
         indent: usize,
         blank: bool,
         forced: bool,
     },
-    /// An `if ... else if` of so many pieces begins. Its arms stand on one line, or as the author
-    /// broke them, or each on its own.
+    /// Beginning of an `if ... else if` with this many pieces. Its arms are all on one line, or
+    /// broken as by the author, or each on a separate line.
     Ladder { level: usize, length: usize },
     /// A comment within a statement.
     Comment { comment: Comment, indent: usize },
 }
 
-/// What stands before the next text.
+/// Line end to write before the next text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pending {
     Nothing,
     Line { indent: usize, empty: bool },
 }
 
-/// The text that was written so far. Line ends are written late, so that a comment can still go
+/// The text written so far. Line ends are written late, so that a comment can still be inserted
 /// before them.
 pub(super) struct Writer {
     text: String,
     pending: Pending,
     row: usize,
-    /// Whether the last line ends with a comment that takes all of it.
+    /// Whether the last line ends with a line comment.
     closed: bool,
 }
 
@@ -61,7 +61,7 @@ impl Writer {
         }
     }
 
-    /// The text, whose last line ends.
+    /// Returns the text, ending with a line end.
     pub fn finish(mut self) -> String {
         if !self.text.is_empty() {
             self.trim();
@@ -70,7 +70,7 @@ impl Writer {
         self.text
     }
 
-    /// What follows stands on a new line; with `empty`, an empty line stands before it.
+    /// Starts a new line for the next text; with `empty`, an empty line precedes it.
     pub fn line(&mut self, indent: usize, empty: bool) {
         if self.text.is_empty() {
             return;
@@ -101,7 +101,7 @@ impl Writer {
         self.closed = false;
     }
 
-    /// Writes a comment at the end of the line that is being written, also when a new one is due.
+    /// Writes a comment at the end of the current line, even if a new one is pending.
     pub fn behind(&mut self, comment: &Comment) {
         if self.closed {
             self.text(&comment.text);
@@ -130,7 +130,7 @@ impl Writer {
     }
 }
 
-/// How wide some pieces are on one line; nothing where they cannot stand on one line, or not within
+/// Returns the width of pieces on one line; `None` if they cannot be on one line or are wider than
 /// `most`.
 pub(super) fn flat(pieces: &[Piece], most: usize) -> Option<usize> {
     let mut width = 0;
@@ -152,7 +152,7 @@ pub(super) fn flat(pieces: &[Piece], most: usize) -> Option<usize> {
     Some(width)
 }
 
-/// The pieces up to the next break of this level or an outer one.
+/// Returns the pieces up to the next break of this level or an outer one.
 fn segment(pieces: &[Piece], level: usize) -> &[Piece] {
     let end = pieces
         .iter()
@@ -162,7 +162,7 @@ fn segment(pieces: &[Piece], level: usize) -> &[Piece] {
 
 /// Writes a statement.
 pub(super) fn render(mut pieces: Vec<Piece>, out: &mut Writer) {
-    // For each level, the row on which its last operand began.
+    // For each level, the row where its last operand began.
     let mut rows: Vec<usize> = Vec::new();
     for i in 0..pieces.len() {
         let room = WIDTH.saturating_sub(out.column());
@@ -216,8 +216,7 @@ fn began(rows: &mut Vec<usize>, level: usize, row: usize) {
     rows[level] = row;
 }
 
-/// Breaks before every `else`, where the arms do not fit on one line and the author broke before
-/// none.
+/// Breaks before every `else` if the arms do not fit on one line and the author broke before none.
 fn arms(pieces: &mut [Piece], level: usize, length: usize, room: usize) {
     let behind = pieces[length..]
         .iter()

@@ -1,6 +1,6 @@
 //! Lines.
 
-use super::super::ast::{Counted, Line, LineItem, StationItem, Supply};
+use super::super::ast::{Line, LineItem, PartCount, StationItem, Supply};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
@@ -12,7 +12,7 @@ impl Printer<'_> {
         self.block(place, &l.items, false, Self::line_item);
     }
 
-    fn counted(&mut self, c: &Counted) {
+    fn counted(&mut self, c: &PartCount) {
         self.before(c.name.span);
         self.put(&format!("{} {}", c.count, c.name.text));
     }
@@ -135,7 +135,7 @@ impl Printer<'_> {
                     .words_between(last.end, place.end)
                     .any(|w| w == "otherwise")
                 {
-                    // It says what is so without it, too; the tree does not hold it.
+                    // Optional and without effect; the tree does not record it.
                     self.put(" otherwise");
                 }
             }
@@ -214,7 +214,7 @@ impl Printer<'_> {
                     .words_between(probability.span.end, property.span.start)
                     .collect();
                 if words.ends_with(&["one", "of"]) {
-                    // It says what is so without it, too; the tree does not hold it.
+                    // Optional and without effect; the tree does not record it.
                     self.put("one of ");
                 }
                 self.name(property);

@@ -1,10 +1,10 @@
 //! Machines.
 
-use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, Typed};
+use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, TypedDecl};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// What stands within a component, in the order in which it was written.
+/// An item of a component; they are printed in source order.
 enum Part<'c> {
     Time(&'c Expr, bool),
     Power(&'c Expr),
@@ -93,7 +93,7 @@ impl Printer<'_> {
         self.setting(" mttr ", b);
     }
 
-    pub(super) fn typed(&mut self, word: &str, t: &Typed) {
+    pub(super) fn typed(&mut self, word: &str, t: &TypedDecl) {
         self.doc(&t.doc);
         self.put(word);
         self.name(&t.name);

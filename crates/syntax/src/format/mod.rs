@@ -1,9 +1,8 @@
-//! From a syntax tree back to text.
+//! Formatter: converts a syntax tree back to text.
 //!
-//! What is printed is made from the tree, so that it means the same by construction; the text that
-//! the tree was made of gives the comments, the empty lines between declarations, and the places
-//! where the author ended a line. Whoever writes the result over a file asks [`checked`] for it,
-//! which takes nothing for granted.
+//! The output is generated from the tree, so it has the same meaning by construction. The tree's
+//! source text contributes the comments, the empty lines between declarations, and the author's
+//! line ends. To overwrite a file, use the result of [`checked`], which verifies all of this.
 
 mod comments;
 mod contract;
@@ -20,11 +19,11 @@ use super::parser::parse;
 use linewright_core::source::FileId;
 use printer::Printer;
 
-/// The text of a file's tree, with the comments of `text`, which the tree was parsed from without a
-/// finding. Line ends are those of `text`, and a byte-order mark stays.
+/// Formats a file's tree with the comments of `text`, from which the tree was parsed without
+/// findings. Keeps the line ends of `text` and a byte-order mark.
 ///
-/// Without a text (`""`), the tree is printed as it is: its own doc comments, no other, and an
-/// empty line between contracts.
+/// Without a text (`""`), the tree is printed as is: with the doc comments it contains, no others,
+/// and an empty line between contracts.
 pub fn format(file: &File, text: &str) -> String {
     let mut printer = Printer::new(file, text);
     let mut before = None;
@@ -63,7 +62,7 @@ pub fn format(file: &File, text: &str) -> String {
     formatted
 }
 
-/// An expression in one line, as it would stand in a file.
+/// Formats an expression in one line, as it would be in a file.
 pub fn expression(e: &Expr) -> String {
     let file = File::default();
     let mut printer = Printer::new(&file, "");
@@ -75,34 +74,34 @@ pub fn expression(e: &Expr) -> String {
     words.join(" ").replace("( ", "(").replace(" )", ")")
 }
 
-/// So often a text is formatted again until that changes nothing.
+/// Maximum number of times a text is reformatted until it is stable.
 const MOST_ROUNDS: usize = 8;
 
-/// What went wrong with a formatted text: a fault of this program, not of the file.
+/// Error in a formatted text: a bug in this program, not in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
-    /// It is not read as the same tree.
+    /// The text parses to a different tree.
     #[error("the formatted text would mean something else")]
     Tree,
-    /// A comment is missing, or stands elsewhere among the comments.
+    /// A comment is missing or in a different order.
     #[error("a comment would be lost")]
     Comments,
-    /// A word is missing that the tree does not hold.
+    /// A word that is not in the tree is missing.
     #[error("a word would be lost")]
     Words,
-    /// Formatting it again gives another text.
+    /// Formatting the result again changes it.
     #[error("formatting it again would change it again")]
     Unstable,
 }
 
-/// [`format()`], and a look at the result before anyone writes it over the file: it must be read as
-/// the same tree, hold the same comments and the same words in the same order, and stay as it is
-/// when it is formatted again.
+/// Like [`format()`], but verifies the result before it is written to the file: it must parse to
+/// the same tree, have the same comments and words in the same order, and not change when formatted
+/// again.
 pub fn checked(file: &File, text: &str) -> Result<String, Fault> {
     let mut formatted = format(file, text);
     let (mut again, mut findings) = parse(FileId::default(), &formatted);
-    // A comment that moves past a bracket can make a line end where none did. What is broken stays
-    // broken, so this comes to an end.
+    // A comment that moves past a bracket can cause a new line break. Existing breaks are kept, so
+    // this terminates.
     let mut settled = false;
     for _ in 0..MOST_ROUNDS {
         let next = format(&again, &formatted);
@@ -132,7 +131,7 @@ pub fn checked(file: &File, text: &str) -> Result<String, Fault> {
     Ok(formatted)
 }
 
-/// The comments of a text, in order.
+/// Returns the comments of a text, in order.
 pub fn comments(text: &str) -> Vec<String> {
     comments::cut(text)
         .comments

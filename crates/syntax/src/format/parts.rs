@@ -1,5 +1,5 @@
-//! Expressions taken apart for printing: what the builder halves (`a and b and c`) or copies
-//! (`a < b < c`) is put together again, and how tight each binds is said.
+//! Expressions taken apart for printing: reassembles what the builder halved (`a and b and c`) or
+//! copied (`a < b < c`), and gives the binding strengths.
 
 use super::super::ast::{BinaryOp, Expr, ExprKind, Pattern, PatternKind};
 use super::super::binds;
@@ -7,20 +7,21 @@ use super::super::build::{MAX_CHAIN, small_enough_for_the_middle};
 
 /// An expression taken apart.
 pub(super) enum Parts<'e> {
-    /// Operands with this between them; how tight the whole binds, and what its operands must bind.
+    /// Operands, the operators between them, the binding strength of the whole, and the minimum
+    /// strength of its operands.
     Chain(Vec<&'e Expr>, Vec<&'static str>, u8, u8),
-    /// Anything else.
+    /// Any other expression, with its binding strength.
     Single(u8),
 }
 
-/// The operands of a chain of an operator that the builder halves, where the tree is one that it
-/// would make of them.
+/// Collects the operands of a chain of an operator that the builder halves, if the tree is the one
+/// that the builder would make of them.
 fn halved<'e>(op: BinaryOp, e: &'e Expr, count: usize, operands: &mut Vec<&'e Expr>) -> bool {
     if count == 1 {
         operands.push(e);
         return true;
     }
-    // The left half is the largest power of two below the count.
+    // The left half has the largest power of two below the count.
     let left = count.next_power_of_two() / 2;
     match sides(e, op) {
         Some((a, b)) => halved(op, a, left, operands) && halved(op, b, count - left, operands),
@@ -28,7 +29,7 @@ fn halved<'e>(op: BinaryOp, e: &'e Expr, count: usize, operands: &mut Vec<&'e Ex
     }
 }
 
-/// The operands of `a op b`. A chain of comparisons is no `and` here.
+/// Returns the operands of `a op b`. A chain of comparisons does not count as `and`.
 fn sides(e: &Expr, op: BinaryOp) -> Option<(&Expr, &Expr)> {
     match &e.kind {
         ExprKind::Binary(o, a, b) if *o == op && (op != BinaryOp::And || links(e).is_none()) => {
@@ -38,12 +39,12 @@ fn sides(e: &Expr, op: BinaryOp) -> Option<(&Expr, &Expr)> {
     }
 }
 
-/// How many operands a chain of this operator can have at most.
+/// Returns the maximum number of operands in a chain of this operator.
 fn leaves(op: BinaryOp, e: &Expr) -> usize {
     sides(e, op).map_or(1, |(a, b)| leaves(op, a) + leaves(op, b))
 }
 
-/// The comparisons of `a < b < c`, which the builder makes `a < b and b < c`.
+/// Returns the comparisons of `a < b < c`, which the builder turns into `a < b and b < c`.
 fn links(e: &Expr) -> Option<Vec<&Expr>> {
     fn collect<'e>(e: &'e Expr, list: &mut Vec<&'e Expr>) -> bool {
         match &e.kind {
@@ -83,7 +84,7 @@ fn compares(op: BinaryOp) -> bool {
     matches!(op, Eq | Ne | Lt | Le | Gt | Ge)
 }
 
-/// The operands of a chain that groups to the left, from these operators.
+/// Returns the operands and operators of a chain of these operators that groups to the left.
 fn to_the_left<'e>(e: &'e Expr, ops: &[BinaryOp]) -> (Vec<&'e Expr>, Vec<BinaryOp>) {
     let (mut operands, mut between) = (Vec::new(), Vec::new());
     let mut left = e;
@@ -115,7 +116,7 @@ fn chain_of(op: BinaryOp, e: &Expr, whole: u8, operand: u8) -> Parts<'_> {
 
 fn arithmetic<'e>(e: &'e Expr, ops: &[BinaryOp], whole: u8) -> Parts<'e> {
     let (operands, between) = to_the_left(e, ops);
-    // A chain of one operator that may be grouped in any way is halved.
+    // A chain of one associative operator is halved.
     if between.iter().all(|op| *op == ops[0]) {
         return chain_of(ops[0], e, whole, whole + 1);
     }
@@ -190,7 +191,7 @@ pub(super) fn parts(e: &Expr) -> Parts<'_> {
     }
 }
 
-/// How tight an expression binds that is no chain.
+/// Returns the binding strength of an expression other than a chain.
 fn single(kind: &ExprKind) -> u8 {
     match kind {
         ExprKind::Pattern(Pattern {
@@ -211,7 +212,7 @@ fn single(kind: &ExprKind) -> u8 {
     }
 }
 
-/// Whether an expression reaches as far to the right as it can.
+/// Returns whether an expression extends as far to the right as possible.
 pub(super) fn wide(kind: &ExprKind) -> bool {
     matches!(
         kind,
@@ -223,7 +224,7 @@ pub(super) fn wide(kind: &ExprKind) -> bool {
     )
 }
 
-/// How tight something with operators binds; the tightest where it has none.
+/// Returns the binding strength of an expression; the tightest if it has no operators.
 pub(super) fn binding(e: &Expr) -> u8 {
     match parts(e) {
         Parts::Chain(_, _, whole, _) | Parts::Single(whole) => whole,

@@ -1,14 +1,14 @@
-//! The printer's state: the statement being made, and which comments have been put back.
+//! State of the printer: the statement being printed, and the comments not yet put back.
 
 use super::super::ast::{Expr, File, Name};
 use super::comments::{Comment, Cut, Token, cut, newlines};
 use super::layout::{Piece, Writer, flat, render};
 use linewright_core::source::Span;
 
-/// What stood before a statement.
+/// What precedes a statement.
 #[derive(Clone, Copy, PartialEq)]
 enum After {
-    /// The end of a line.
+    /// A line end.
     Line,
     /// A doc comment.
     Doc,
@@ -16,27 +16,27 @@ enum After {
     Same,
 }
 
-/// Prints statements one after the other.
+/// Prints statements in sequence.
 pub(super) struct Printer<'t> {
     text: &'t str,
     comments: std::iter::Peekable<std::vec::IntoIter<Comment>>,
-    /// Where comments of several lines begin, and how many lines end within each.
+    /// Start of each multi-line comment, and its number of line ends.
     long: Vec<(usize, usize)>,
     tokens: Vec<Token>,
     places: &'t [Span],
     pieces: Vec<Piece>,
     out: Writer,
-    /// How deep the block is in which the statement stands.
+    /// Nesting depth of the statement's block.
     base: usize,
-    /// How much deeper the next line of this statement stands.
+    /// Additional indentation of the statement's next line.
     pub nest: usize,
-    /// The level of breaks, see [`Piece::Break`].
+    /// Level of breaks, see [`Piece::Break`].
     level: usize,
-    /// Whether a break is the last that was put.
+    /// Whether the last piece is a break.
     at_break: bool,
-    /// Whether nothing stands in the block yet.
+    /// Whether the block is still empty.
     fresh: bool,
-    /// Where the blocks end that are open.
+    /// Ends of the open blocks.
     ends: Vec<usize>,
 }
 
@@ -64,21 +64,21 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// The text, once all statements are printed.
+    /// Returns the text after all statements are printed.
     pub fn finish(mut self) -> String {
         self.leading(usize::MAX);
         self.out.finish()
     }
 
-    /// Whether there is no text that the tree was made of, and so no comments and no breaks.
+    /// Returns whether there is no source text, and so no comments and no breaks.
     pub fn bare(&self) -> bool {
         self.text.is_empty()
     }
 
     // ---- statements -----------------------------------------------------------------------------
 
-    /// Begins a statement on a line of its own, behind the comments that stand before it. Gives the
-    /// place where it stands in the text.
+    /// Begins a statement on a new line, after the comments before it. Returns the statement's
+    /// place in the text.
     pub fn begin(&mut self, apart: bool) -> Span {
         let place = self.take_place();
         if self.bare() {
@@ -102,7 +102,7 @@ impl<'t> Printer<'t> {
         place
     }
 
-    /// Ends a statement; the comments that stand behind it on its line stay there.
+    /// Ends a statement; comments after it on the same line stay there.
     pub fn end(&mut self) {
         render(std::mem::take(&mut self.pieces), &mut self.out);
         let next = self.places.first().map_or(usize::MAX, |p| self.word_at(*p));
@@ -118,7 +118,7 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// A line without the doc comment's slashes that go before it, where there is no text.
+    /// Prints a doc comment, given without slashes, if there is no source text.
     pub fn doc(&mut self, doc: &str) {
         if self.bare() && !doc.is_empty() {
             for line in doc.split('\n') {
@@ -128,8 +128,8 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// A block of statements in braces. One statement may stay on one line with them, if the author
-    /// wrote it so and `short` allows.
+    /// Prints a block of statements in braces. A single statement may stay on the same line, if the
+    /// author wrote it there and `short` allows it.
     pub fn block<T>(
         &mut self,
         place: Span,
@@ -180,8 +180,8 @@ impl<'t> Printer<'t> {
         self.put("}");
     }
 
-    /// Whether the statement that comes next, and the brace before it, stand on the line that the
-    /// brace at `close` stands on.
+    /// Returns whether the next statement, and the brace before it, are on the same line as the
+    /// brace at `close`.
     fn on_one_line(&self, close: usize) -> bool {
         let Some(place) = self.places.first() else {
             return false;
@@ -213,7 +213,7 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// Where a statement's first word stands, behind its doc comment.
+    /// Returns the offset of a statement's first word after its doc comment.
     fn word_at(&self, place: Span) -> usize {
         let start = place.start as usize;
         let word = self.tokens.partition_point(|t| t.start < start);
@@ -222,7 +222,7 @@ impl<'t> Printer<'t> {
 
     // ---- comments -------------------------------------------------------------------------------
 
-    /// Puts back the comments that stand before a statement, and says how that goes on.
+    /// Puts back the comments before a statement, and returns what precedes it now.
     fn leading(&mut self, before: usize) -> After {
         let mut after = After::Line;
         while let Some(c) = self.comments.next_if(|c| c.start < before) {
@@ -245,7 +245,7 @@ impl<'t> Printer<'t> {
         after
     }
 
-    /// Puts back the comments that stand before this, within a statement.
+    /// Puts back the comments before a place within a statement.
     pub fn before(&mut self, span: Span) {
         let indent = self.base + self.nest.max(1);
         while let Some(comment) = self.comments.next_if(|c| c.start < span.start as usize) {
@@ -255,7 +255,7 @@ impl<'t> Printer<'t> {
 
     // ---- pieces ---------------------------------------------------------------------------------
 
-    /// A text.
+    /// Prints text.
     pub fn put(&mut self, text: &str) {
         self.at_break = false;
         match self.pieces.last_mut() {
@@ -264,13 +264,13 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// A name.
+    /// Prints a name.
     pub fn name(&mut self, name: &Name) {
         self.before(name.span);
         self.put(&name.text);
     }
 
-    /// A break: a blank or nothing, where the line does not end; with `forced` it does.
+    /// Prints a break: a blank or nothing if the line does not end, a line end if `forced`.
     pub fn gap(&mut self, level: usize, blank: bool, forced: bool) {
         self.pieces.push(Piece::Break {
             level,
@@ -281,8 +281,8 @@ impl<'t> Printer<'t> {
         self.at_break = true;
     }
 
-    /// Prints what belongs together at one level of breaks; `print` gets the level, and what it
-    /// nests is let go of.
+    /// Prints pieces at one level of breaks; `print` receives the level. Its additional indentation
+    /// ends with it.
     pub fn level(&mut self, print: impl FnOnce(&mut Self, usize)) {
         let (level, nest) = (self.level, self.nest);
         self.pieces.push(Piece::Mark { level });
@@ -291,23 +291,23 @@ impl<'t> Printer<'t> {
         (self.level, self.nest) = (level, nest);
     }
 
-    /// Lines from here on are indented once more, unless this begins at a break.
+    /// Indents the following lines once more, unless this begins at a break.
     pub fn nest(&mut self, at_break: bool) {
         self.nest += usize::from(!at_break);
     }
 
-    /// Whether a break is the last that was put.
+    /// Returns whether the last piece is a break.
     pub fn at_break(&self) -> bool {
         self.at_break
     }
 
-    /// Remembers that an `if ... else if` begins; [`Self::ladder_ends`] says where it ends.
+    /// Records the beginning of an `if ... else if`; [`Self::ladder_ends`] records its end.
     pub fn ladder_begins(&mut self, level: usize) -> usize {
         self.pieces.push(Piece::Ladder { level, length: 0 });
         self.pieces.len()
     }
 
-    /// See [`Self::ladder_begins`].
+    /// Records the end, see [`Self::ladder_begins`].
     pub fn ladder_ends(&mut self, begun: usize) {
         let count = self.pieces.len() - begun;
         if let Some(Piece::Ladder { length, .. }) = self.pieces.get_mut(begun - 1) {
@@ -315,7 +315,8 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// Whether the author ended a line between two things, not counting those within a comment.
+    /// Returns whether the author ended a line between two places, not counting line ends in
+    /// comments.
     pub fn broken(&self, before: Span, after: Span) -> bool {
         let gap = before.end as usize..after.start as usize;
         let ends = self.text.get(gap.clone()).map_or(0, newlines);
@@ -330,14 +331,14 @@ impl<'t> Printer<'t> {
         ends > 0 && ends > within(&self.long)
     }
 
-    /// What the author wrote there, where there is a text.
+    /// Returns the author's text of a place, if there is a source text.
     pub fn written(&self, span: Span) -> Option<&'t str> {
         self.text
             .get(span.start as usize..span.end as usize)
             .filter(|t| !t.is_empty())
     }
 
-    /// The words and signs between two places.
+    /// Returns the words and symbols between two places.
     pub fn words_between(
         &self,
         before: u32,
@@ -351,8 +352,8 @@ impl<'t> Printer<'t> {
             .map(move |t| &text[t.start..t.end])
     }
 
-    /// Things with commas between them, in brackets. `open` is where the bracket stands: when the
-    /// author ended the line there, each end of the list stands on a line of its own.
+    /// Prints elements separated by commas, in brackets. `open` is the place of the bracket: if the
+    /// author ended the line there, both brackets are on separate lines.
     pub fn sequence<T>(
         &mut self,
         brackets: [&str; 2],
@@ -386,7 +387,7 @@ impl<'t> Printer<'t> {
         });
     }
 
-    /// `= value`, on a line of its own where it does not fit.
+    /// Prints `= value`, on a new line if it does not fit.
     pub fn value(&mut self, before: Span, value: &Expr) {
         self.put(" =");
         let forced = self.broken(before, value.span);

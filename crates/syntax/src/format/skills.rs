@@ -1,8 +1,8 @@
 //! Skills and their orders.
 //!
-//! Each skill stands on a line of its own, without a comma behind it; a component with one skill
-//! may stay on one line. Brackets in regular expressions stand where the grammar needs them, and
-//! around `A & B` among others, whose extent is easily misread.
+//! Each skill is on a separate line, without a comma after it; a component with one skill may be on
+//! one line. Regular expressions have brackets where the grammar needs them, and around `A & B`
+//! among other operands, since its extent is easily misread.
 
 use super::super::ast::{
     Deletion, Event, Name, Order, OrderRule, Regex, RegexKind, Situation, SkillCalls,
@@ -11,16 +11,16 @@ use super::super::ast::{
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// What a regular expression stands within.
+/// Context of a regular expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Around {
-    /// Brackets, which it need not bring.
+enum RegexContext {
+    /// Brackets, so it needs none itself.
     Brackets,
     /// `|`
     Either,
-    /// What comes before or after it.
+    /// A concatenation.
     Concat,
-    /// `*` and the like.
+    /// `*` and similar.
     Repeat,
 }
 
@@ -162,7 +162,7 @@ impl Printer<'_> {
 
     // ---- regular expressions --------------------------------------------------------------------
 
-    /// `sequence (...)*`: always in brackets, so that it ends there.
+    /// Prints `sequence (...)*`: always in brackets, so that its end is clear.
     fn sequence_of(&mut self, regex: &Regex) {
         self.put("sequence ");
         match &regex.kind {
@@ -174,7 +174,7 @@ impl Printer<'_> {
     fn in_brackets(&mut self, regex: &Regex) {
         self.before(regex.span);
         self.put("(");
-        self.regex(regex, Around::Brackets);
+        self.regex(regex, RegexContext::Brackets);
         self.put(")");
     }
 
@@ -182,20 +182,20 @@ impl Printer<'_> {
         if brackets {
             self.in_brackets(of);
         } else {
-            self.regex(of, Around::Repeat);
+            self.regex(of, RegexContext::Repeat);
         }
         self.put(&times.to_string());
     }
 
-    fn regex(&mut self, regex: &Regex, around: Around) {
+    fn regex(&mut self, regex: &Regex, around: RegexContext) {
         use RegexKind::{Any, AnyBut, AnyOrder, Concat, Either, Empty, Repeat, Skill};
         let brackets = match &regex.kind {
             Skill(_) | Any => false,
-            // It is nothing but its brackets.
-            Empty => around != Around::Brackets,
-            AnyBut(_) | Repeat(..) => around == Around::Repeat,
-            Concat(_) | AnyOrder(_) => around >= Around::Concat,
-            Either(_) => around >= Around::Either,
+            // It consists only of its brackets.
+            Empty => around != RegexContext::Brackets,
+            AnyBut(_) | Repeat(..) => around == RegexContext::Repeat,
+            Concat(_) | AnyOrder(_) => around >= RegexContext::Concat,
+            Either(_) => around >= RegexContext::Either,
         };
         if brackets {
             self.in_brackets(regex);
@@ -211,8 +211,8 @@ impl Printer<'_> {
                 self.joined(skills, " | ", skills.len() > 1);
             }
             AnyOrder(skills) => self.joined(skills, " & ", false),
-            Concat(parts) => self.parts_of_regex(parts, "", Around::Concat),
-            Either(parts) => self.parts_of_regex(parts, " |", Around::Either),
+            Concat(parts) => self.parts_of_regex(parts, "", RegexContext::Concat),
+            Either(parts) => self.parts_of_regex(parts, " |", RegexContext::Either),
             Repeat(of, times) => self.repeated(of, *times, false),
         }
     }
@@ -226,7 +226,7 @@ impl Printer<'_> {
         self.put(if brackets { ")" } else { "" });
     }
 
-    fn parts_of_regex(&mut self, parts: &[Regex], sign: &str, around: Around) {
+    fn parts_of_regex(&mut self, parts: &[Regex], sign: &str, around: RegexContext) {
         self.level(|p, level| {
             for (i, part) in parts.iter().enumerate() {
                 if i > 0 {

@@ -1,4 +1,4 @@
-//! What is said of skills and orders that do not parse.
+//! Messages about skills and orders that do not parse.
 
 use super::super::words::is_reserved_among_skills;
 use super::{Rule, after_comments, word_at};
@@ -20,8 +20,8 @@ const FOLLOWING: [&str; 11] = [
     "component",
 ];
 
-/// What is wrong with a piece of a component that is no skill, or with what a machine says of a
-/// skill that has no name.
+/// Explains what is wrong with a piece of a component that is no skill, or with a skill binding
+/// without a name in a machine.
 pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
     if !matches!(context, Rule::bad_skill | Rule::bad_skill_call) {
         return None;
@@ -50,8 +50,8 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
     ))
 }
 
-/// What to do instead, where something stands that does not follow events, or operands of a regular
-/// expression, or is no name. The text before and behind it says how it is meant.
+/// Returns what to do instead of a word that cannot follow events or operands of a regular
+/// expression, or that is no name. The text before and after it gives the context.
 pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule]) -> Option<String> {
     if expected.contains(&Rule::k_order)
         && let Some(near) = nearest(word, ["component", "order"].into_iter())
@@ -90,7 +90,7 @@ pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule])
 }
 
 fn no_name(word: &str) -> String {
-    // All words of the language are written in small letters.
+    // All keywords are lower-case.
     let (first, rest) = word.split_at(1);
     format!(
         "expected a name; `{word}` is a word of the language and cannot be a name: write `{}{rest}` or `{word}_`",
@@ -102,8 +102,8 @@ fn no_level(word: &str) -> String {
     format!("expected a level, such as `at reasonable`; `{word}` is a word of the language")
 }
 
-/// Whether what stands behind a word is what stands behind a name: in `order home never Left` a
-/// sign is missing before the word.
+/// Returns whether the text after a word is what follows a name: in `order home never Left` a sign
+/// is missing before the word.
 fn is_meant_as_name(after: &str) -> bool {
     let next = word_at(after_comments(after));
     !next.starts_with(|c: char| c.is_alphanumeric() || c == '_')
@@ -119,7 +119,7 @@ fn last_word(text: &str) -> &str {
     })
 }
 
-/// The phrase for a rule.
+/// Returns the phrase for a rule.
 pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
     Some(match rule {
         Rule::word | Rule::order_name | Rule::event | Rule::events => "a name",
@@ -139,7 +139,7 @@ pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
     })
 }
 
-/// A word, or signs that belong together.
+/// Returns a word, or symbols that belong together.
 fn sign_at(text: &str) -> String {
     let sign: String = text
         .chars()

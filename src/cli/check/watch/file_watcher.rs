@@ -1,13 +1,15 @@
-//! Which files matter, and word that one of them has changed.
+//! Detects changes to the relevant files.
 //!
-//! Two sources, since neither is enough. The system says at once that something happened in a
-//! folder, but not always (network drives, folders that come and go), and also when nothing that
-//! matters did. The files themselves say what has changed: their contents are compared with those
-//! at the last look, which also comes around every second when the system is silent.
+//! There are two sources, since neither is sufficient. The system reports immediately that
+//! something happened in a folder, but not always (network drives, folders that disappear and
+//! return), and also when nothing relevant did. The files themselves show what has changed: their
+//! contents are compared with those of the last scan, which also runs every second if the system
+//! reports nothing.
 
 use super::SLOWEST;
 use crate::engine::files::{self, StandardLibrary};
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -16,92 +18,93 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant, SystemTime};
 
-/// How long it stays between two looks around while nothing happens.
+/// Interval between checks for termination while nothing happens.
 const TICK: Duration = Duration::from_millis(50);
 
-/// Files are looked at without a word from the system after so long.
+/// Time without a system event after which files are scanned.
 const REST: Duration = Duration::from_secs(1);
 
-/// A file that was just written may be written on: looks wait until so long nothing has happened.
+/// A file that was just written may still be written: scans wait until nothing has happened for
+/// this time.
 const QUIET: Duration = Duration::from_millis(40);
 
-/// They wait no longer than this.
+/// Maximum time that scans wait.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// A file that was changed so shortly before it was read is read again, since its time of change
-/// may not tell two changes apart.
+/// A file read this soon after it was changed is read again, since its modification time may not
+/// distinguish two changes.
 const COARSE: Duration = Duration::from_secs(2);
 
-/// What happened to a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// Kind of change of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::cli::check) enum What {
-    /// Its text is another one.
+pub(in crate::cli::check) enum FileChange {
+    /// The text differs.
     Changed,
-    /// It was not there before.
+    /// The file did not exist before.
     New,
-    /// It is not there any more.
+    /// The file no longer exists.
     Gone,
 }
 
-/// A file that something happened to.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+/// A change of a file.
+#[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub(in crate::cli::check) struct Change {
-    /// The file as findings name it.
+    /// Name of the file in findings.
     pub(in crate::cli::check) file: String,
-    /// What happened.
-    pub(in crate::cli::check) what: What,
+    /// Kind of change.
+    pub(in crate::cli::check) what: FileChange,
 }
 
 impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match self.what {
-            What::Changed => "has changed",
-            What::New => "is new",
-            What::Gone => "is gone",
+            FileChange::Changed => "has changed",
+            FileChange::New => "is new",
+            FileChange::Gone => "is gone",
         };
         write!(f, "{} {what}", self.file)
     }
 }
 
-/// A file at the last look.
+/// State of a file at the last scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Seen {
+struct FileState {
     changed: Option<SystemTime>,
     bytes: u64,
-    /// Whether time and size will tell that it has changed.
+    /// Whether time and size suffice to detect a change.
     settled: bool,
     text: u64,
 }
 
-/// The system's word of changes.
+/// Change events from the system.
 struct Word {
     watcher: RecommendedWatcher,
     events: Receiver<notify::Result<Event>>,
     folders: BTreeMap<PathBuf, RecursiveMode>,
 }
 
-/// There will be no more word.
+/// There will be no more events.
 struct Silent;
 
-/// All that is watched.
+/// Everything that is watched.
 pub(super) struct FileWatcher {
     paths: Vec<String>,
     standard: StandardLibrary,
-    /// Files that matter beside those that the paths name: what is imported, there or not.
+    /// Relevant files apart from those that the paths name: imports, existing or not.
     others: BTreeSet<PathBuf>,
-    /// Every file that matters and is there.
-    seen: BTreeMap<PathBuf, Seen>,
-    /// None where the system gives no word.
+    /// All relevant files that exist.
+    seen: BTreeMap<PathBuf, FileState>,
+    /// `None` if the system reports no events.
     word: Option<Word>,
 }
 
 impl FileWatcher {
-    /// Watches what these paths of the command line name.
+    /// Watches everything that these command-line paths name.
     pub(super) fn new(paths: &[String], standard: StandardLibrary) -> Self {
         let (sender, events) = channel();
         let watcher = notify::recommended_watcher(move |event| {
-            // Fails when nobody waits any more.
+            // Fails if the receiver is gone.
             let _ = sender.send(event);
         });
         let word = watcher.ok().map(|watcher| Word {
@@ -118,9 +121,9 @@ impl FileWatcher {
         }
     }
 
-    /// Watches these files, too, from now on, and no others beside those that the paths name. With
-    /// each comes the text that a check has read, `None` where there was none: what happens to them
-    /// while the check runs is news at the next look. What the last look saw stays as it was.
+    /// From now on also watches these files, and no others apart from those that the paths name.
+    /// Each comes with the text that a check has read, `None` if there was none: changes during the
+    /// check are reported by the next scan. The state of the last scan is kept.
     pub(super) fn also(&mut self, others: &[(PathBuf, Option<&str>)]) {
         let (_, named) = files::places(&self.paths, &self.standard);
         let named: BTreeSet<PathBuf> = named.iter().map(plain).collect();
@@ -130,13 +133,13 @@ impl FileWatcher {
             .retain(|p, _| !dropped.contains(p) || self.others.contains(p) || named.contains(p));
         for (path, text) in others {
             if let Some(text) = text {
-                let read = Seen::read(text.as_bytes());
+                let read = FileState::read(text.as_bytes());
                 self.seen.entry(plain(path)).or_insert(read);
             }
         }
     }
 
-    /// Looks at all files, and gives what has changed since the last look.
+    /// Scans all files, and returns what has changed since the last scan.
     pub(super) fn look(&mut self) -> Vec<Change> {
         let (folders, files) = files::places(&self.paths, &self.standard);
         let mut files: BTreeSet<PathBuf> = files.iter().map(plain).collect();
@@ -148,11 +151,11 @@ impl FileWatcher {
         let mut changes = Vec::new();
         for path in files {
             let before = self.seen.remove(&path);
-            let now = Seen::of(&path, before);
+            let now = FileState::of(&path, before);
             let what = match (&before, &now) {
-                (None, Some(_)) => Some(What::New),
-                (Some(_), None) => Some(What::Gone),
-                (Some(a), Some(b)) if a.text != b.text => Some(What::Changed),
+                (None, Some(_)) => Some(FileChange::New),
+                (Some(_), None) => Some(FileChange::Gone),
+                (Some(a), Some(b)) if a.text != b.text => Some(FileChange::Changed),
                 _ => None,
             };
             changes.extend(what.map(|what| change(&path, what)));
@@ -160,16 +163,16 @@ impl FileWatcher {
                 seen.insert(path, now);
             }
         }
-        // No path names these any more.
+        // Files that no path names any more.
         let gone = std::mem::replace(&mut self.seen, seen);
-        changes.extend(gone.keys().map(|path| change(path, What::Gone)));
+        changes.extend(gone.keys().map(|path| change(path, FileChange::Gone)));
         changes
     }
 
     /// Waits for a change; `None` when it is to end.
     pub(super) fn wait(&mut self, ended: impl Fn() -> bool) -> Option<Vec<Change>> {
         let mut looked = Instant::now();
-        // The first look is for what came during the check.
+        // The first scan finds changes made during the check.
         let mut due = true;
         loop {
             if ended() {
@@ -197,7 +200,7 @@ impl FileWatcher {
 }
 
 impl Word {
-    /// Whether something happens within a tick; if so, it is waited for the end of it.
+    /// Whether something happens within a tick; if so, waits for the end of it.
     fn next(&mut self) -> Result<bool, Silent> {
         match self.events.recv_timeout(TICK) {
             Ok(event) => self.note(event),
@@ -213,7 +216,7 @@ impl Word {
         Ok(true)
     }
 
-    /// A folder that is removed is watched anew when it comes again.
+    /// A removed folder is watched again when it returns.
     fn note(&mut self, event: notify::Result<Event>) {
         if let Ok(event) = event
             && matches!(event.kind, EventKind::Remove(_) | EventKind::Modify(_))
@@ -228,7 +231,7 @@ impl Word {
         }
     }
 
-    /// Listens to these folders and all below them, and to the folders that these files are in.
+    /// Listens to these folders with all subfolders, and to the folders of these files.
     fn listen(&mut self, folders: &[PathBuf], files: &BTreeSet<PathBuf>) {
         let mut wanted = BTreeMap::new();
         for file in files
@@ -238,7 +241,7 @@ impl Word {
             wanted.insert(standing(file.parent()), RecursiveMode::NonRecursive);
         }
         for folder in folders {
-            // Also where it comes from, since it may go and come again.
+            // Also its parent, since it may disappear and return.
             wanted
                 .entry(standing(folder.parent()))
                 .or_insert(RecursiveMode::NonRecursive);
@@ -248,7 +251,7 @@ impl Word {
             wanted.insert(PathBuf::from("."), RecursiveMode::NonRecursive);
         }
         for folder in self.folders.keys().filter(|f| !wanted.contains_key(*f)) {
-            // Fails where it is gone already.
+            // Fails if it is already gone.
             let _ = self.watcher.unwatch(folder);
         }
         self.folders.retain(|folder, _| wanted.contains_key(folder));
@@ -260,8 +263,8 @@ impl Word {
     }
 }
 
-impl Seen {
-    /// A file now, read only where that can tell something new; `None` where it cannot be read.
+impl FileState {
+    /// Current state of a file, read only if that can show a change; `None` if it cannot be read.
     fn of(path: &Path, before: Option<Self>) -> Option<Self> {
         let data = std::fs::metadata(path)
             .ok()
@@ -283,7 +286,7 @@ impl Seen {
         })
     }
 
-    /// A file of which nothing is known but its text.
+    /// A file known only by its text.
     fn read(text: &[u8]) -> Self {
         let mut hasher = DefaultHasher::new();
         text.hash(&mut hasher);
@@ -296,13 +299,13 @@ impl Seen {
     }
 }
 
-/// `./a.lw` and `a.lw` are one file.
+/// `./a.lw` and `a.lw` are the same file.
 fn plain(path: impl AsRef<Path>) -> PathBuf {
     let path = path.as_ref();
     path.strip_prefix(".").unwrap_or(path).to_owned()
 }
 
-/// The folder, or the closest one above it that is there.
+/// The folder, or its closest existing parent.
 fn standing(folder: Option<&Path>) -> PathBuf {
     let mut folder = folder.unwrap_or(Path::new(""));
     while !folder.as_os_str().is_empty() && !folder.is_dir() {
@@ -315,7 +318,7 @@ fn standing(folder: Option<&Path>) -> PathBuf {
     }
 }
 
-fn change(path: &Path, what: What) -> Change {
+fn change(path: &Path, what: FileChange) -> Change {
     Change {
         file: files::shown(path),
         what,
@@ -326,8 +329,8 @@ fn change(path: &Path, what: What) -> Change {
 mod tests {
     use super::*;
 
-    /// Looks again and says what was found, without the folder's own path.
-    fn found(watcher: &mut FileWatcher) -> Vec<(String, What)> {
+    /// Scans again; returns the changes without the folder's own path.
+    fn found(watcher: &mut FileWatcher) -> Vec<(String, FileChange)> {
         let name = |c: Change| {
             (
                 c.file.rsplit('/').next().unwrap_or_default().to_owned(),
@@ -345,10 +348,10 @@ mod tests {
         std::fs::write(at("in/a.lw"), "one").unwrap();
         let paths = [at("in").to_string_lossy().into_owned()];
         let mut watcher = FileWatcher::new(&paths, StandardLibrary::default());
-        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::New)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), FileChange::New)]);
         assert_eq!(found(&mut watcher), []);
 
-        // The same text again is no change, nor is another kind of file.
+        // Rewriting the same text is no change, nor is another kind of file.
         std::fs::write(at("in/a.lw"), "one").unwrap();
         std::fs::write(at("in/notes.txt"), "notes").unwrap();
         assert_eq!(found(&mut watcher), []);
@@ -357,12 +360,12 @@ mod tests {
         assert_eq!(
             found(&mut watcher),
             [
-                ("a.lw".to_owned(), What::Changed),
-                ("b.lw".to_owned(), What::New)
+                ("a.lw".to_owned(), FileChange::Changed),
+                ("b.lw".to_owned(), FileChange::New)
             ]
         );
 
-        // Imports, one of which is not there yet. What a check has read is known.
+        // Imports, one of which does not exist yet. What a check has read is known.
         std::fs::write(at("other.lw"), "other").unwrap();
         watcher.also(&[(at("other.lw"), Some("other")), (at("missing.lw"), None)]);
         assert_eq!(found(&mut watcher), []);
@@ -374,29 +377,29 @@ mod tests {
         assert_eq!(
             changes,
             [
-                ("b.lw".to_owned(), What::Gone),
-                ("missing.lw".to_owned(), What::New),
-                ("other.lw".to_owned(), What::Changed)
+                ("b.lw".to_owned(), FileChange::Gone),
+                ("missing.lw".to_owned(), FileChange::New),
+                ("other.lw".to_owned(), FileChange::Changed)
             ]
         );
 
-        // They come and change while the check runs that would have read them.
+        // They appear and change during the check that would have read them.
         std::fs::write(at("late.lw"), "late").unwrap();
         watcher.also(&[(at("late.lw"), None), (at("fast.lw"), Some("first"))]);
         std::fs::write(at("fast.lw"), "second").unwrap();
         assert_eq!(
             found(&mut watcher),
             [
-                ("fast.lw".to_owned(), What::Changed),
-                ("late.lw".to_owned(), What::New)
+                ("fast.lw".to_owned(), FileChange::Changed),
+                ("late.lw".to_owned(), FileChange::New)
             ]
         );
 
-        // A folder goes and comes again.
+        // A folder disappears and returns.
         std::fs::remove_dir_all(at("in")).unwrap();
-        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::Gone)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), FileChange::Gone)]);
         std::fs::create_dir(at("in")).unwrap();
         std::fs::write(at("in/a.lw"), "three").unwrap();
-        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), What::New)]);
+        assert_eq!(found(&mut watcher), [("a.lw".to_owned(), FileChange::New)]);
     }
 }

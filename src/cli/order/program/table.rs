@@ -1,56 +1,56 @@
-//! Programs as tables, as spreadsheets write them.
+//! Programs as tables written by spreadsheets.
 //!
-//! Without a header the skills of a row are called at once. Where the first row is a header with a
-//! column `skill`, only that column counts; with a column `step`, rows that follow each other and
-//! have the same entry there are one call. Whoever sorts or copies rows breaks that order without
-//! seeing it, so a step that comes again, or goes back, is a finding and no new call.
+//! Without a header the skills of a row are called at once. If the first row is a header with a
+//! column `skill`, only that column counts; with a column `step`, consecutive rows with the same
+//! entry are one call. Sorting or copying rows can break that order unnoticed, so a step that
+//! occurs again, or goes back, is a finding and no new call.
 
-use super::{Program, Wrong, call};
+use super::{CallMistake, Program, call};
 use crate::diagnostics::{Code, Diagnostic, codes};
 use crate::order::Skills;
 use crate::order::supervisor::Call;
 use crate::source::{FileId, Span};
 use std::collections::BTreeMap;
 
-/// Titles of the column that the skills stand in.
+/// Possible titles of the column with the skills.
 const CALLS: [&str; 4] = ["skill", "skills", "call", "calls"];
-/// The title of the column that says which rows are one call.
+/// Title of the column that groups rows into calls.
 const STEP: &str = "step";
 
-/// Where in a row what stands.
+/// Indices of the columns.
 struct Columns {
     calls: usize,
     step: Option<usize>,
 }
 
-/// What tells one step from another: `1`, `01` and ` 1` are the same.
+/// Identity of a step: `1`, `01` and ` 1` are the same.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Step {
     Number(i64),
     Text(String),
 }
 
-/// The step that the row before belonged to.
+/// The step of the previous row.
 struct Last {
     step: Step,
-    /// What it calls so far.
+    /// Skills called so far.
     calls: u64,
-    /// The place of its call, unless none of its rows could be read.
+    /// Index of its call, unless none of its rows could be read.
     place: Option<usize>,
 }
 
-/// What has been read of a table.
+/// State of reading a table.
 struct Reader<'a> {
     program: &'a mut Program,
     skills: &'a Skills,
     delimiter: char,
     columns: Option<Columns>,
     last: Option<Last>,
-    /// Where each step began.
+    /// Place where each step began.
     begun: BTreeMap<Step, Span>,
-    /// How many columns the header has.
+    /// Number of columns in the header.
     width: usize,
-    /// Whether it was said that numbers stand where skills are looked for.
+    /// Whether numbers in place of skills were already reported.
     numbered: bool,
 }
 
@@ -85,11 +85,11 @@ impl Program {
             let Ok(row) = row else {
                 let span = Span::new(file, 0, first.len());
                 let help = "save it as CSV in UTF-8, or as text with one call a line";
-                reader.finding(codes::SYNTAX, span, "this is no CSV in UTF-8", help);
+                reader.finding(codes::SYNTAX, span, "this is not CSV in UTF-8", help);
                 return;
             };
             let start = row.position().map_or(0, |p| p.byte() as usize);
-            // The position is behind the last row: blank lines come before this one.
+            // The position is after the previous row: blank lines come before this one.
             let start = start + blank(&text[start.min(text.len())..]);
             let line = text[start.min(text.len())..].lines().next();
             let length = line.unwrap_or_default().trim_end().len();
@@ -103,7 +103,7 @@ impl Program {
                     reader.headed(&row, span);
                 }
             }
-            // A header calls nothing.
+            // A header is no call.
             if begun || reader.columns.is_none() {
                 reader.row(&row, span, !begun);
             }
@@ -122,14 +122,14 @@ impl Program {
     }
 }
 
-/// The columns that count, where a row is a header.
+/// The relevant columns, if a row is a header.
 fn header(row: &csv::StringRecord, skills: &Skills) -> Option<Columns> {
     let named = |names: &[&str]| {
         let mut cells = row.iter();
         cells.position(|c| names.iter().any(|n| c.eq_ignore_ascii_case(n)))
     };
     let calls = named(&CALLS)?;
-    // A skill may be called `Call`: then it is no header.
+    // If a skill has that name, the row is no header.
     let is_skill = skills.skills.iter().any(|s| s.name == row[calls]);
     (!is_skill).then(|| Columns {
         calls,
@@ -138,7 +138,7 @@ fn header(row: &csv::StringRecord, skills: &Skills) -> Option<Columns> {
 }
 
 impl Reader<'_> {
-    /// A header says of each column that counts where it is.
+    /// Reads a row under a header.
     fn headed(&mut self, row: &csv::StringRecord, span: Span) {
         self.width = row.len();
         for titles in [&CALLS[..], &[STEP]] {
@@ -188,7 +188,7 @@ impl Reader<'_> {
                     "it is not said which step this belongs to",
                     "write a step in every row: the same one for skills that are called at once",
                 );
-                // All the same, all that is wrong is said.
+                // All errors are reported nevertheless.
                 self.call(text, span);
             }
             Some(step) => self.of_step(Step::of(step), text, span),
@@ -236,7 +236,7 @@ impl Reader<'_> {
         self.last = Some(last);
     }
 
-    /// A step begins: it must be a new one, and of numbers a larger one.
+    /// Starts a step: it must be new, and greater if it is a number.
     fn begin(&mut self, step: &Step, before: Option<&Last>, span: Span) {
         if let Some(first) = self.begun.get(step) {
             let message = format!("step {} comes again", step.text());
@@ -265,7 +265,7 @@ impl Reader<'_> {
         self.finding(codes::SYNTAX, span, &message, help);
     }
 
-    /// A row of skills that are called at once, and of nothing else.
+    /// Reads a row that consists of skills called at once.
     fn without_header(&mut self, row: &csv::StringRecord, span: Span, first: bool) {
         // No skill begins with a digit.
         let is_number = |cell: &&str| cell.starts_with(|c: char| c.is_ascii_digit());
@@ -279,7 +279,7 @@ impl Reader<'_> {
                 );
                 self.finding(codes::NAME_UNKNOWN, span, &message, &help);
             }
-            // It is the same in every row.
+            // Reported once, since it is the same in every row.
             self.numbered = true;
         }
         let text = cells().filter(|c| !is_number(c)).collect::<Vec<_>>();
@@ -291,7 +291,7 @@ impl Reader<'_> {
             Err(wrong) => {
                 let known = text.iter().any(|t| call(t, self.skills).is_ok());
                 let help = if first && !(known && wrong.is_guess) {
-                    // It may be meant as a header.
+                    // It may be intended as a header.
                     let list = match wrong.code {
                         codes::SYNTAX => String::new(),
                         _ => format!("{}; ", wrong.help),
@@ -311,7 +311,7 @@ impl Reader<'_> {
         match call(text, self.skills) {
             Ok(call) => Some(call),
             Err(wrong) => {
-                let Wrong {
+                let CallMistake {
                     code,
                     message,
                     help,
@@ -349,7 +349,7 @@ impl Step {
         }
     }
 
-    /// Whether both are one number, `1` and `1.0`.
+    /// Whether both are the same number, such as `1` and `1.0`.
     fn is_same_number(&self, other: &Self) -> bool {
         let number = |step: &Self| match step {
             Self::Number(number) => Some(*number as f64),
@@ -358,7 +358,7 @@ impl Step {
         number(self).is_some_and(|own| number(other) == Some(own))
     }
 
-    /// What stands before a dot counts: 1.10 comes before 1.9 for some, and behind it for others.
+    /// Only the integer part is compared: 1.10 may be meant to come before or after 1.9.
     fn is_before(&self, other: &Self) -> bool {
         let whole = |step: &Self| match step {
             Self::Number(number) => Some(*number),
@@ -372,7 +372,7 @@ impl Step {
     }
 }
 
-/// How many bytes of blank lines a text begins with.
+/// Number of bytes of leading blank lines.
 fn blank(text: &str) -> usize {
     text.len() - text.trim_start_matches(['\n', '\r', '\u{feff}']).len()
 }

@@ -1,14 +1,14 @@
-//! A counter: the steps in which something held since something else last held.
+//! A counter of the steps in which a condition held since another condition last held.
 //!
-//! Its value in a step is about the steps before, as with every monitor. Resetting wins over
-//! counting, and at its end the counter stays, so that no step is ever forbidden by it.
+//! As with every monitor, its value in a step is about earlier steps. Resetting takes precedence
+//! over counting. The counter stays at its maximum, so it never forbids a step.
 
 use super::{ITSELF, Monitors, Origin, choose};
 use crate::gr1::{BinaryOp, Domain, Expr};
 
 impl Monitors {
-    /// How many of the steps before this one, after the last in which `resets` held, had `counts`;
-    /// `high` stands for `high` or more.
+    /// Returns the number of earlier steps with `counts` since the last step with `resets`; `high`
+    /// means `high` or more.
     pub fn counter(&mut self, counts: &Expr, resets: &Expr, high: u32, origin: &Origin) -> Expr {
         let high = i64::from(high);
         let more = Expr::binary(BinaryOp::Add, Expr::now(ITSELF), Expr::Const(1));

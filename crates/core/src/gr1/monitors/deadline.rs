@@ -1,20 +1,20 @@
-//! Deadlines: every request of a scope is answered in its step or one of the n after it, and before
-//! the scope closes.
+//! Deadlines: every request within a scope is answered in its step or one of the n steps after it,
+//! and before the scope closes.
 //!
-//! One counter is enough for all requests, since an answer answers all of them: it stores how old
-//! the oldest open one is. Age 0 can be left out, as a request of this step is seen in this step.
-//! In scopes that count only if they are closed one more value says that a deadline has passed. A
-//! request that is open when the scope closes has broken the pattern for good.
+//! One counter is enough for all requests, since an answer answers all of them: it stores the age
+//! of the oldest open request. Age 0 is not stored, because a request of this step is seen in this
+//! step. Scopes that count only if they close need one more value, for a missed deadline. A request
+//! that is open when the scope closes has broken the pattern for good.
 
 use super::scope::{invariant, is};
 use super::{BinaryOp, Domain, Expr, ITSELF, Monitors, Obligation, Origin, Scope, choose};
 
 pub(super) struct Deadline<'a> {
-    /// The request; false outside the scope.
+    /// Request; false outside the scope.
     pub trigger: Expr,
-    /// The answer.
+    /// Answer.
     pub answer: &'a Expr,
-    /// How many steps later it may come.
+    /// Maximum number of steps from request to answer.
     pub steps: u32,
     /// Whether there was a request one step before step 0.
     pub from_start: bool,

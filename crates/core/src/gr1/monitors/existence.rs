@@ -1,5 +1,5 @@
-//! Existence: p holds in some step; with a bound of n steps, in the one that opens the scope or one
-//! of the n after it.
+//! Existence: p holds in some step; with a bound of n steps, in the step that opens the scope or
+//! one of the n after it.
 //!
 //! | scope | meaning |
 //! |---|---|
@@ -9,9 +9,9 @@
 //! | between q and r | `G ((q & !r) -> (!r W (p & !r)))` |
 //! | after q until r | `G ((q & !r) -> (!r U (p & !r)))` |
 //!
-//! Dwyer's formula for after q is `G !q or F (q & F p)`, which is the same. With a bound, `F` and
-//! `U` become `F<=n` and `U<=n`: the step meant is at most n steps away; `W` does too, behind the
-//! condition `F r` (`F r -> (!r U<=n (p & !r))`), and after q it is the first q that counts.
+//! Dwyer's formula for after q is `G !q or F (q & F p)`, which is equivalent. With a bound, `F` and
+//! `U` become `F<=n` and `U<=n`: the step meant is at most n steps away. The same applies to `W`
+//! behind the condition `F r` (`F r -> (!r U<=n (p & !r))`). After q, the first q counts.
 
 use super::deadline::Deadline;
 use super::{Expr, Kind, Monitors, Obligation, Origin, Scope};
@@ -36,7 +36,7 @@ pub(super) fn within(
     if (scope, steps) == (&Scope::Globally, 0) {
         return vec![Obligation::new(Kind::Initial, p)];
     }
-    // What is due from the beginning is a request of the step before that.
+    // An obligation from the beginning is a request in the step before step 0.
     let (trigger, steps, from_start) = match scope.opening(monitors, origin) {
         Some(opening) => (opening, steps, false),
         None => (Expr::FALSE, steps.saturating_add(1), true),

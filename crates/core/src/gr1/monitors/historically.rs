@@ -1,19 +1,19 @@
 //! `historically p`: p holds in this step and held in every step before.
 //!
-//! The monitor stores whether p held in all steps before, which is true of no steps at all. With a
-//! bound it counts down from the last step without p, as `once` does from the last one with p.
+//! The monitor stores whether p held in all earlier steps, which is true in step 0. With a bound it
+//! counts down from the last step without p, as `once` does from the last one with p.
 
 use super::{Monitors, Origin};
 use crate::gr1::{BinaryOp, Expr};
 
 impl Monitors {
-    /// Whether `p` holds now and held in every step before.
+    /// Returns whether `p` holds now and held in every earlier step.
     pub fn historically(&mut self, p: &Expr, origin: &Origin) -> Expr {
         self.follow("historically", true, |before| p.clone().and(before), origin)
     }
 
-    /// Whether `p` holds now and held in each of the `steps` steps before, as far as there were so
-    /// many.
+    /// Returns whether `p` holds now and held in each of the `steps` steps before, as far as those
+    /// exist.
     pub fn historically_within(&mut self, p: &Expr, steps: u32, origin: &Origin) -> Expr {
         let p = p.simplify();
         match (steps, &p) {

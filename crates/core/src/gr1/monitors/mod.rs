@@ -1,25 +1,24 @@
 //! Past operators, counters and specification patterns, lowered to GR(1) with monitor variables.
 //!
-//! GR(1) itself knows this step and the next one. What a formula says of the past is kept in
-//! variables of the machine that do nothing else: *monitors*. The idea is old (Pnueli, The Temporal
-//! Semantics of Concurrent Programs, 1981, for past operators; Maoz and Ringert, GR(1) Synthesis
-//! for LTL Specification Patterns, ESEC/FSE 2015, for patterns). What is our own is that every
-//! pattern is written in past operators alone, with a [`Scope`] that says when it is open, so that
-//! 25 combinations are five scopes and five patterns, and equal pieces of different formulas are
-//! one monitor.
+//! GR(1) itself only has this step and the next one. The past that a formula refers to is kept in
+//! extra variables of the machine: *monitors*. The idea is old (Pnueli, The Temporal Semantics of
+//! Concurrent Programs, 1981, for past operators; Maoz and Ringert, GR(1) Synthesis for LTL
+//! Specification Patterns, ESEC/FSE 2015, for patterns). New here: every pattern is written in past
+//! operators alone, with a [`Scope`] that defines when it is open. So 25 combinations are five
+//! scopes and five patterns, and equal parts of different formulas share one monitor.
 //!
 //! # What a monitor is
 //!
-//! Its value in step *t* is about the steps before *t*. It has an initial value, and an *update*:
-//! an expression over current values that is its value in the next step. So it never depends on the
-//! inputs of the step in which it is read, suits Mealy and Moore machines alike, and leaves the
-//! machine no choice: a game with monitors is won exactly by who would win without them.
+//! Its value in step *t* is about the steps before *t*. It has an initial value and an *update*: an
+//! expression over current values that gives its value in the next step. So it never depends on the
+//! inputs of the step in which it is read, works for Mealy and Moore machines alike, and leaves the
+//! machine no choice: monitors do not change who wins a game.
 //!
 //! Before step 0 nothing was true: `previous` and `once` begin as false, `historically` as true.
 //!
-//! # What it costs
+//! # Cost
 //!
-//! A bit of state doubles a game at worst, so bits are what is saved:
+//! In the worst case each bit of state doubles a game, so the aim is to save bits:
 //!
 //! | | bits |
 //! |---|---|
@@ -33,17 +32,17 @@
 //! | precedence | 1 | 2 | 2 | 2 | 1 |
 //! | response | 1 | 2 | 2 | 2 | 2 |
 //!
-//! No deterministic monitor has fewer: where two bits are, three pasts must be told apart. Bits
-//! that only say whether the scope is open are shared by all formulas with the same scope, and
-//! `once p` by all that ask for it. A response or existence within *n* steps needs a counter up to
-//! *n*, up to *n* + 1 where only a scope that closes counts (an existence that is due from the
-//! beginning one more), and the bit for the scope where a response needs one above.
+//! No deterministic monitor has fewer: where there are two bits, three pasts must be distinguished.
+//! All formulas with the same scope share the bits for whether it is open, and all formulas with
+//! `once p` share that bit. A response or existence within *n* steps needs a counter up to *n*, or
+//! up to *n* + 1 where a scope counts only if it closes (one more for an existence due from the
+//! beginning), and the bit for the scope where a response needs one above.
 //!
 //! # Assumptions
 //!
-//! An assumption must not constrain the machine's variables in the step it speaks of, and monitors
-//! are the machine's. So an invariant that reads monitors is [unrolled](Monitors::unroll) before it
-//! is assumed.
+//! An assumption must not constrain the machine's variables in the step that it is about, and
+//! monitors are the machine's. So an invariant that reads monitors is [unrolled](Monitors::unroll)
+//! before it is assumed.
 
 mod absence;
 mod counter;
@@ -60,51 +59,51 @@ mod universality;
 mod unroll;
 
 pub use scope::Scope;
-pub use unroll::Unrolled;
+pub use unroll::UnrolledInvariant;
 
 use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, VarId, Variable};
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Stands for a monitor's own value in a definition that has no variable yet.
+/// Placeholder for a monitor's own value in a definition that has no variable yet.
 const ITSELF: VarId = VarId(u32::MAX);
 
-/// The formula that a monitor is made for. Its words are shown where the monitor's own formulas
-/// have to be.
+/// The formula that a monitor is made for. Its text is shown in place of the monitor's own
+/// formulas.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Origin {
-    /// The name of the assumption or guarantee.
+    /// Name of the assumption or guarantee.
     pub name: String,
-    /// Its requirement.
+    /// Requirement of the formula.
     pub requirement: Option<String>,
-    /// Where it stands.
+    /// Place in the source.
     pub span: Span,
-    /// What the monitor is made for, in one line: `once (a and b)`.
+    /// Subformula that the monitor is made for, in one line: `once (a and b)`.
     pub text: String,
 }
 
-/// A variable that remembers something of the steps before.
+/// A variable that stores information about earlier steps.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Monitor {
-    /// Its index among the specification's variables.
+    /// Index among the specification's variables.
     pub id: VarId,
-    /// The variable.
+    /// Declaration of the variable.
     pub variable: Variable,
-    /// Its value in step 0.
+    /// Value in step 0.
     pub initial: i64,
-    /// Its value in the next step, over current values; never outside its domain.
+    /// Value in the next step, over current values; never outside its domain.
     pub update: Expr,
-    /// The formula it was first made for.
+    /// Formula it was first made for.
     pub origin: Origin,
 }
 
 impl Monitor {
-    /// The guarantee for step 0.
+    /// Returns the guarantee for step 0.
     pub fn start(&self) -> Formula {
         self.formula(Expr::now(self.id).equals(Expr::Const(self.initial)))
     }
 
-    /// The guarantee for every step to the next.
+    /// Returns the guarantee for every step to the next.
     pub fn step(&self) -> Formula {
         self.formula(Expr::next(self.id).equals(self.update.clone()))
     }
@@ -121,7 +120,7 @@ impl Monitor {
     }
 }
 
-/// The list of a [`Side`] that an obligation belongs to.
+/// Selects the list of a [`Side`] that an obligation belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Kind {
     /// Holds in step 0.
@@ -134,12 +133,12 @@ pub enum Kind {
     Justice,
 }
 
-/// One of the formulas a pattern comes down to.
+/// One of the formulas a pattern is reduced to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Obligation {
     /// When it has to hold.
     pub kind: Kind,
-    /// What has to hold. Patterns give current values only.
+    /// Condition that has to hold. Patterns give current values only.
     pub expr: Expr,
 }
 
@@ -151,7 +150,7 @@ impl Obligation {
         }
     }
 
-    /// Puts it into the list it belongs to, with the name, place and text of `origin`.
+    /// Adds the obligation to its list, with the name, place and text of `origin`.
     pub fn add_to(&self, side: &mut Side, origin: &Origin) {
         let list = match self.kind {
             Kind::Initial => &mut side.initial,
@@ -170,66 +169,66 @@ impl Obligation {
     }
 }
 
-/// What has to happen within a scope. Operands are boolean expressions over current values.
+/// Condition on the steps of a scope. Operands are boolean expressions over current values.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Pattern {
     /// It never holds.
     Absence(Expr),
-    /// It holds in some step; with a bound, at the latest so many steps after the scope's opening.
+    /// It holds in some step; with a bound, at most that many steps after the scope opens.
     Existence(Expr, Option<u32>),
     /// It holds in every step.
     Universality(Expr),
     /// No `then` before the first `first`; both in one step are in order.
     Precedence {
-        /// What has to come first.
+        /// Condition that has to come first.
         first: Expr,
-        /// What may come only then.
+        /// Condition that may only come afterwards.
         then: Expr,
     },
-    /// Every `trigger` is answered in its step or later; with a bound, at the latest so many steps
+    /// Every `trigger` is answered in its step or later; with a bound, at most that many steps
     /// later.
     Response {
-        /// What asks.
+        /// Request.
         trigger: Expr,
-        /// What answers.
+        /// Answer.
         answer: Expr,
-        /// Within how many steps.
+        /// Maximum number of steps from request to answer.
         within: Option<u32>,
     },
 }
 
-/// A past formula that a monitor follows.
+/// A past formula that is tracked by a monitor.
 #[derive(Debug, Clone)]
 struct Remembered {
-    /// Its value in the step before: the monitor itself.
+    /// Value in the previous step: the monitor itself.
     before: Expr,
-    /// Its value in this step.
+    /// Value in this step.
     now: Expr,
 }
 
-/// Makes monitors, and knows those it has made. Equal operators over equal operands are one
-/// monitor, and names follow from the order of the calls alone.
+/// Creates monitors and keeps those already created. Equal operators over equal operands share one
+/// monitor; names depend only on the order of the calls.
 ///
-/// All operands are expressions over current values, those of earlier monitors included. That is
-/// for the caller to check, who knows what to tell the user; here it is asserted in debug builds
+/// All operands are expressions over current values, including those of earlier monitors. The
+/// caller must check that, since it can report to the user; here it is asserted in debug builds
 /// only.
 #[derive(Debug, Clone)]
 pub struct Monitors {
     first: u32,
     taken: BTreeSet<String>,
-    /// The last number given to each stem.
+    /// Last number used for each name stem.
     numbers: BTreeMap<&'static str, u32>,
     made: Vec<Monitor>,
     /// Monitors by domain, initial value and update, in which [`ITSELF`] stands for the monitor.
     known: HashMap<(Domain, i64, Expr), VarId>,
-    /// Boolean monitors that begin as false, by their update: each is the value of that expression
-    /// one step ago.
+    /// Boolean monitors that start as false, by update: each is the value of that expression one
+    /// step ago.
     delays: HashMap<Expr, VarId>,
 }
 
 impl Monitors {
-    /// No monitors yet; the first one will be the variable `first`. No monitor gets a name in
-    /// `taken`.
+    /// Creates an empty set. The first monitor will be the variable `first`; no monitor gets a name
+    /// in `taken`.
     pub fn new(first: VarId, taken: impl IntoIterator<Item = String>) -> Self {
         Self {
             first: first.0,
@@ -241,7 +240,7 @@ impl Monitors {
         }
     }
 
-    /// Gives the monitor that `value` reads a name of its own.
+    /// Renames the monitor that `value` reads.
     pub fn call(&mut self, value: &Expr, name: &str) {
         if let Expr::Var(id, Time::Now) = value
             && let Some(place) = id.0.checked_sub(self.first)
@@ -251,30 +250,30 @@ impl Monitors {
         }
     }
 
-    /// All monitors, in the order of their ids, which begin with the first free one.
+    /// Returns all monitors in the order of their ids, which begin with the first free one.
     pub fn made(&self) -> &[Monitor] {
         &self.made
     }
 
-    /// The monitor of a variable.
+    /// Returns the monitor of a variable.
     pub fn get(&self, id: VarId) -> Option<&Monitor> {
         let place = id.0.checked_sub(self.first)?;
         self.made.get(place as usize)
     }
 
-    /// Whether one of the variables is a monitor.
+    /// Returns whether one of the variables is a monitor.
     pub fn occur_in(&self, expr: &Expr) -> bool {
         let mut found = false;
         expr.for_each_var(&mut |v, _| found |= self.get(v).is_some());
         found
     }
 
-    /// The variables that a specification has to append, in order.
+    /// Returns the variables that a specification has to append, in order.
     pub fn variables(&self) -> impl Iterator<Item = &Variable> {
         self.made.iter().map(|m| &m.variable)
     }
 
-    /// Adds the guarantees that make the monitors what they are.
+    /// Adds the guarantees that define the monitors.
     pub fn define(&self, guarantees: &mut Side) {
         guarantees
             .initial
@@ -284,16 +283,16 @@ impl Monitors {
             .extend(self.made.iter().map(Monitor::step));
     }
 
-    /// Appends the monitors to a specification: variables and guarantees. Its variables end where
-    /// the monitors' ids begin.
+    /// Appends the monitors to a specification: variables and guarantees. The specification's
+    /// variables must end where the monitors' ids begin.
     pub fn add_to(&self, specification: &mut Specification) {
         debug_assert_eq!(specification.variables.len(), self.first as usize);
         specification.variables.extend(self.variables().cloned());
         self.define(&mut specification.guarantees);
     }
 
-    /// The formulas that hold exactly if the pattern holds in the scope. Each file of this folder
-    /// that is named after a pattern says which formula of temporal logic is meant.
+    /// Returns the formulas that hold exactly if the pattern holds in the scope. Each file of this
+    /// folder named after a pattern gives its formula in temporal logic.
     pub fn pattern(
         &mut self,
         pattern: &Pattern,
@@ -321,7 +320,8 @@ impl Monitors {
         }
     }
 
-    /// The boolean monitor whose update is `now` of its own value, and which begins as `initially`.
+    /// Creates the boolean monitor that starts as `initially` and whose update is `now` applied to
+    /// its own value.
     fn remember(
         &mut self,
         stem: &'static str,
@@ -335,8 +335,8 @@ impl Monitors {
         Remembered { before, now }
     }
 
-    /// The value in this step of what [`remember`](Self::remember) follows; no monitor is made
-    /// where the past does not matter.
+    /// Returns the value in this step of the formula tracked by [`remember`](Self::remember). No
+    /// monitor is created if the past does not matter.
     fn follow(
         &mut self,
         stem: &'static str,
@@ -354,8 +354,8 @@ impl Monitors {
         }
     }
 
-    /// The variable with this domain, initial value and update, in which [`ITSELF`] stands for it;
-    /// a new one if there is none, and none at all for what never changes.
+    /// Returns the variable with this domain, initial value and update, in which [`ITSELF`] is the
+    /// variable. Creates one if there is none, unless its value never changes.
     fn make(
         &mut self,
         stem: &'static str,
@@ -402,7 +402,7 @@ impl Monitors {
         Expr::now(id)
     }
 
-    /// `stem_1`, `stem_2`, ... without the names that are taken.
+    /// Returns a free name: `stem_1`, `stem_2`, ... without those taken.
     fn name(&mut self, stem: &'static str) -> String {
         let number = self.numbers.entry(stem).or_insert(0);
         loop {
@@ -415,7 +415,7 @@ impl Monitors {
     }
 }
 
-/// A definition with a monitor's value for [`ITSELF`].
+/// Replaces [`ITSELF`] in a definition by a monitor's value.
 fn put(definition: &Expr, value: &Expr) -> Expr {
     let replaced = definition.substitute(&mut |v, time| {
         if v == ITSELF {
@@ -427,7 +427,7 @@ fn put(definition: &Expr, value: &Expr) -> Expr {
     replaced.simplify()
 }
 
-/// `if c then a else b`
+/// Returns `if c then a else b`.
 fn choose(c: Expr, a: Expr, b: Expr) -> Expr {
     Expr::If(Box::new(c), Box::new(a), Box::new(b))
 }

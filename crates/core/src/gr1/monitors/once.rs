@@ -1,19 +1,19 @@
 //! `once p`: p holds in this step or held in some step before.
 //!
 //! The monitor stores whether p held before. With a bound of n steps it counts down instead: n
-//! after a step with p, then one less in every step. A shift register would say the same with n
-//! bits, where the counter has those of 0..n, which are never more.
+//! after a step with p, then one less in every step. A shift register would need n bits; the
+//! counter has those of 0..n, which are never more.
 
 use super::{ITSELF, Monitors, Origin, choose};
 use crate::gr1::{BinaryOp, Domain, Expr};
 
 impl Monitors {
-    /// Whether `p` holds now or held before.
+    /// Returns whether `p` holds now or held before.
     pub fn once(&mut self, p: &Expr, origin: &Origin) -> Expr {
         self.follow("once", false, |before| p.clone().or(before), origin)
     }
 
-    /// Whether `p` holds now or held in one of the `steps` steps before.
+    /// Returns whether `p` holds now or held in one of the `steps` steps before.
     pub fn once_within(&mut self, p: &Expr, steps: u32, origin: &Origin) -> Expr {
         let p = p.simplify();
         match (steps, &p) {
@@ -29,8 +29,8 @@ impl Monitors {
         }
     }
 
-    /// For how many steps, this one included, `p` will have held within `steps` steps if it never
-    /// holds again.
+    /// Returns for how many steps, including this one, `p` will have held within `steps` steps if
+    /// it never holds again.
     pub(super) fn steps_left(
         &mut self,
         stem: &'static str,

@@ -1,4 +1,5 @@
-//! Precedence: p does not hold before s has; both may hold for the first time in one step.
+//! Precedence: p does not hold before s has held; both may hold for the first time in the same
+//! step.
 //!
 //! | scope | meaning |
 //! |---|---|
@@ -9,10 +10,10 @@
 //! | after q until r | `G ((q & !r) -> (!p W (s or r)))` |
 //!
 //! After q, Dwyer's formula is `G !q or F (q & (!p W s))`: some q, not the first, has to be
-//! followed by a good rest. That is not what his text says of the scope, and no GR(1) formula can
-//! say it: where q always and s never holds, it is `F G !p`, which no deterministic monitor with
-//! justice recognises. We take the first q. What we ask for implies Dwyer's formula, and is the
-//! same where q holds only once.
+//! followed by a good rest. That differs from his description of the scope, and no GR(1) formula
+//! can express it: where q always and s never holds, it is `F G !p`, which no deterministic monitor
+//! with justice recognises. We take the first q. Our formula implies Dwyer's, and is equivalent
+//! where q holds only once.
 
 use super::{Expr, Monitors, Obligation, Origin, Scope};
 

@@ -1,13 +1,13 @@
-//! `previous p`: p held in the step before; false in step 0.
+//! `previous p`: p held in the previous step; false in step 0.
 //!
-//! The monitor's update is p itself. Where some monitor already stores the last value of p, as that
-//! of `once q` does for `previous (once q)`, it is taken.
+//! The monitor's update is p itself. If a monitor already stores the last value of p, as that of
+//! `once q` does for `previous (once q)`, it is reused.
 
 use super::{Monitors, Origin};
 use crate::gr1::{Domain, Expr};
 
 impl Monitors {
-    /// Whether `p` held in the step before; false in step 0.
+    /// Returns whether `p` held in the previous step; false in step 0.
     pub fn previous(&mut self, p: &Expr, origin: &Origin) -> Expr {
         let p = p.simplify();
         match self.delays.get(&p) {
@@ -19,8 +19,8 @@ impl Monitors {
         }
     }
 
-    /// The value of `x` in the step before; `initial` in step 0. All values of `x` and the initial
-    /// one are in `domain`.
+    /// Returns the value of `x` in the previous step; `initial` in step 0. `initial` and all values
+    /// of `x` are in `domain`.
     pub fn previous_value(
         &mut self,
         x: &Expr,

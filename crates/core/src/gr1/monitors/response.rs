@@ -24,8 +24,8 @@ pub(super) fn lower(
 ) -> Vec<Obligation> {
     let inside = scope.inside(monitors, origin);
     let asked = inside.and(trigger.clone());
-    // What is unanswered when the scope closes has broken the pattern for good, so nothing is to be
-    // forgotten then.
+    // A request that is open when the scope closes has broken the pattern for good, so nothing is
+    // cleared then.
     let open = |before: Expr| answer.clone().not().and(asked.clone().or(before));
     let open = monitors.remember("unanswered", false, open, origin);
     scope.some_day(&open)

@@ -1,7 +1,7 @@
 //! Scopes of patterns (Dwyer, Avrunin, Corbett: Patterns in Property Specifications for
 //! Finite-State Verification, ICSE 1999).
 //!
-//! A scope says in which steps a pattern has to hold. All of them are closed on the left and open
+//! A scope defines in which steps a pattern has to hold. All scopes are closed on the left and open
 //! on the right: the step of q belongs to the scope, the step of r does not; q and r in one step
 //! open nothing.
 //!
@@ -13,33 +13,33 @@
 //! | between q and r | from a q to the next r | is no matter, likewise |
 //! | after q until r | from a q to the next r, or for ever | breaks the pattern |
 //!
-//! Dwyer's formulas for the last two speak of *every* q: what has to happen in the scope has to
+//! Dwyer's formulas for the last two are about *every* q: what has to happen in the scope has to
 //! happen after the last q in it.
 //!
-//! With the five pieces below, a pattern is one formula for all scopes. The one difference in kind
-//! is whether a scope counts that never closes. Where it does not, a mistake is remembered until r
-//! comes ([`Scope::never`]).
+//! With the five functions below, a pattern is one formula for all scopes. The only real difference
+//! is whether a scope that never closes counts. If not, a mistake is remembered until r comes
+//! ([`Scope::never`]).
 
 use super::{BinaryOp, Expr, Kind, Monitors, Obligation, Origin, Remembered};
 
-/// When a pattern has to hold. Operands are boolean expressions over current values.
+/// Steps in which a pattern has to hold. Operands are boolean expressions over current values.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Scope {
     /// In all steps.
     Globally,
-    /// Before the first step in which it holds, if there is one.
+    /// Before the first step in which the condition holds, if there is one.
     Before(Expr),
-    /// From the first step in which it holds on.
+    /// From the first step in which the condition holds.
     After(Expr),
-    /// From every step in which the first holds to the next in which the second does, if there is
+    /// From every step in which the first holds to the next in which the second holds, if there is
     /// one.
     Between(Expr, Expr),
-    /// The same, also if the second never holds again.
+    /// Like [`Between`](Self::Between), also if the second never holds again.
     AfterUntil(Expr, Expr),
 }
 
 impl Scope {
-    /// Whether the scope is open in this step. False wherever [`end`](Self::end) holds.
+    /// Returns whether the scope is open in this step. False wherever [`end`](Self::end) holds.
     pub(super) fn inside(&self, monitors: &mut Monitors, origin: &Origin) -> Expr {
         match self {
             Self::Globally => Expr::TRUE,
@@ -55,7 +55,7 @@ impl Scope {
         }
     }
 
-    /// What closes the scope, if anything does.
+    /// Returns the condition that closes the scope, if there is one.
     pub(super) fn end(&self) -> Option<&Expr> {
         match self {
             Self::Globally | Self::After(_) => None,
@@ -63,13 +63,13 @@ impl Scope {
         }
     }
 
-    /// Whether only scopes count that are closed some day.
+    /// Returns whether only scopes that eventually close count.
     pub(super) fn counts_if_closed(&self) -> bool {
         matches!(self, Self::Before(_) | Self::Between(..))
     }
 
-    /// What opens the scope in this step, or opens it anew; `None` if it is open from the
-    /// beginning.
+    /// Returns the condition that opens or reopens the scope in this step; `None` if it is open
+    /// from the beginning.
     pub(super) fn opening(&self, monitors: &mut Monitors, origin: &Origin) -> Option<Expr> {
         match self {
             Self::Globally | Self::Before(_) => None,
@@ -82,7 +82,7 @@ impl Scope {
         }
     }
 
-    /// The scope is open, and since it was opened (last) `done` has not held.
+    /// Tracks whether the scope is open and `done` has not held since it was (last) opened.
     pub(super) fn waiting(
         &self,
         monitors: &mut Monitors,
@@ -104,8 +104,9 @@ impl Scope {
         monitors.remember("waiting", opening.is_none(), waits, origin)
     }
 
-    /// `mistake`, which is false outside the scope, must not happen in a scope that counts. Nothing
-    /// has to be forgotten at r: if there is something to forget, the pattern is broken for good.
+    /// Returns the obligation that `mistake`, which is false outside the scope, never happens in a
+    /// scope that counts. Nothing has to be cleared at r: if anything is remembered then, the
+    /// pattern is broken for good.
     pub(super) fn never(
         &self,
         monitors: &mut Monitors,
@@ -122,8 +123,8 @@ impl Scope {
         }
     }
 
-    /// What is `open` must be done before the scope closes, and some day in a scope that counts and
-    /// never closes.
+    /// Returns the obligation that what is `open` is done before the scope closes, and eventually
+    /// in a scope that counts and never closes.
     pub(super) fn some_day(&self, open: &Remembered) -> Vec<Obligation> {
         let mut found = match self.end() {
             Some(r) => invariant(&r.clone().implies(open.before.clone().not())),
@@ -136,12 +137,12 @@ impl Scope {
     }
 }
 
-/// A single invariant.
+/// Returns a single invariant.
 pub(super) fn invariant(expr: &Expr) -> Vec<Obligation> {
     vec![Obligation::new(Kind::Invariant, expr)]
 }
 
-/// `a = value`
+/// Returns `a = value`.
 pub(super) fn is(a: &Expr, value: i64) -> Expr {
     Expr::binary(BinaryOp::Eq, a.clone(), Expr::Const(value))
 }

@@ -8,7 +8,7 @@ use super::{Monitors, Origin};
 use crate::gr1::Expr;
 
 impl Monitors {
-    /// Whether `q` held in this step or before, and `p` ever after.
+    /// Returns whether `q` held in this step or before, and `p` in every step since.
     pub fn since(&mut self, p: &Expr, q: &Expr, origin: &Origin) -> Expr {
         self.follow(
             "since",

@@ -1,4 +1,4 @@
-//! Universality: p always holds, which is to say that `not p` is absent.
+//! Universality: p always holds, which is the absence of `not p`.
 //!
 //! | scope | meaning |
 //! |---|---|

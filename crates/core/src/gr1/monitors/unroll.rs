@@ -1,17 +1,17 @@
-//! Formulas that read monitors, for places where they may not be read.
+//! Formulas that read monitors, rewritten for places where monitors are not allowed.
 //!
 //! A monitor is the machine's variable. An assumption about this step may mention inputs only, and
 //! one about the next step next values of inputs only. But a monitor's value in step 0 is known,
 //! and its next value is an expression over current values. So an invariant over inputs and
-//! monitors is the same as an initial condition and a safety formula that mention no monitor where
-//! none may be mentioned.
+//! monitors is equivalent to an initial condition and a safety formula that mention no monitor
+//! where none is allowed.
 
 use super::{Kind, Monitors, Obligation};
 use crate::gr1::{Expr, Time};
 
-/// An invariant, taken apart: the first formula in step 0, the second from every step to the next.
+/// An invariant, split into a formula for step 0 and one from every step to the next.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unrolled {
+pub struct UnrolledInvariant {
     /// Holds in step 0; mentions no monitor.
     pub initial: Expr,
     /// Holds from every step to the next; mentions current values of monitors, and next values of
@@ -20,16 +20,16 @@ pub struct Unrolled {
 }
 
 impl Monitors {
-    /// Takes apart an expression over current values that has to hold in every step.
-    pub fn unroll(&self, invariant: &Expr) -> Unrolled {
+    /// Splits an expression over current values that has to hold in every step.
+    pub fn unroll(&self, invariant: &Expr) -> UnrolledInvariant {
         debug_assert!(!invariant.mentions_next(), "an invariant of next values");
-        Unrolled {
+        UnrolledInvariant {
             initial: self.at_start(invariant),
             safety: self.one_step_later(invariant),
         }
     }
 
-    /// What an expression over current values comes to in step 0.
+    /// Returns an expression over current values as it is in step 0.
     pub fn at_start(&self, expr: &Expr) -> Expr {
         let replaced = expr.substitute(&mut |v, time| match (self.get(v), time) {
             (Some(monitor), Time::Now) => Expr::Const(monitor.initial),
@@ -38,14 +38,14 @@ impl Monitors {
         replaced.simplify()
     }
 
-    /// The value an expression over current values will have in the next step.
+    /// Returns the value that an expression over current values will have in the next step.
     pub fn one_step_later(&self, expr: &Expr) -> Expr {
         debug_assert!(!expr.mentions_next(), "two steps later");
         let primed = expr.substitute(&mut |v, _| Expr::next(v));
         self.without_next_monitors(&primed)
     }
 
-    /// The same with next values of monitors replaced by what they will be.
+    /// Replaces next values of monitors by their updates.
     pub fn without_next_monitors(&self, expr: &Expr) -> Expr {
         let replaced = expr.substitute(&mut |v, time| match (self.get(v), time) {
             (Some(monitor), Time::Next) => monitor.update.clone(),
@@ -54,15 +54,15 @@ impl Monitors {
         replaced.simplify()
     }
 
-    /// An obligation as assumptions may have it: what reads a monitor is taken apart, what is
-    /// always true left out. Whether what is left speaks of outputs that an assumption may not
-    /// speak of is for the caller to check.
+    /// Converts an obligation for use as an assumption: formulas that read a monitor are split,
+    /// those that are always true are dropped. The caller must check for outputs that an assumption
+    /// may not mention.
     pub fn assumed(&self, obligation: &Obligation) -> Vec<Obligation> {
         let Obligation { kind, expr } = obligation;
         let parts = match kind {
             Kind::Initial => vec![(Kind::Initial, self.at_start(expr))],
             Kind::Invariant if self.occur_in(expr) => {
-                let Unrolled { initial, safety } = self.unroll(expr);
+                let UnrolledInvariant { initial, safety } = self.unroll(expr);
                 vec![(Kind::Initial, initial), (Kind::Safety, safety)]
             }
             Kind::Invariant => vec![(Kind::Invariant, expr.clone())],

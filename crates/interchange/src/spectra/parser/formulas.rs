@@ -123,7 +123,7 @@ impl Parser<'_> {
         while let Some((rank, operator)) = self.infix().filter(|(rank, _)| *rank >= least) {
             if made == Some(rank) && matches!(rank, RELATION | REMAINDER) {
                 let range = self.token().1;
-                return self.told(
+                return self.report(
                     range,
                     "these operators cannot be chained",
                     "put one of the two into parentheses",
@@ -297,7 +297,7 @@ impl Parser<'_> {
         let range = self.next();
         match self.text()[range.clone()].parse::<i64>() {
             Ok(value) if value < 1 << 40 => Ok(value),
-            _ => self.told(
+            _ => self.report(
                 range,
                 "this number is too large to be counted with",
                 "numbers are smaller than 2^40",

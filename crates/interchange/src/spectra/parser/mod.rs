@@ -13,7 +13,7 @@ mod statement;
 mod types;
 mod words;
 
-use super::syntax::{Declaration, Name, When};
+use super::syntax::{Declaration, Name, TemporalForm};
 use crate::names::quoted;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Owner;
@@ -75,12 +75,12 @@ fn owner(word: &str) -> Option<(Owner, bool)> {
     }
 }
 
-fn when(word: &str) -> Option<When> {
+fn when(word: &str) -> Option<TemporalForm> {
     match word {
-        "ini" | "initially" => Some(When::Initially),
-        "G" | "trans" => Some(When::Transition),
-        "always" | "alw" => Some(When::Always),
-        "GF" | "alwEv" | "alwaysEventually" => Some(When::Repeatedly),
+        "ini" | "initially" => Some(TemporalForm::Initially),
+        "G" | "trans" => Some(TemporalForm::Transition),
+        "always" | "alw" => Some(TemporalForm::Always),
+        "GF" | "alwEv" | "alwaysEventually" => Some(TemporalForm::Repeatedly),
         _ => None,
     }
 }
@@ -191,7 +191,7 @@ impl<'t> Parser<'t> {
         self.span(start..end.max(start))
     }
 
-    pub fn told<T>(
+    pub fn report<T>(
         &mut self,
         range: Range<usize>,
         message: impl Into<String>,
@@ -208,7 +208,7 @@ impl<'t> Parser<'t> {
         let (word, range) = self.token();
         // In regular expressions this sign is read where it may stand.
         if word == Word::Sign("?") {
-            return self.told(
+            return self.report(
                 range,
                 "Spectra has no choice `c ? a : b`",
                 "write `(c -> a) & (!c -> b)`; for a number, `(c -> x = 1) & (!c -> x = 2)`",
@@ -218,7 +218,7 @@ impl<'t> Parser<'t> {
             Word::End => "the end of the file".to_owned(),
             _ => format!("`{}`", quoted(&self.text[range.clone()])),
         };
-        self.told(range, format!("expected {expected}, found {found}"), help)
+        self.report(range, format!("expected {expected}, found {found}"), help)
     }
 
     pub fn expect(&mut self, sign: &'static str, help: &str) -> Parsed<()> {
@@ -270,7 +270,7 @@ impl<'t> Parser<'t> {
             if matches!(self.word(), "spec" | "module") {
                 let range = self.next();
                 if named {
-                    let _ = self.told::<()>(
+                    let _ = self.report::<()>(
                         range,
                         "there is a specification already",
                         "a file has one `spec NAME`, behind its imports",
@@ -297,7 +297,7 @@ impl<'t> Parser<'t> {
                 Some(Declaration::Import(_, span)) => span.end as usize..span.end as usize,
                 _ => 0..self.text.len().min(1),
             };
-            let _ = self.told::<()>(
+            let _ = self.report::<()>(
                 place,
                 "the specification has no name",
                 "write `spec NAME` here, behind the imports and before the first declaration",
@@ -352,7 +352,7 @@ impl<'t> Parser<'t> {
         let between = self.text.get(before.end..next.start);
         if !self.is(";") && between.is_some_and(|text| text.contains('\n')) {
             let word = quoted(&self.text[before.clone()]);
-            return self.told(
+            return self.report(
                 before,
                 format!("`;` is missing behind `{word}`"),
                 "declarations end with `;`",
@@ -367,7 +367,7 @@ impl<'t> Parser<'t> {
         if self.depth > MAX_NESTING {
             let range = self.token().1;
             self.depth = 0;
-            return self.told(
+            return self.report(
                 range,
                 format!("this nests more than {MAX_NESTING} deep"),
                 "give parts of it names with `define`",

@@ -2,7 +2,7 @@
 
 use super::words::Word;
 use super::{Parsed, Parser, when};
-use crate::spectra::syntax::{Body, Clause, Statement, When};
+use crate::spectra::syntax::{Body, Clause, Statement, TemporalForm};
 use linewright_core::gr1::Owner;
 
 impl Parser<'_> {
@@ -80,7 +80,7 @@ impl Parser<'_> {
         }
         let node = self.formula()?;
         Ok(Clause {
-            when: operator.unwrap_or(When::Initially),
+            when: operator.unwrap_or(TemporalForm::Initially),
             explicit: operator.is_some(),
             node,
             span: self.since(start),

@@ -1,8 +1,8 @@
 //! Big operators: what they run over, and what their rounds come to.
 
-use super::super::ast::{Big, Binary, Kind, Tree};
+use super::super::ast::{BigOperator, Binary, Kind, Tree};
 use super::super::ltl::Place;
-use super::super::value::{Bound, Value};
+use super::super::value::{ScopeBinding, Value};
 use super::{Expander, MAX_SET, Result, Scope};
 use linewright_core::diagnostics::codes;
 use std::collections::BTreeSet;
@@ -30,7 +30,7 @@ impl<'f> Expander<'f, '_> {
                 _ => String::new(),
             };
             let inner = self.site(&range.range, site, with);
-            let bound = Bound {
+            let bound = ScopeBinding {
                 name,
                 value,
                 outer: scope,
@@ -82,7 +82,7 @@ impl<'f> Expander<'f, '_> {
 
     pub(super) fn gathered(
         &mut self,
-        op: Big,
+        op: BigOperator,
         values: &[Value],
         tree: &'f Tree,
         body: &'f Tree,
@@ -90,19 +90,19 @@ impl<'f> Expander<'f, '_> {
     ) -> Result<Value> {
         let place = Place::new(&tree.range, site);
         match op {
-            Big::And | Big::Or => {
+            BigOperator::And | BigOperator::Or => {
                 let mut parts = Vec::new();
                 for value in values {
                     parts.push(self.as_formula(value, body, site)?);
                 }
-                Ok(Value::Formula(if op == Big::And {
+                Ok(Value::Formula(if op == BigOperator::And {
                     self.formulas.and(parts, place)
                 } else {
                     self.formulas.or(parts, place)
                 }))
             }
-            Big::Sum | Big::Product => {
-                let mut result = Some(i64::from(op == Big::Product));
+            BigOperator::Sum | BigOperator::Product => {
+                let mut result = Some(i64::from(op == BigOperator::Product));
                 for value in values {
                     let Value::Number(n) = value else {
                         return self.fail(
@@ -114,7 +114,7 @@ impl<'f> Expander<'f, '_> {
                         );
                     };
                     result = result.and_then(|r| {
-                        if op == Big::Sum {
+                        if op == BigOperator::Sum {
                             r.checked_add(*n)
                         } else {
                             r.checked_mul(*n)
@@ -123,7 +123,7 @@ impl<'f> Expander<'f, '_> {
                 }
                 self.counted(result, tree, site)
             }
-            Big::Cup | Big::Cap => {
+            BigOperator::Cup | BigOperator::Cap => {
                 let mut result: Option<BTreeSet<Value>> = None;
                 for value in values {
                     let Value::Set(set) = value else {
@@ -137,11 +137,11 @@ impl<'f> Expander<'f, '_> {
                     };
                     result = Some(match result {
                         None => (**set).clone(),
-                        Some(r) if op == Big::Cup => r.union(set).cloned().collect(),
+                        Some(r) if op == BigOperator::Cup => r.union(set).cloned().collect(),
                         Some(r) => r.intersection(set).cloned().collect(),
                     });
                 }
-                if op == Big::Cap && result.is_none() {
+                if op == BigOperator::Cap && result.is_none() {
                     return self.fail(
                         codes::DOMAIN_EMPTY,
                         &tree.range,

@@ -1,7 +1,7 @@
 //! Values as what their place needs: a truth value, a number, a set.
 
 use super::super::ast::Tree;
-use super::super::ltl::F;
+use super::super::ltl::FormulaId;
 use super::super::value::Value;
 use super::{Expander, MAX_SET, Result, Scope};
 use linewright_core::diagnostics::codes;
@@ -19,7 +19,12 @@ impl<'f> Expander<'f, '_> {
         )
     }
 
-    pub(super) fn as_formula(&mut self, value: &Value, tree: &Tree, site: u32) -> Result<F> {
+    pub(super) fn as_formula(
+        &mut self,
+        value: &Value,
+        tree: &Tree,
+        site: u32,
+    ) -> Result<FormulaId> {
         match value {
             Value::Formula(f) => Ok(*f),
             Value::Bus(_) => self.fail(
@@ -39,7 +44,12 @@ impl<'f> Expander<'f, '_> {
         }
     }
 
-    pub(super) fn condition(&mut self, tree: &'f Tree, scope: Scope<'_>, site: u32) -> Result<F> {
+    pub(super) fn condition(
+        &mut self,
+        tree: &'f Tree,
+        scope: Scope<'_>,
+        site: u32,
+    ) -> Result<FormulaId> {
         let value = self.value(tree, scope, site)?;
         self.as_formula(&value, tree, site)
     }

@@ -1,14 +1,20 @@
 //! `==` and `!=`: numbers, sets, and buses with values of their enumerations.
 
 use super::super::ast::Tree;
-use super::super::ltl::{F, Op, Place};
+use super::super::ltl::{FormulaId, Op, Place};
 use super::super::value::Value;
 use super::{Expander, Result};
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::VarId;
 
 impl Expander<'_, '_> {
-    pub(super) fn equal(&mut self, x: &Value, y: &Value, tree: &Tree, site: u32) -> Result<F> {
+    pub(super) fn equal(
+        &mut self,
+        x: &Value,
+        y: &Value,
+        tree: &Tree,
+        site: u32,
+    ) -> Result<FormulaId> {
         let place = Place::new(&tree.range, site);
         let decided = match (x, y) {
             (Value::Bus(bits), Value::Label(e, l)) | (Value::Label(e, l), Value::Bus(bits)) => {
@@ -58,7 +64,12 @@ impl Expander<'_, '_> {
     }
 
     /// Whether a bus shows one of some codes.
-    pub fn coded(&mut self, bits: &[VarId], codes: &[Vec<Option<bool>>], place: Place) -> F {
+    pub fn coded(
+        &mut self,
+        bits: &[VarId],
+        codes: &[Vec<Option<bool>>],
+        place: Place,
+    ) -> FormulaId {
         let mut cases = Vec::new();
         for code in codes {
             let mut parts = Vec::new();

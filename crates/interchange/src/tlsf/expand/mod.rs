@@ -12,9 +12,9 @@ mod pattern;
 mod site;
 
 use super::ast::{Definition, Enumeration, Kind, Tree};
-use super::ltl::{F, Formulas, Op, Place};
+use super::ltl::{FormulaId, Formulas, Op, Place};
 use super::report::Report;
-use super::value::{Bound, Value};
+use super::value::{ScopeBinding, Value};
 use crate::names::quoted;
 use linewright_core::diagnostics::{Code, Diagnostic, codes};
 pub(super) use site::{Site, bindings, located};
@@ -22,20 +22,20 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::rc::Rc;
 
-/// So many expressions are evaluated for one file.
+/// Maximum number of expressions evaluated for one file.
 const MAX_STEPS: u64 = 4_000_000;
 /// Evaluations nest so deep; the stack is that of [`crate::read`].
 const MAX_DEPTH: u32 = 4_000;
-/// A set has at most so many elements.
+/// Maximum number of elements of a set.
 const MAX_SET: i64 = 1 << 16;
 /// `X[n]` looks at most so far ahead.
 const MAX_AHEAD: i64 = 256;
 
 /// What went wrong has been said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Said;
+pub(super) struct AlreadyReported;
 
-type Result<T> = std::result::Result<T, Said>;
+type Result<T> = std::result::Result<T, AlreadyReported>;
 
 /// What names stand for, outside of functions.
 #[derive(Debug)]
@@ -57,7 +57,7 @@ pub(super) struct Expander<'f, 'r> {
     depth: u32,
 }
 
-type Scope<'a> = Option<&'a Bound<'a>>;
+type Scope<'a> = Option<&'a ScopeBinding<'a>>;
 
 impl<'f, 'r> Expander<'f, 'r> {
     pub fn new(globals: Globals<'f>, report: &'r mut Report) -> Self {
@@ -77,7 +77,7 @@ impl<'f, 'r> Expander<'f, 'r> {
     }
 
     /// A formula of a section.
-    pub fn formula(&mut self, tree: &'f Tree) -> Result<F> {
+    pub fn formula(&mut self, tree: &'f Tree) -> Result<FormulaId> {
         let value = self.value(tree, None, 0)?;
         self.as_formula(&value, tree, 0)
     }
@@ -97,7 +97,7 @@ impl<'f, 'r> Expander<'f, 'r> {
         let finding = Diagnostic::error(code, self.report.span(range), message).with_help(help);
         let finding = located(finding, site, &self.sites, self.report);
         self.report.push(finding);
-        Err(Said)
+        Err(AlreadyReported)
     }
 
     fn note(
@@ -158,7 +158,7 @@ impl<'f, 'r> Expander<'f, 'r> {
             Kind::Name(name) => return self.name(name, tree, scope, site),
             Kind::Call(name, arguments) => return self.call(name, arguments, tree, scope, site),
             Kind::Element(name, index) => {
-                let found = match Bound::find(scope, name) {
+                let found = match ScopeBinding::find(scope, name) {
                     Some(value) => value,
                     None => self.named(name, tree, site)?,
                 };

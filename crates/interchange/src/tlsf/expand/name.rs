@@ -2,7 +2,7 @@
 
 use super::super::ast::{Binary, Definition, Kind, Tree};
 use super::super::ltl::{Op, Place};
-use super::super::value::{Bound, Value};
+use super::super::value::{ScopeBinding, Value};
 use super::{Expander, Result, Scope, Site};
 use crate::names::quoted;
 use linewright_core::diagnostics::{codes, nearest};
@@ -16,7 +16,7 @@ impl<'f> Expander<'f, '_> {
         scope: Scope<'_>,
         site: u32,
     ) -> Result<Value> {
-        match Bound::find(scope, name) {
+        match ScopeBinding::find(scope, name) {
             Some(value) => Ok(value),
             None => match self.named(name, tree, site)? {
                 // A signal is read where it stands.
@@ -141,7 +141,7 @@ impl<'f> Expander<'f, '_> {
         match names.pop() {
             None => run(self, scope),
             Some((name, value)) => {
-                let bound = Bound {
+                let bound = ScopeBinding {
                     name,
                     value,
                     outer: scope,

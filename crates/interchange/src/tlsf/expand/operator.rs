@@ -1,7 +1,7 @@
 //! Operators on formulas, numbers and sets.
 
 use super::super::ast::{Binary, Kind, Tree, Unary};
-use super::super::ltl::{F, Op, Place};
+use super::super::ltl::{FormulaId, Op, Place};
 use super::super::value::Value;
 use super::{Expander, MAX_AHEAD, Result, Scope};
 use linewright_core::diagnostics::codes;
@@ -17,7 +17,7 @@ impl<'f> Expander<'f, '_> {
         site: u32,
     ) -> Result<Value> {
         let place = Place::new(&tree.range, site);
-        let make: fn(F) -> Op = match op {
+        let make: fn(FormulaId) -> Op = match op {
             Unary::Not => Op::Not,
             Unary::Next => Op::Next,
             Unary::Globally => Op::Globally,

@@ -1,7 +1,7 @@
 //! Guards of definitions: conditions, and patterns that formulas are matched with.
 
 use super::super::ast::{Binary, Kind, Tree, Unary};
-use super::super::ltl::{F, Op};
+use super::super::ltl::{FormulaId, Op};
 use super::super::value::Value;
 use super::{Expander, Result, Scope};
 use linewright_core::diagnostics::codes;
@@ -35,15 +35,16 @@ impl<'f> Expander<'f, '_> {
     /// deep as the pattern.
     pub(super) fn matches(
         &mut self,
-        f: F,
+        f: FormulaId,
         pattern: &'f Tree,
         bound: &mut Vec<(&'f str, Value)>,
     ) -> bool {
         let op = self.formulas.op(f).clone();
         let two =
-            |s: &mut Self, (a, b): (F, F), (p, q): (&'f Tree, &'f Tree), bound: &mut Vec<_>| {
-                s.matches(a, p, bound) && s.matches(b, q, bound)
-            };
+            |s: &mut Self,
+             (a, b): (FormulaId, FormulaId),
+             (p, q): (&'f Tree, &'f Tree),
+             bound: &mut Vec<_>| { s.matches(a, p, bound) && s.matches(b, q, bound) };
         match (&pattern.kind, op) {
             (Kind::Wild, _) => true,
             (Kind::Name(name), _) => {

@@ -12,13 +12,13 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, ExprKind};
 use std::collections::BTreeSet;
 
-/// A domain has at most so many values.
+/// Maximum number of values of a domain.
 const MAX_DOMAIN: i64 = 1 << 20;
-/// A variable is made of at most so many scalars.
+/// Maximum number of scalars that a variable is made of.
 const MAX_LEAVES: usize = 1 << 16;
 
 impl<'a> Elaborator<'a> {
-    /// A finite domain without a unit, and the length of the array if it is one.
+    /// Returns a finite domain without a unit, and the array length if it is an array.
     pub fn domain(&mut self, domain: &'a ast::Domain) -> Option<(Domain, Option<usize>)> {
         let (base, unit, length) = self.measured_domain(domain)?;
         if let Some(unit) = unit {
@@ -36,7 +36,7 @@ impl<'a> Elaborator<'a> {
         Some((base, length))
     }
 
-    /// A finite domain, its unit, and the length of the array if it is one.
+    /// Returns a finite domain, its unit, and the array length if it is an array.
     pub fn measured_domain(
         &mut self,
         domain: &'a ast::Domain,
@@ -59,7 +59,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A finite type, of whatever shape.
+    /// Returns a finite type of any shape.
     pub fn shape(&mut self, domain: &'a ast::Domain) -> Option<Shape> {
         match &domain.kind {
             ast::DomainKind::Labels(names) => {
@@ -150,7 +150,7 @@ impl<'a> Elaborator<'a> {
         high: &'a ast::Expr,
         written: Option<&str>,
     ) -> Option<Shape> {
-        // Of two units the finer one counts.
+        // Of two units, the finer one is used.
         let named = |name: Option<&str>| name.and_then(Unit::named);
         let unit = match (named(written), named(unit_in(low)), named(unit_in(high))) {
             (Some(unit), ..) | (None, Some(unit), None) | (None, None, Some(unit)) => Some(unit),
@@ -180,7 +180,7 @@ impl<'a> Elaborator<'a> {
         Some(Shape::Scalar(Domain::Range { low, high }, unit))
     }
 
-    /// An end of a range: a bare number counts in the range's unit.
+    /// Evaluates an end of a range: a bare number is in the range's unit.
     fn bound_of(&mut self, e: &'a ast::Expr, unit: Option<Unit>) -> Option<i64> {
         let Some(unit) = unit else {
             return self.constant_int(e);
@@ -232,7 +232,7 @@ impl<'a> Elaborator<'a> {
         self.bounded(span, Shape::Record(members))
     }
 
-    /// Refuses a type of too many values, before a type of it is made that has even more.
+    /// Rejects a type with too many values, before an even larger type is made from it.
     fn bounded(&mut self, span: Span, shape: Shape) -> Option<Shape> {
         if shape.leaves() > MAX_LEAVES {
             self.findings.error_with(
@@ -247,7 +247,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// The unit that is written in an expression; the first one, where there are several.
+/// Returns the first unit written in an expression.
 pub(super) fn unit_in(e: &ast::Expr) -> Option<&str> {
     match &e.kind {
         ExprKind::Quantity(_, unit) if !unit.is_empty() => Some(unit),

@@ -1,28 +1,29 @@
-//! How far defines, quantifiers and arrays are written out, and the limits.
+//! Limits on the expansion of defines, quantifiers and arrays.
 
 use super::findings::Findings;
 use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
 
-/// Quantifiers and arrays expand to at most so many instances.
+/// Maximum number of instances of one quantifier or array.
 pub(in crate::contract) const MAX_EXPANSION: i64 = 4096;
-/// The quantifiers of one contract or machine expand to at most so many instances together.
+/// Maximum number of quantifier instances in one contract or machine.
 const MAX_INSTANCES: i64 = MAX_EXPANSION * 64;
-/// Expressions nest so deep at most, defines written out: later stages walk formulas by recursion.
+/// Maximum nesting depth of expressions, with defines expanded: later stages walk formulas by
+/// recursion.
 const MAX_NESTED: usize = 400;
-/// A formula's tree is at most so deep once arrays are written out.
+/// Maximum depth of a formula's tree after arrays are expanded.
 pub(super) const MAX_FORMULA_DEPTH: usize = 600;
-/// What one contract or machine may cost to write out: nodes that are made, copied or looked at.
+/// Maximum cost of expanding one contract or machine: nodes created, copied or visited.
 const MAX_WORK: usize = 1_000_000;
 
-/// The bound on what one contract or machine is written out to.
+/// The expansion of one contract or machine so far, and its limits.
 #[derive(Default)]
 pub(in crate::contract) struct Expansion {
-    /// The defines and counters that the expression at hand comes from, innermost last.
+    /// Defines and counters being expanded, innermost last.
     pub(super) defining: Vec<String>,
-    /// The expression that all those at hand stand within, where it was asked for.
+    /// Outermost expression of the current expansion.
     root: Option<Span>,
-    /// Number of expressions around the one at hand.
+    /// Number of expressions around the current one.
     nested: usize,
     /// Instances of quantifiers so far.
     instances: i64,
@@ -33,7 +34,7 @@ pub(in crate::contract) struct Expansion {
 }
 
 impl Expansion {
-    /// Counts work; `None` and one finding where there is too much of it.
+    /// Counts work; returns `None` and reports once if the limit is exceeded.
     pub fn spend(&mut self, span: Span, amount: usize, findings: &mut Findings) -> Option<()> {
         self.work = self.work.saturating_add(amount);
         if self.work > MAX_WORK {
@@ -43,7 +44,7 @@ impl Expansion {
         Some(())
     }
 
-    /// Counts instances of a quantifier; `None` and one finding where there are too many of them.
+    /// Counts instances of a quantifier; returns `None` and reports once if there are too many.
     pub(super) fn instantiate(
         &mut self,
         span: Span,
@@ -58,8 +59,8 @@ impl Expansion {
         Some(())
     }
 
-    /// Goes into an expression, until [`Expansion::leave`]; `None` and one finding where it stands
-    /// too deep.
+    /// Enters an expression, until [`Expansion::leave`]; returns `None` and reports once if it is
+    /// nested too deep.
     pub(super) fn enter(&mut self, span: Span, findings: &mut Findings) -> Option<()> {
         if self.nested == MAX_NESTED {
             self.too_large(span, findings);
@@ -72,7 +73,7 @@ impl Expansion {
         Some(())
     }
 
-    /// Comes back from an expression.
+    /// Leaves an expression.
     pub(super) fn leave(&mut self) {
         self.nested -= 1;
     }

@@ -1,20 +1,20 @@
-//! What is wrong, and whether what was made can be trusted.
+//! Findings, and whether the results can be trusted.
 
 use crate::contract::value::Type;
 use linewright_core::diagnostics::{Code, Diagnostic, codes, has_errors};
 use linewright_core::source::Span;
 
-/// The findings of one elaborator.
+/// Findings of one elaborator.
 #[derive(Default)]
 pub(in crate::contract) struct Findings {
-    /// What was reported here.
+    /// Findings reported here.
     pub list: Vec<Diagnostic>,
-    /// Whether something was used that is wrong and was reported elsewhere.
+    /// Whether something was used that has an error reported elsewhere.
     pub tainted: bool,
 }
 
 impl Findings {
-    /// Whether something is wrong, here or with a name that was used.
+    /// Returns whether there is an error, here or in a name that was used.
     pub fn refused(&self) -> bool {
         self.tainted || has_errors(&self.list)
     }
@@ -30,7 +30,7 @@ impl Findings {
         self.list.append(&mut other.list);
     }
 
-    /// Records an error. There is none without a next step.
+    /// Records an error; every error has a next step.
     pub fn error_with(
         &mut self,
         code: Code,
@@ -41,7 +41,7 @@ impl Findings {
         self.push(Diagnostic::error(code, span, message).with_help(help));
     }
 
-    /// Reports a value of another type than the one that is expected.
+    /// Reports a value whose type differs from the expected one.
     pub fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
         let help = match found {
             Type::Int | Type::Number(_) | Type::Measured(_) if expected != "a truth value" => {

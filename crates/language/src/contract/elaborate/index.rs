@@ -1,4 +1,4 @@
-//! Elements of arrays by index, also by one that is known only when the machine runs.
+//! Array elements by index, including indices known only when the machine runs.
 
 use super::Elaborator;
 use crate::contract::shape::Entry;
@@ -8,12 +8,13 @@ use linewright_core::gr1::{BinaryOp, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 
-/// Up to so many elements are chosen one by one; more by halves, which keeps formulas shallow.
+/// Maximum number of elements chosen one by one; more are chosen by halves, which keeps formulas
+/// shallow.
 const MAX_LINEAR: usize = 16;
 
-/// What an expression names: a variable or a part of one, whose value need not be written out yet,
-/// or any other value.
-enum Named {
+/// What an expression names: a variable or a part of one, not necessarily expanded yet, or any
+/// other value.
+enum Referent {
     Variable(Entry),
     Value(Value),
 }
@@ -31,22 +32,22 @@ impl<'a> Elaborator<'a> {
         Some(self.written_out(element, time))
     }
 
-    fn written_out(&self, named: Named, time: Time) -> Value {
+    fn written_out(&self, named: Referent, time: Time) -> Value {
         match named {
-            Named::Variable(entry) => self.variables.entry(&entry, time, self.dialect.real),
-            Named::Value(value) => value,
+            Referent::Variable(entry) => self.variables.entry(&entry, time, self.dialect.real),
+            Referent::Value(value) => value,
         }
     }
 
-    /// What is indexed. An array of arrays of variables is followed index by index, so that one
-    /// element costs no more than itself.
-    fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Named> {
+    /// Resolves the indexed expression. Follows an array of arrays of variables index by index, so
+    /// that one element costs no more than itself.
+    fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Referent> {
         match &e.kind {
             ast::ExprKind::Path(names) => {
                 if let Some(entry) = self.names.variable(names) {
                     let entry = entry.clone();
                     self.expansion.spend(e.span, 1, &mut self.findings)?;
-                    return Some(Named::Variable(entry));
+                    return Some(Referent::Variable(entry));
                 }
             }
             ast::ExprKind::Index(base, index) => {
@@ -58,7 +59,7 @@ impl<'a> Elaborator<'a> {
             }
             _ => {}
         }
-        self.value(e, expected, time).map(Named::Value)
+        self.value(e, expected, time).map(Referent::Value)
     }
 
     fn element_of(
@@ -68,13 +69,13 @@ impl<'a> Elaborator<'a> {
         index: &'a ast::Expr,
         expected: Option<&Type>,
         time: Time,
-    ) -> Option<Named> {
+    ) -> Option<Referent> {
         let expected_array = expected.map(|t| Type::Array(Box::new(t.clone()), 0));
         let named = self.named(base, expected_array.as_ref(), time)?;
         let length = match &named {
-            Named::Variable(Entry::Many(list)) => list.len(),
-            Named::Value(Value::Array(elements)) => elements.len(),
-            Named::Variable(_) | Named::Value(_) => {
+            Referent::Variable(Entry::Many(list)) => list.len(),
+            Referent::Value(Value::Array(elements)) => elements.len(),
+            Referent::Variable(_) | Referent::Value(_) => {
                 let found = self.written_out(named, time).ty();
                 self.findings.error_with(
                     codes::TYPE_MISMATCH,
@@ -116,11 +117,11 @@ impl<'a> Elaborator<'a> {
             return None;
         }
         let elements = match (named, &index_term) {
-            (Named::Variable(Entry::Many(list)), Term::Int(i)) => {
-                return list.get(*i as usize).cloned().map(Named::Variable);
+            (Referent::Variable(Entry::Many(list)), Term::Int(i)) => {
+                return list.get(*i as usize).cloned().map(Referent::Variable);
             }
-            (Named::Value(Value::Array(elements)), Term::Int(i)) => {
-                return elements.into_iter().nth(*i as usize).map(Named::Value);
+            (Referent::Value(Value::Array(elements)), Term::Int(i)) => {
+                return elements.into_iter().nth(*i as usize).map(Referent::Value);
             }
             (named, _) => match self.written_out(named, time) {
                 Value::Array(elements) => elements,
@@ -142,12 +143,12 @@ impl<'a> Elaborator<'a> {
                 "give all elements the same length and the same members",
             );
         }
-        found.map(Named::Value)
+        found.map(Referent::Value)
     }
 }
 
-/// The element that an index names, of those from `low` on: leaf by leaf, where they are no
-/// scalars.
+/// Selects an element by index, where `elements` begin at index `low`: leaf by leaf, if they are
+/// not scalars.
 fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     match elements.first()? {
         Value::Scalar(_, ty) => {
@@ -187,7 +188,7 @@ fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     }
 }
 
-/// The term that an index names, of those from `low` on.
+/// Selects a term by index, where `terms` begin at index `low`.
 fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
     if terms.len() > MAX_LINEAR {
         return halved(index, low, terms);
@@ -206,7 +207,7 @@ fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
         })
 }
 
-/// The term of `terms`, of which the first has the index `low`, that `index` names.
+/// Selects a term by index, where `terms` begin at index `low`, by halving.
 fn halved(index: &Term, low: i64, terms: &[Term]) -> Term {
     if let [one] = terms {
         return one.clone();

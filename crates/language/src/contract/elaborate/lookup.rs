@@ -1,4 +1,4 @@
-//! What a dotted name or a label stands for in an expression.
+//! Resolution of dotted names and labels in expressions.
 
 use super::records::member;
 use super::{Elaborator, nearest};
@@ -20,7 +20,7 @@ impl Elaborator<'_> {
             );
             return None;
         }
-        // 95 hundredths are nearest to 95 / 100, and not to 95 times what is nearest to 0.01.
+        // 95 hundredths are closest to 95 / 100, not to 95 times the number closest to 0.01.
         let base = match dimension {
             Dimension::Share => number / (1.0 / factor).round(),
             _ => number * factor,
@@ -62,8 +62,8 @@ impl Elaborator<'_> {
                 self.findings.error_with(
                     codes::NAME_DOUBLE,
                     span,
-                    format!("the counter `{full}` is told by itself when to count"),
-                    "break the circle; a value that depends on itself needs an internal variable and `next`",
+                    format!("the counter `{full}` depends on itself"),
+                    "break the cycle; a value that depends on itself needs an internal variable and `next`",
                 );
                 return None;
             }
@@ -106,7 +106,7 @@ impl Elaborator<'_> {
         None
     }
 
-    /// A label. `None`: it is none. `Some(None)`: it is ambiguous, and that was reported.
+    /// Resolves a label. `None`: it is no label. `Some(None)`: it is ambiguous, which was reported.
     #[expect(
         clippy::option_option,
         reason = "not a label, or one that was reported"
@@ -162,7 +162,7 @@ impl Elaborator<'_> {
         }
     }
 
-    /// A label where one of another type is wanted.
+    /// Reports a label of one type where another type is expected.
     fn foreign_label(&mut self, name: &ast::Name, wanted: &[String], other: &[String]) {
         let named = self.names.types.iter().find(|(_, t)| match t {
             Type::Enum(labels) => labels == other,
@@ -188,13 +188,13 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn unknown(&mut self, span: Span, name: &str, expected: Option<&Type>) {
-        // Definitions within definitions may come by the same place a million times, and what is
-        // near it takes long to find.
+        // Nested definitions may visit the same place a million times, and searching for near names
+        // takes long.
         let mut latest = self.findings.list.iter().rev().take(64);
         if latest.any(|f| f.code == codes::NAME_UNKNOWN && f.span == Some(span)) {
             return;
         }
-        // A label of the type that is wanted goes before all else.
+        // A label of the expected type takes precedence.
         if let Some(Type::Enum(labels)) = expected {
             let near = nearest(name, labels.iter().map(String::as_str));
             let help = match near {
@@ -240,7 +240,7 @@ impl Elaborator<'_> {
     }
 }
 
-/// Counted quantities as real numbers of the plant.
+/// Converts counted quantities to real numbers of the plant.
 fn in_base_units(value: Value) -> Value {
     let plain = value.clone();
     let changed = value.map(&mut |term, ty| match (term, ty) {

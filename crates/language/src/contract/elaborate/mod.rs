@@ -1,8 +1,8 @@
-//! From a syntax tree's expressions to typed terms.
+//! Elaboration: converts expressions of the syntax tree to typed terms.
 //!
-//! Labels have no type of their own: `turn` in `command = turn` is looked up in the type of
-//! `command`. A name is, in this order: bound by a quantifier, a `define`, a variable, a parameter
-//! or constant, a label of the expected type, a label of the one enumeration in sight that has it.
+//! Labels have no type: `turn` in `command = turn` is looked up in the type of `command`. A name is
+//! resolved in this order: a quantified name, a `define`, a variable, a parameter or constant, a
+//! label of the expected type, a label of the only enumeration in scope that has it.
 
 mod domains;
 mod expansion;
@@ -37,45 +37,45 @@ use linewright_syntax::format;
 use records::member;
 use units::aligned;
 
-/// How expressions are understood.
+/// How expressions are interpreted.
 #[derive(Default)]
 pub(super) struct Dialect {
-    /// Whether real numbers are understood: `/` is then the division of real numbers.
+    /// Whether real numbers are allowed: then `/` is real division.
     pub real: bool,
-    /// Whether next values are understood.
+    /// Whether next values are allowed.
     pub next: bool,
-    /// The operator over other steps within which `next` has no meaning.
+    /// The enclosing past operator or similar, within which `next` is not allowed.
     looking_back: Option<String>,
 }
 
-/// What earlier steps leave behind.
+/// State about earlier steps.
 #[derive(Default)]
 pub(super) struct Memory {
-    /// What remembers earlier steps, in a contract.
+    /// Monitors, in a contract.
     pub monitors: Option<Monitors>,
-    /// The formula that is being resolved, for the monitors that it needs.
+    /// Formula being resolved, for the monitors that it needs.
     pub origin: Origin,
 }
 
-/// Gives expressions their meaning, and reports what has none.
+/// Resolves expressions, and reports those that have no meaning.
 #[derive(Default)]
 pub(super) struct Elaborator<'a> {
-    /// What names mean.
+    /// Names in scope.
     pub names: Names<'a>,
     /// Domains and units of variables.
     pub variables: VariableTable,
-    /// How expressions are understood.
+    /// How expressions are interpreted.
     pub dialect: Dialect,
-    /// What earlier steps leave behind.
+    /// State about earlier steps.
     pub memory: Memory,
-    /// What is wrong.
+    /// Findings so far.
     pub findings: Findings,
-    /// How far defines, quantifiers and arrays were written out.
+    /// Expansion of defines, quantifiers and arrays so far.
     pub expansion: Expansion,
 }
 
 impl<'a> Elaborator<'a> {
-    /// An elaborator that sees these names.
+    /// Creates an elaborator with these names in scope.
     pub fn new(names: Names<'a>) -> Self {
         Self {
             names,
@@ -83,7 +83,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A term as a formula of whole numbers; reports what is none.
+    /// Converts a term to a formula of whole numbers; reports one that has real numbers.
     pub fn formula(&mut self, term: &Term, span: Span) -> Option<Expr> {
         if term.depth() > MAX_FORMULA_DEPTH {
             self.expansion.too_large(span, &mut self.findings);
@@ -101,7 +101,7 @@ impl<'a> Elaborator<'a> {
         expr
     }
 
-    /// A truth value over current (and, where allowed, next) values.
+    /// Elaborates a truth value over current (and, where allowed, next) values.
     pub fn boolean(&mut self, e: &'a ast::Expr, time: Time) -> Option<Term> {
         match self.value(e, Some(&Type::Bool), time)? {
             Value::Scalar(term, Type::Bool) => Some(term),
@@ -112,7 +112,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A scalar of a type.
+    /// Elaborates a scalar of a type.
     pub fn scalar(&mut self, e: &'a ast::Expr, expected: &Type) -> Option<Term> {
         match self.value(e, Some(expected), Time::Now)? {
             Value::Scalar(term, found) => {
@@ -126,7 +126,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A whole number that is known now.
+    /// Evaluates a constant whole number.
     pub fn constant_int(&mut self, e: &'a ast::Expr) -> Option<i64> {
         match self.value(e, Some(&Type::Int), Time::Now) {
             Some(Value::Scalar(Term::Int(i), Type::Int)) => Some(i),
@@ -151,7 +151,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// A number that is known now, in base units of `dimension`; a bare number is refused where a
+    /// Evaluates a constant number, in base units of `dimension`; rejects a bare number where a
     /// unit is expected.
     pub fn constant_quantity(&mut self, e: &'a ast::Expr, dimension: Dimension) -> Option<f64> {
         let term = self.quantity(e, dimension)?;
@@ -167,7 +167,7 @@ impl<'a> Elaborator<'a> {
         value
     }
 
-    /// A real expression in base units of `dimension`.
+    /// Elaborates a real expression in base units of `dimension`.
     pub fn quantity(&mut self, e: &'a ast::Expr, dimension: Dimension) -> Option<Term> {
         let (term, ty) = self.any_scalar(e, None, Time::Now)?;
         match ty {
@@ -192,7 +192,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Any value.
+    /// Elaborates any value.
     pub fn value(
         &mut self,
         e: &'a ast::Expr,
@@ -363,7 +363,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Reports a promise about the whole run where the condition of one step is wanted.
+    /// Reports a promise about the whole run where a condition on one step is expected.
     fn promise_as_condition(&mut self, e: &ast::Expr) {
         let word = match &e.kind {
             ExprKind::Always(_) => "`always`",
@@ -388,7 +388,7 @@ impl<'a> Elaborator<'a> {
             .error_with(codes::NOT_GR1, e.span, message, help);
     }
 
-    /// A scalar of whatever type.
+    /// Elaborates a scalar of any type.
     pub fn any_scalar(
         &mut self,
         e: &'a ast::Expr,
@@ -422,7 +422,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// A real constant.
+/// Returns the value of a real constant.
 pub(in crate::contract) fn constant_real(term: &Term) -> Option<f64> {
     match term {
         Term::Int(i) => Some(*i as f64),

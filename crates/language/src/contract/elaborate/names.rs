@@ -1,14 +1,14 @@
-//! What names mean: variables, constants, types, defines and counters.
+//! Names in scope: variables, constants, types, defines and counters.
 //!
-//! Quantified names, and the parameters of a define, are constants that hide others of their name
-//! for a while.
+//! Quantified names and the parameters of a define are constants that temporarily hide others of
+//! the same name.
 
 use crate::contract::shape::{Entry, Shape};
 use crate::contract::value::{Type, Value};
 use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What stands outside of all contracts, for the defines that stand there, too.
+/// Names declared outside of all contracts, as seen by the defines declared there.
 #[derive(Clone, Default)]
 pub(in crate::contract) struct Outside<'a> {
     /// Constants.
@@ -17,33 +17,33 @@ pub(in crate::contract) struct Outside<'a> {
     pub defines: BTreeMap<String, &'a ast::Define>,
 }
 
-/// The names in sight.
+/// Names in scope.
 #[derive(Clone, Default)]
 pub(in crate::contract) struct Names<'a> {
-    /// Variables; dotted for a component's.
+    /// Variables; dotted for those of a component.
     pub variables: BTreeMap<String, Entry>,
     /// Constants, parameters and quantified names.
     pub constants: BTreeMap<String, Value>,
     /// Named types.
     pub types: BTreeMap<String, Type>,
-    /// What the named types are made of.
+    /// Shapes of the named types.
     pub shapes: BTreeMap<String, Shape>,
     /// Defines.
     pub defines: BTreeMap<String, &'a ast::Define>,
     /// Counters.
     pub counters: BTreeMap<String, &'a ast::Counter>,
-    /// Names whose declaration was reported: their uses are not.
+    /// Names whose declaration was reported as wrong: their uses are not reported.
     pub broken: BTreeSet<String>,
-    /// What a define of the file sees.
+    /// Names visible to a define of the file.
     pub outside: Outside<'a>,
     /// Quantified names, innermost last.
-    bound: Bound,
+    bound: HiddenNames,
 }
 
-/// Quantified names with what each one hides.
-pub(super) type Bound = Vec<(String, Option<Value>)>;
+/// Quantified names with the values they hide.
+pub(super) type HiddenNames = Vec<(String, Option<Value>)>;
 
-/// What only a contract or machine sees.
+/// Names visible only within a contract or machine.
 pub(super) struct Inside<'a> {
     variables: BTreeMap<String, Entry>,
     constants: BTreeMap<String, Value>,
@@ -52,7 +52,7 @@ pub(super) struct Inside<'a> {
 }
 
 impl<'a> Names<'a> {
-    /// The same names without variables, counters and quantified names.
+    /// Returns the same names without variables, counters and quantified names.
     pub fn without_variables(&self) -> Self {
         Self {
             variables: BTreeMap::new(),
@@ -63,11 +63,11 @@ impl<'a> Names<'a> {
             counters: BTreeMap::new(),
             broken: self.broken.clone(),
             outside: self.outside.clone(),
-            bound: Bound::new(),
+            bound: HiddenNames::new(),
         }
     }
 
-    /// Whether a variable, constant, define or counter has this name.
+    /// Returns whether a variable, constant, define or counter has this name.
     pub fn contains(&self, name: &str) -> bool {
         self.variables.contains_key(name)
             || self.constants.contains_key(name)
@@ -75,13 +75,13 @@ impl<'a> Names<'a> {
             || self.counters.contains_key(name)
     }
 
-    /// Makes way for a variable, which hides what has its name outside.
+    /// Removes an outer declaration that a variable of the same name hides.
     pub fn hide(&mut self, name: &str) {
         self.constants.remove(name);
         self.defines.remove(name);
     }
 
-    /// Whether a dotted name, or what it begins with, is declared.
+    /// Returns whether a dotted name, or a prefix of it, is declared.
     pub(super) fn knows(&self, names: &[ast::Name]) -> bool {
         (1..=names.len()).any(|n| {
             let words: Vec<&str> = names[..n].iter().map(|n| n.text.as_str()).collect();
@@ -93,7 +93,7 @@ impl<'a> Names<'a> {
         })
     }
 
-    /// Whether an expression is made of names that can only be labels.
+    /// Returns whether an expression consists of names that can only be labels.
     pub(super) fn is_label(&self, e: &ast::Expr) -> bool {
         match &e.kind {
             ast::ExprKind::Path(names) => match names.as_slice() {
@@ -107,7 +107,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// The variable of this dotted name, where nothing else in sight has it.
+    /// Returns the variable of this dotted name, if nothing else in scope has the name.
     pub(super) fn variable(&self, names: &[ast::Name]) -> Option<&Entry> {
         let words: Vec<&str> = names.iter().map(|n| n.text.as_str()).collect();
         let name = words.join(".");
@@ -117,7 +117,7 @@ impl<'a> Names<'a> {
         self.variables.get(&name).filter(|_| !hidden)
     }
 
-    /// The length of an array, if the name is that of one.
+    /// Returns the length of an array, if the name is that of an array.
     pub(super) fn length(&self, name: &str) -> Option<usize> {
         match (self.constants.get(name), self.variables.get(name)) {
             (Some(Value::Array(values)), _) => Some(values.len()),
@@ -126,21 +126,21 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Brings a quantified name into sight, until [`Names::unbind`].
+    /// Adds a quantified name, until [`Names::unbind`].
     pub(super) fn bind(&mut self, name: String, value: Value) {
         let hidden = self.constants.insert(name.clone(), value);
         self.bound.push((name, hidden));
     }
 
-    /// Takes the innermost quantified name out of sight.
+    /// Removes the innermost quantified name.
     pub(super) fn unbind(&mut self) {
         if let Some((name, hidden)) = self.bound.pop() {
             self.replace_constant(name, hidden);
         }
     }
 
-    /// Takes all quantified names out of sight, until [`Names::show_bound`].
-    pub(super) fn hide_bound(&mut self) -> Bound {
+    /// Removes all quantified names, until [`Names::show_bound`].
+    pub(super) fn hide_bound(&mut self) -> HiddenNames {
         let mut bound = std::mem::take(&mut self.bound);
         for (name, value) in bound.iter_mut().rev() {
             *value = self.replace_constant(name.clone(), value.take());
@@ -148,15 +148,15 @@ impl<'a> Names<'a> {
         bound
     }
 
-    /// Brings quantified names back into sight.
-    pub(super) fn show_bound(&mut self, mut bound: Bound) {
+    /// Restores quantified names.
+    pub(super) fn show_bound(&mut self, mut bound: HiddenNames) {
         for (name, value) in &mut bound {
             *value = self.replace_constant(name.clone(), value.take());
         }
         self.bound = bound;
     }
 
-    /// Leaves only what stands outside of all contracts in sight, until [`Names::show_inside`].
+    /// Keeps only the names declared outside of all contracts, until [`Names::show_inside`].
     pub(super) fn hide_inside(&mut self) -> Inside<'a> {
         let Outside { constants, defines } = self.outside.clone();
         Inside {
@@ -167,7 +167,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Brings what only a contract or machine sees back into sight.
+    /// Restores the names visible only within a contract or machine.
     pub(super) fn show_inside(&mut self, inside: Inside<'a>) {
         self.variables = inside.variables;
         self.constants = inside.constants;

@@ -23,7 +23,7 @@ impl<'a> Elaborator<'a> {
         let boolean = |op, a, b| Some(Value::Scalar(Term::binary(op, a, b), Type::Bool));
         match op {
             A::And | A::Or | A::Implies | A::Iff | A::Xor => {
-                // Both sides are looked at even when one is wrong: all findings at once.
+                // Both sides are elaborated even if one is wrong, to report all findings at once.
                 let (x, y) = (self.boolean(a, time), self.boolean(b, time));
                 let (x, y) = (x?, y?);
                 if op == A::Iff {
@@ -73,7 +73,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Both sides of an equality; a bare label is looked up in the type of the other side.
+    /// Elaborates both sides of an equality; a bare label is looked up in the type of the other
+    /// side.
     pub(super) fn two_sides(
         &mut self,
         a: &'a ast::Expr,
@@ -133,7 +134,7 @@ impl<'a> Elaborator<'a> {
             (Value::Array(a), b @ Value::Scalar(..)) => {
                 self.expansion
                     .spend(span, b.size().saturating_mul(a.len()), &mut self.findings)?;
-                // An array equals a scalar when every element does: `h = 0`.
+                // An array equals a scalar if every element does: `h = 0`.
                 let mut terms = Vec::with_capacity(a.len());
                 for a in a {
                     terms.push(self.equal(span, a, b.clone())?);
@@ -232,7 +233,7 @@ impl<'a> Elaborator<'a> {
         Some(Value::Scalar(term, Type::Int))
     }
 
-    /// Whole numbers with units.
+    /// Elaborates arithmetic on whole numbers with units.
     fn measured_arithmetic(
         &mut self,
         span: Span,
@@ -248,7 +249,7 @@ impl<'a> Elaborator<'a> {
             && !counted(&at)
             && !counted(&bt)
         {
-            // Quantities of the file, not yet counted in a unit.
+            // Quantities of the file, not yet converted to a unit.
             let real = std::mem::replace(&mut self.dialect.real, true);
             let value = self.arithmetic(span, op, (a, at), (b, bt), b_span);
             self.dialect.real = real;
@@ -305,10 +306,10 @@ impl<'a> Elaborator<'a> {
         Some(Value::Scalar(term, ty))
     }
 
-    /// The interval of a whole number; reports what leaves the arithmetic's limits.
+    /// Returns the interval of a whole number; reports one that exceeds the limits of arithmetic.
     pub fn range_of(&mut self, term: &Term, span: Span) -> Option<Interval> {
         if self.dialect.real {
-            // Plant expressions are not bounded; only constant indices are asked for here.
+            // Plant expressions are not bounded; only constant indices are needed here.
             return if let Term::Int(i) = term {
                 Some(Interval { low: *i, high: *i })
             } else {
@@ -379,7 +380,7 @@ fn compared(op: ast::BinaryOp) -> BinaryOp {
     }
 }
 
-/// Reports an equality of two types that have no value in common.
+/// Reports an equality of two types that have no common value.
 fn unequal(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
     let help = match (a, b) {
         (Type::Array(..), Type::Array(..)) => {

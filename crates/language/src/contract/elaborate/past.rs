@@ -1,4 +1,4 @@
-//! Past operators and counters: a look back becomes an expression over monitors.
+//! Past operators and counters, converted to expressions over monitors.
 
 use super::Elaborator;
 use crate::contract::value::{Term, Type, Value};
@@ -8,11 +8,11 @@ use linewright_core::gr1::{Domain, Expr, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, PastOp};
 
-/// Looks back over more steps are refused: each one is a value of a monitor.
+/// Maximum number of steps to look back; each one is a value of a monitor.
 const MAX_STEPS: i64 = 1 << 16;
 
 impl<'a> Elaborator<'a> {
-    /// `previous p`, `once p`, `historically p`, with a bound or without.
+    /// Elaborates `previous p`, `once p`, `historically p`, with or without a bound.
     pub(super) fn past(
         &mut self,
         span: Span,
@@ -44,7 +44,7 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// `p since q`
+    /// Elaborates `p since q`.
     pub(super) fn since(
         &mut self,
         span: Span,
@@ -59,7 +59,7 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// A declared counter's value.
+    /// Returns the value of a declared counter.
     pub(super) fn counter(&mut self, counter: &'a ast::Counter, time: Time) -> Option<Value> {
         let name = &counter.name;
         let (domain, length) = self.domain(&counter.domain)?;
@@ -93,7 +93,7 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// A condition on the values of one step, for an operator that looks at other steps itself.
+    /// Elaborates a condition on one step, as the operand of an operator over other steps.
     pub(in crate::contract) fn state(&mut self, e: &'a ast::Expr, word: &str) -> Option<Expr> {
         let allowed = std::mem::replace(&mut self.dialect.next, false);
         let speaks = self.dialect.looking_back.replace(word.to_owned());
@@ -104,7 +104,7 @@ impl<'a> Elaborator<'a> {
         self.formula(&term, e.span)
     }
 
-    /// A number of steps.
+    /// Evaluates a number of steps.
     pub(in crate::contract) fn steps(&mut self, bound: &'a ast::Expr) -> Option<u32> {
         let steps = self.constant_int(bound)?;
         if (1..=MAX_STEPS).contains(&steps) {
@@ -119,7 +119,7 @@ impl<'a> Elaborator<'a> {
         None
     }
 
-    /// What monitors give, as a value of this step or of the next one.
+    /// Returns the result of a monitor as a value of this step or of the next one.
     fn look_back(
         &mut self,
         span: Span,

@@ -1,8 +1,8 @@
-//! Defines: names for expressions, with parameters or without.
+//! Defines: names for expressions, with or without parameters.
 //!
-//! A define means the same wherever it is used. So it sees its own parameters and what stands
-//! around it, never what is quantified where it is called; and one that stands outside of all
-//! contracts sees nothing of the contract that calls it.
+//! A define has the same meaning wherever it is used. So it sees its own parameters and the scope
+//! where it is declared, never the quantified names where it is used. A define declared outside of
+//! all contracts sees nothing of the contract that uses it.
 
 use super::Elaborator;
 use super::units::fitted_value;
@@ -13,7 +13,7 @@ use linewright_core::source::Span;
 use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
-    /// The value of a define without parameters.
+    /// Returns the value of a define without parameters.
     pub(super) fn defined(
         &mut self,
         span: Span,
@@ -41,7 +41,7 @@ impl<'a> Elaborator<'a> {
         self.expanded(span, define, Vec::new(), expected, time)
     }
 
-    /// The value of a define with parameters.
+    /// Returns the value of a define with parameters.
     pub(super) fn predicate(
         &mut self,
         span: Span,
@@ -80,8 +80,8 @@ impl<'a> Elaborator<'a> {
         self.expanded(span, define, values, expected, time)
     }
 
-    /// An argument, of the type of its parameter where that has one. It is a value of this step:
-    /// under `next` all of the define is taken one step on.
+    /// Elaborates an argument, with the type of its parameter if declared. It is a value of this
+    /// step: `next` applies to the define as a whole.
     fn argument(
         &mut self,
         formal: &'a ast::Formal,
@@ -116,7 +116,7 @@ impl<'a> Elaborator<'a> {
                 codes::NAME_DOUBLE,
                 span,
                 format!("`{name}` is defined by itself"),
-                "break the circle; a value that depends on itself needs an internal variable and `next`",
+                "break the cycle; a value that depends on itself needs an internal variable and `next`",
             );
             return None;
         }
@@ -143,7 +143,7 @@ impl<'a> Elaborator<'a> {
         value
     }
 
-    /// A bound value, one step later.
+    /// Returns a bound value one step later.
     pub(super) fn later(&mut self, span: Span, value: Value) -> Option<Value> {
         let mut twice = false;
         let monitors = self.memory.monitors.as_ref();
@@ -174,7 +174,8 @@ impl<'a> Elaborator<'a> {
         value
     }
 
-    /// Does something without the quantified names: a define means the same wherever it is used.
+    /// Runs a function without the quantified names: a define has the same meaning wherever it is
+    /// used.
     pub(super) fn unbound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
         let bound = self.names.hide_bound();
         let result = run(self);
@@ -182,7 +183,7 @@ impl<'a> Elaborator<'a> {
         result
     }
 
-    /// Does something with only what stands outside of all contracts in sight.
+    /// Runs a function with only the names declared outside of all contracts.
     fn outside<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
         let inside = self.names.hide_inside();
         let result = run(self);

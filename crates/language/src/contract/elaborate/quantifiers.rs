@@ -1,4 +1,4 @@
-//! Quantifiers, written out, and functions.
+//! Expansion of quantifiers, and functions.
 
 use super::domains::unit_in;
 use super::expansion::MAX_EXPANSION;
@@ -12,7 +12,7 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, Quantifier};
 
 impl<'a> Elaborator<'a> {
-    /// The values that a quantified name takes, each with its type.
+    /// Returns the values of a quantified name, each with its type.
     pub fn quantified(&mut self, domain: &'a ast::Domain) -> Option<Vec<Value>> {
         let values: Vec<Value> = if let ast::DomainKind::Range(low, high, None) = &domain.kind
             && unit_in(low).is_none()
@@ -32,7 +32,7 @@ impl<'a> Elaborator<'a> {
                 .map(|i| Value::Scalar(Term::Int(i), Type::Int))
                 .collect()
         } else if let ast::DomainKind::Named(ast::Name { text: name, .. })
-        // An array may be called like a unit: `h`.
+        // An array may have the name of a unit: `h`.
         | ast::DomainKind::Unit(name) = &domain.kind
             && let Some(length) = self.names.length(name)
         {
@@ -59,7 +59,7 @@ impl<'a> Elaborator<'a> {
         Some(values)
     }
 
-    /// Does something with a quantified name in sight.
+    /// Runs a function with a quantified name in scope.
     pub fn with_bound<T>(
         &mut self,
         name: &str,

@@ -1,4 +1,4 @@
-//! Records, and arrays of what is no scalar: members, literals, choices.
+//! Records, and arrays of non-scalars: members, literals, choices.
 
 use super::findings::Findings;
 use super::units::aligned;
@@ -10,7 +10,7 @@ use linewright_core::source::Span;
 use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
-    /// `{x = 0, y = 1}`: in the order of the expected type, where there is one.
+    /// Elaborates `{x = 0, y = 1}`, in the order of the expected type, if there is one.
     pub(super) fn record(
         &mut self,
         span: Span,
@@ -71,7 +71,7 @@ impl<'a> Elaborator<'a> {
         complete.then_some(Value::Record(values))
     }
 
-    /// `if c then a else b` for values of whatever shape.
+    /// Builds `if c then a else b` for values of any shape.
     pub(super) fn choose(
         &mut self,
         condition: &Term,
@@ -114,7 +114,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// A member of a record.
+/// Returns a member of a record.
 pub(super) fn member(
     span: Span,
     value: Value,

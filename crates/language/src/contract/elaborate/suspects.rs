@@ -1,5 +1,5 @@
-//! Comparisons that are well-formed and hardly meant: decided by domains alone (LW114), or of the
-//! next step on both sides (LW211).
+//! Well-formed comparisons that are probably not intended: decided by domains alone (LW114), or
+//! about the next step on both sides (LW211).
 
 use super::Elaborator;
 use super::names::Names;
@@ -14,18 +14,18 @@ use linewright_syntax::ast::{self, Expr, ExprKind};
 use linewright_syntax::format;
 
 impl Elaborator<'_> {
-    /// Looks at a comparison of numbers: `term` is what became of `a` and `b`, in one unit.
+    /// Checks a comparison of numbers: `term` is the result for `a` and `b`, in one unit.
     ///
-    /// Only a variable is compared, with a number that stands there as one, or with another
-    /// variable. What comes from parameters or quantifiers is general on purpose, and may well be
+    /// Only compares a variable with a number written in the source or with another variable.
+    /// Expressions with parameters or quantified names are deliberately general, and may well be
     /// decided in one case of many.
     pub(super) fn compared(&mut self, span: Span, sign: &str, term: &Term, a: &Expr, b: &Expr) {
         let Term::Binary(op, x, y) = term else { return };
         if self.dialect.real {
             return;
         }
-        // `place <= LAST` says what a place is, and need not be looked up; `place = LAST` is meant
-        // to be one.
+        // `place <= LAST` describes the range of a place and needs no check; `place = LAST` must be
+        // possible.
         let equation = matches!(op, BinaryOp::Eq | BinaryOp::Ne);
         let both = self.names.declared(a) && self.names.declared(b) && equation;
         let of_number = |v: &Expr, n: &Expr| {
@@ -60,7 +60,7 @@ impl Elaborator<'_> {
             "compare with a value of the domain, or make the domain larger"
         };
         let message = format!("`{text}` {verdict} holds: {}", sides.join(", and "));
-        // `x >= 0` is a habit, and harmless.
+        // `x >= 0` is a common, harmless habit.
         let finding = if holds && !equation {
             Diagnostic::note(codes::COMPARISON_DECIDED, span, message)
         } else {
@@ -69,7 +69,8 @@ impl Elaborator<'_> {
         self.findings.push(finding.with_help(help));
     }
 
-    /// A variable's domain as it is declared; what is no scalar is told by its reach.
+    /// Describes a variable's declared domain, or the range of an expression that is not a scalar
+    /// variable.
     fn domain_of(&self, e: &Expr, range: Interval) -> String {
         let mut base = e;
         while let ExprKind::Next(inner) = &base.kind {
@@ -92,7 +93,7 @@ impl Elaborator<'_> {
         format!("{}..{}", range.low, range.high)
     }
 
-    /// Looks at an equation: `x = f(x)` with both values of the next step sets nothing.
+    /// Checks an equation: `x = f(x)` with both values of the next step assigns nothing.
     pub(super) fn equated(
         &mut self,
         span: Span,
@@ -134,7 +135,7 @@ impl Elaborator<'_> {
 }
 
 impl Names<'_> {
-    /// A variable, or a part of one, as it was declared.
+    /// Returns whether the expression is a declared variable or a part of one.
     fn declared(&self, e: &Expr) -> bool {
         match &e.kind {
             ExprKind::Path(names) => names.first().is_some_and(|n| {
@@ -147,7 +148,7 @@ impl Names<'_> {
         }
     }
 
-    /// A number that stands there as one, or a constant of the file.
+    /// Returns whether the expression is a number written in the source or a constant of the file.
     fn written_out(&self, e: &Expr) -> bool {
         match &e.kind {
             ExprKind::Int(_) | ExprKind::Quantity(..) => true,
@@ -166,7 +167,7 @@ impl Names<'_> {
         }
     }
 
-    /// The same with `next` before each variable.
+    /// Adds `next` before each variable.
     fn primed(&self, e: &Expr) -> Expr {
         if self.declared(e) {
             return Expr {
@@ -178,7 +179,7 @@ impl Names<'_> {
     }
 }
 
-/// The same without `next`.
+/// Removes every `next`.
 fn stripped(e: &Expr) -> Expr {
     match &e.kind {
         ExprKind::Next(inner) => stripped(inner),
@@ -186,7 +187,7 @@ fn stripped(e: &Expr) -> Expr {
     }
 }
 
-/// An expression whose operands are changed.
+/// Returns an expression with changed operands.
 fn changed(e: &Expr, change: &dyn Fn(&Expr) -> Expr) -> Expr {
     let sub = |e: &Expr| Box::new(change(e));
     let kind = match &e.kind {
@@ -212,7 +213,7 @@ fn holds_next(term: &Term, v: VarId) -> bool {
     }
 }
 
-/// What a comparison of any values of two intervals comes to, if it is always the same.
+/// Returns the result of comparing any values of two intervals, if it is always the same.
 fn decided(op: BinaryOp, a: Interval, b: Interval) -> Option<bool> {
     let below = a.high < b.low;
     let above = b.high < a.low;

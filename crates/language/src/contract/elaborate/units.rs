@@ -1,4 +1,4 @@
-//! Two numbers in one unit, so that they can be added and compared.
+//! Conversion of two numbers to one unit, so that they can be added and compared.
 
 use super::findings::Findings;
 use super::{constant_real, is_zero};
@@ -8,7 +8,8 @@ use linewright_core::diagnostics::codes;
 use linewright_core::gr1::BinaryOp;
 use linewright_core::source::Span;
 
-/// Two numbers as multiples of one unit, and their type: the finer of two units. 0 fits every one.
+/// Converts two numbers to multiples of the finer of their units, and returns that type. 0 fits
+/// every unit.
 pub(super) fn aligned(
     span: Span,
     (a, at): (Term, Type),
@@ -54,7 +55,7 @@ pub(super) fn aligned(
     }
 }
 
-/// A scalar as one of the wanted type; reports what does not fit.
+/// Converts a scalar to the expected type; reports one that does not fit.
 pub(in crate::contract) fn fitted(
     span: Span,
     (term, found): (Term, Type),
@@ -82,7 +83,7 @@ pub(in crate::contract) fn fitted(
     }
 }
 
-/// A value of whatever shape as one of the wanted type.
+/// Converts a value of any shape to the expected type.
 pub(in crate::contract) fn fitted_value(
     span: Span,
     value: Value,
@@ -117,7 +118,7 @@ pub(in crate::contract) fn fitted_value(
     }
 }
 
-/// A quantity of the file as a whole number of a unit.
+/// Converts a quantity of the file to a whole number of a unit.
 fn counted(
     span: Span,
     term: &Term,
@@ -148,14 +149,14 @@ fn counted(
         findings.error_with(
             codes::TYPE_MISMATCH,
             span,
-            format!("this is no whole number of `{}`", unit.name()),
+            format!("this is not a whole number of `{}`", unit.name()),
             "a contract counts in whole numbers: round it, or declare the variable in a finer unit",
         );
     }
     count.map(Term::Int)
 }
 
-/// Reports two numbers that no unit has in common.
+/// Reports two numbers without a common unit.
 fn apart(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
     let help = if a.dimension() == b.dimension() {
         "neither unit is a multiple of the other: give both the same one"
@@ -170,7 +171,8 @@ fn apart(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
     findings.error_with(codes::TYPE_MISMATCH, span, message, help);
 }
 
-/// Adding and comparing needs one dimension; 0 fits every one.
+/// Checks that two operands of addition or comparison have the same dimension; 0 fits every
+/// dimension.
 pub(super) fn same_dimension(
     span: Span,
     (a, at): (&Term, &Type),
@@ -197,8 +199,8 @@ pub(super) fn same_dimension(
     None
 }
 
-/// The unit in which a quantity is a whole number: the given one, or the coarsest of those that it
-/// is a multiple of; and how many of it that is. The given one, where there is none.
+/// Returns the unit in which a quantity is a whole number, and that number: the given unit, or the
+/// coarsest one that divides the quantity. The given unit if there is none.
 fn finer(unit: Unit, quantity: &Term, ty: &Type) -> (Unit, i64) {
     let known = (unit, 1);
     let Some(base) = constant_real(quantity) else {

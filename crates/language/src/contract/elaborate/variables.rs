@@ -8,10 +8,10 @@ use linewright_core::gr1::monitors::Monitors;
 use linewright_core::gr1::{BinaryOp, Domain, Time, VarId};
 use std::collections::BTreeMap;
 
-/// A property's unit, for reading it: its dimension and how many base units it is.
+/// Unit of a property: its dimension and its number of base units.
 pub(in crate::contract) type UnitOf = (Dimension, f64);
 
-/// The variables of one elaborator; their ids count from 0.
+/// Variables of one elaborator; their ids count from 0.
 #[derive(Clone, Default)]
 pub(in crate::contract) struct VariableTable {
     /// Domains; `None` for real variables.
@@ -41,7 +41,7 @@ impl VariableTable {
         id
     }
 
-    /// Adds the monitors that were made since the last time.
+    /// Adds the monitors created since the last call.
     pub fn add_monitors(&mut self, monitors: &Monitors) {
         let made = monitors.made();
         let first = made.first().map_or(0, |m| m.id.index());
@@ -50,14 +50,14 @@ impl VariableTable {
             .extend(made[seen..].iter().map(|m| Some(m.variable.domain.clone())));
     }
 
-    /// The values of a variable as numbers; those of a truth value, where it is real.
+    /// Returns the values of a variable as numbers; `0..1` if it is real.
     pub fn interval(&self, id: VarId) -> Interval {
         self.domains[id.index()]
             .as_ref()
             .map_or(Interval::BOOL, Interval::of)
     }
 
-    /// The values that a number can have; `None` for labels and truth values.
+    /// Returns the range of a number; `None` for labels and truth values.
     pub(super) fn reach(&self, term: &Term) -> Option<Interval> {
         let expr = term.to_expr()?;
         let mut numbers = true;
@@ -71,7 +71,7 @@ impl VariableTable {
         interval(&expr, &|v| self.interval(v)).ok()
     }
 
-    /// The value of a variable of whatever shape. The plant (`real`) computes in base units.
+    /// Returns the value of a variable of any shape. The plant (`real`) computes in base units.
     pub(super) fn entry(&self, entry: &Entry, time: Time, real: bool) -> Value {
         match entry {
             Entry::One(id) => self.scalar(*id, time, real),

@@ -1,4 +1,5 @@
-//! LW202: a formula that constrains what its side does not control, pointed at where it does.
+//! LW202: formulas that constrain variables their side does not control, reported at the place
+//! where they do.
 
 use super::{Label, Place};
 use crate::contract::elaborate::{Elaborator, Names};
@@ -10,7 +11,7 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, BinaryOp, ExprKind};
 use linewright_syntax::format;
 
-/// Whether the formula constrains what its side controls; reports it otherwise.
+/// Checks that the formula constrains variables that its side controls; reports it otherwise.
 pub(super) fn controls(
     e: &mut Elaborator<'_>,
     (formula, place): (&ast::Expr, Place),
@@ -70,7 +71,8 @@ pub(super) fn controls(
     false
 }
 
-/// The warning about a guarantee without an output: it can only be kept if the plant happens to.
+/// Returns the warning about a guarantee without an output: it holds only if the plant happens to
+/// keep it.
 fn inputs_only(known: &Names<'_>, whole: &ast::Expr, expr: &Expr, label: &Label<'_>) -> Diagnostic {
     let mut names: Vec<String> = Vec::new();
     expr.for_each_var(&mut |v, _| {
@@ -78,7 +80,7 @@ fn inputs_only(known: &Names<'_>, whole: &ast::Expr, expr: &Expr, label: &Label<
             add(&mut names, way(&variable.name).0);
         }
     });
-    // What stands behind the last arrow is what is demanded.
+    // The operand after the last arrow is what is required.
     let mut demanded = whole;
     loop {
         demanded = match &demanded.kind {
@@ -118,7 +120,7 @@ fn add(names: &mut Vec<String>, name: &str) {
     }
 }
 
-/// The outputs whose current values, and those whose next values occur.
+/// Returns the outputs whose current values occur, and those whose next values occur.
 fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
     let (mut now, mut next) = (Vec::new(), Vec::new());
     expr.for_each_var(&mut |v, time| {
@@ -136,14 +138,14 @@ fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
     (now, next)
 }
 
-/// The first condition without connectives that mentions one of these variables; with
+/// Returns the first condition without connectives that mentions one of these variables; with
 /// [`Time::Next`], its next value.
 fn atom(known: &Names<'_>, formula: &ast::Expr, names: &[String], time: Time) -> Option<Span> {
     let bases: Vec<&str> = names.iter().map(|n| way(n).0).collect();
     find(known, formula, &bases, time == Time::Now)
 }
 
-/// `reached`: whether what stands here counts, because it is of the wanted step.
+/// Searches for such a condition; `reached` says whether the position is about the wanted step.
 fn find(known: &Names<'_>, formula: &ast::Expr, bases: &[&str], reached: bool) -> Option<Span> {
     let logic = match &formula.kind {
         ExprKind::Next(a) if connects(a) => return find(known, a, bases, true),
@@ -189,7 +191,7 @@ fn mentions(
         if reached && bases.contains(&name.text.as_str()) {
             return true;
         }
-        // Circles of defines were reported; none is followed for long.
+        // Circular defines were reported; none is followed for long.
         if depth < 16
             && let Some(define) = known.defines.get(&name.text)
             && mentions(known, &define.value, bases, reached, depth + 1)
@@ -209,7 +211,7 @@ fn mentions(
     children.any(|c| mentions(known, c, bases, reached, depth))
 }
 
-/// Whether an output occurs, be it in what a monitor follows.
+/// Returns whether an output occurs, including in a formula that a monitor follows.
 fn speaks_of_outputs(monitors: Option<&Monitors>, expr: &Expr, label: &Label<'_>) -> bool {
     let mut found = false;
     let mut seen: Vec<VarId> = Vec::new();

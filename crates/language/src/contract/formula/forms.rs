@@ -4,13 +4,13 @@
 //!
 //! | clause | form |
 //! |---|---|
-//! | conditions, `always a` and `p unless q`, one of them | `always` of what each says of the past |
+//! | conditions, `always a` and `p unless q`, one of them | `always` of their past forms |
 //! | the same with `eventually b` or `always eventually c` among them | `always eventually` of it |
 //! | `always (a or eventually b)` | a response |
 //! | `always (a or (p unless q))` | a pattern with the scope `after ... until ...` |
 //!
-//! `eventually always d` has none: no condition of the past tells when it has come to stay. A
-//! machine can promise more, namely to say when; of a plant less can be asked,
+//! `eventually always d` has none: no condition on the past tells when it holds for good. A machine
+//! can promise more, namely to say when. A weaker assumption about a plant is
 //! `always eventually d`.
 
 use super::ltl::{
@@ -21,32 +21,32 @@ use super::{speaks_of_next, temporal};
 use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, PatternKind, Scope};
 use linewright_syntax::format;
 
-/// What to write instead of a formula.
+/// A replacement for a formula.
 #[derive(Debug, Clone)]
 pub(super) struct Form {
-    /// A variable of the machine that it needs.
+    /// Variable of the machine that it needs.
     pub variable: Option<String>,
     /// Assumptions (`false`) and guarantees (`true`).
     pub rules: Vec<(bool, Expr)>,
-    /// How it compares.
+    /// Comparison with the original.
     pub strength: Strength,
 }
 
-/// How a form compares with what it stands for.
+/// Comparison of a form with the original formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Strength {
-    /// It holds of the same runs.
+    /// Equivalent: it holds on the same runs.
     Same,
-    /// It promises more: whoever keeps it keeps the formula.
+    /// Stronger: it implies the formula.
     More,
-    /// It asks for less.
+    /// Weaker: the formula implies it.
     Less,
-    /// What stood before an implication is now assumed.
+    /// The premise of an implication became an assumption.
     Assumed,
 }
 
 impl Form {
-    /// In words, behind "write".
+    /// Returns the text after "write".
     pub fn text(&self) -> String {
         let variable = self
             .variable
@@ -72,8 +72,8 @@ impl Form {
     }
 }
 
-/// The form of a formula as an assumption or guarantee. `input` says whether a formula speaks of
-/// inputs only; `fresh` is the name of a variable that nobody has, where one may be declared.
+/// Returns the form of a formula as an assumption or guarantee. `input` tells whether a formula
+/// mentions inputs only; `fresh` is an unused name for a variable, if one may be declared.
 pub(super) fn of(
     e: &Expr,
     guarantee: bool,
@@ -88,7 +88,7 @@ pub(super) fn of(
         && guarantee
         && temporal(a)
         && input(a)
-        // Under `always` the premise has to be the same from every step on.
+        // Under `always`, the premise has to be the same from every step on.
         && (!under || matches!(&a.kind, ExprKind::Always(x) if matches!(x.kind, ExprKind::Eventually(_))))
         && let b = if under { globally((**b).clone()) } else { (**b).clone() }
         && let (Some(a), Some(b)) = (of(a, false, input, None), of(&b, true, input, fresh))
@@ -126,8 +126,8 @@ impl Form {
             return Some(());
         }
         if let Some((trigger, q, r)) = chain(clause) {
-            // Every q is answered, not only those behind a trigger; of a plant only the first half
-            // is asked.
+            // Every q is answered, not only those after a trigger; for a plant only the first half
+            // is assumed.
             let begins = make(ExprKind::Eventually(Box::new(q.clone())));
             self.rules
                 .push((guarantee, globally(arrow(trigger, begins))));
@@ -163,7 +163,7 @@ impl Form {
                     conditions.push(once(&at_first(&not(p))?)?);
                     continue;
                 }
-                // What else there is, is settled by the first step.
+                // All other parts are decided by the first step.
                 Ltl::Always(a) if !live && open == 1 => match &**a {
                     Ltl::State(a) => a.clone(),
                     _ => return None,
@@ -191,7 +191,7 @@ impl Form {
         Some(())
     }
 
-    /// What stands for `eventually always d` in a goal.
+    /// Returns a replacement for `eventually always d` in a goal.
     fn settles(&mut self, d: &Expr, guarantee: bool, fresh: Option<&str>) -> Option<Expr> {
         if !guarantee {
             self.strength = Strength::Less;
@@ -212,7 +212,7 @@ impl Form {
     }
 }
 
-/// A clause that is a form by itself.
+/// Returns the form of a clause that has one by itself.
 fn exactly(clause: &Ltl) -> Option<Expr> {
     Some(match clause {
         Ltl::State(p) if speaks_of_next(p) => globally(arrow(not(&previous(&truth())?), p.clone())),
@@ -273,8 +273,7 @@ fn exactly(clause: &Ltl) -> Option<Expr> {
     })
 }
 
-/// What a promise about all steps says of those up to now: false from some step on, if it is
-/// broken.
+/// Returns the past form of a promise about all steps: false from some step on, if it is broken.
 fn looks_back(part: &Ltl) -> Option<Expr> {
     match part {
         Ltl::State(p) => once(&at_first(p)?),
@@ -287,7 +286,8 @@ fn looks_back(part: &Ltl) -> Option<Expr> {
     }
 }
 
-/// What holds again and again just if the part holds; `None` for `eventually always`.
+/// Returns a condition that recurs for ever exactly if the part holds; `None` for
+/// `eventually always`.
 fn again(part: &Ltl) -> Option<Expr> {
     match part {
         Ltl::Eventually(b) => match &**b {
@@ -316,7 +316,7 @@ fn again(part: &Ltl) -> Option<Expr> {
     }
 }
 
-/// `d` of `eventually always d`.
+/// Returns `d` of `eventually always d`.
 fn persists(part: &Ltl) -> Option<&Expr> {
     match part {
         Ltl::Eventually(x) => match &**x {
@@ -330,7 +330,7 @@ fn persists(part: &Ltl) -> Option<&Expr> {
     }
 }
 
-/// `p`, `q` and `r` of `always (p -> eventually (q and eventually r))`.
+/// Returns `p`, `q` and `r` of `always (p -> eventually (q and eventually r))`.
 fn chain(part: &Ltl) -> Option<(Expr, Expr, Expr)> {
     let Ltl::Always(x) = part else { return None };
     let Ltl::Or(parts) = &**x else { return None };
@@ -347,7 +347,7 @@ fn chain(part: &Ltl) -> Option<(Expr, Expr, Expr)> {
     Some((not(&plain(a)?), plain(q)?, plain(r)?))
 }
 
-/// A condition of one step: what monitors watch.
+/// Returns a condition on one step, as monitors need.
 fn plain(e: &Expr) -> Option<Expr> {
     (!speaks_of_next(e)).then(|| e.clone())
 }

@@ -1,14 +1,13 @@
-//! Formulas of linear temporal logic, brought into a shape in which their GR(1) form can be read
-//! off.
+//! Normalization of LTL formulas to a shape from which their GR(1) form can be read.
 //!
-//! Negations are pushed inwards, conjunctions outwards, and what holds of every run is used to take
-//! operators apart: `always` of an implication whose conclusion is an `always` is about the past
-//! (`always (once p -> q)`), `always eventually` is the same from every step on, and so comes out
-//! of any disjunction. What is left is a conjunction of clauses; `forms.rs` knows those that have a
-//! form.
+//! Negations are pushed inwards, conjunctions outwards, and equivalences are used to take operators
+//! apart: `always` of an implication whose conclusion is an `always` is about the past
+//! (`always (once p -> q)`); `always eventually` is the same from every step on, and so can be
+//! pulled out of any disjunction. The result is a conjunction of clauses; `forms.rs` knows which
+//! ones have a form.
 //!
-//! All of it is exact. What cannot be brought into the shape has no form here (`None`), which says
-//! nothing about whether it has one.
+//! All steps are exact. A formula that cannot be brought into this shape gets no form here
+//! (`None`), although it may have one.
 
 use linewright_core::source::Span;
 use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind, Scope, UntilOp};
@@ -16,23 +15,23 @@ use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind
 /// A formula without negations of temporal operators.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Ltl {
-    /// A condition of one step, or of it and the next.
+    /// A condition on one step, or on it and the next.
     State(Expr),
     And(Vec<Ltl>),
     Or(Vec<Ltl>),
     Next(Box<Ltl>),
     Always(Box<Ltl>),
     Eventually(Box<Ltl>),
-    /// The first up to the second, or for ever.
+    /// The first holds until the second, or for ever.
     Unless(Expr, Expr),
 }
 
 use Ltl::{Always, And, Eventually, Next, Or, State, Unless};
 
-/// So many clauses are looked at; each `<->` doubles them.
+/// Maximum number of clauses; each `<->` doubles them.
 const MAX_CLAUSES: usize = 16;
 
-/// Reads a formula, or its negation. `None` where something in it has no counterpart here.
+/// Reads a formula, or its negation. `None` if some part has no counterpart here.
 pub(super) fn read(e: &Expr, holds: bool) -> Option<Ltl> {
     if !super::temporal(e) {
         return Some(State(if holds { e.clone() } else { not(e) }));
@@ -105,7 +104,7 @@ fn until(op: UntilOp, a: &Expr, b: &Expr, holds: bool) -> Option<Ltl> {
     if super::temporal(a) || super::temporal(b) {
         return None;
     }
-    // p up to q, and whether q has to come.
+    // p until q, and whether q has to occur.
     let (p, q, comes) = match (op, holds) {
         (UntilOp::Strong, true) => (a.clone(), b.clone(), true),
         (UntilOp::Weak, true) => (a.clone(), b.clone(), false),
@@ -137,7 +136,7 @@ fn and(parts: impl IntoIterator<Item = Ltl>) -> Option<Ltl> {
     }
 }
 
-/// A disjunction: flat, with conjunctions pulled out, and alternatives of one kind made one.
+/// Builds a disjunction: flat, with conjunctions pulled out, and alternatives of one kind merged.
 fn or(parts: Vec<Ltl>) -> Option<Ltl> {
     if let Some(at) = parts.iter().position(|p| matches!(p, And(_))) {
         let And(inner) = &parts[at] else { return None };
@@ -199,8 +198,8 @@ fn next(x: Ltl) -> Option<Ltl> {
     }
 }
 
-/// Whether it is `always eventually` or `eventually always` of a condition: the same from every
-/// step on.
+/// Returns whether it is `always eventually` or `eventually always` of a condition: the same from
+/// every step on.
 fn endless(x: &Ltl) -> bool {
     match x {
         Always(x) => matches!(&**x, Eventually(x) if matches!(**x, State(_))),
@@ -219,14 +218,13 @@ fn always(x: Ltl) -> Option<Ltl> {
             Always(_) => Some(Eventually(y)),
             And(parts) => {
                 let each = parts.into_iter().map(|p| always(eventually(p)?));
-                // Only of `q and eventually r`, which comes again and again if each of the two
-                // does.
+                // Only for `q and eventually r`, which recurs for ever if each of the two does.
                 and(each.collect::<Option<Vec<_>>>()?)
             }
             _ => None,
         },
         Unless(p, q) => Some(Always(Box::new(State(disj(p, q))))),
-        // From the second step on is from the first one on, for what has to come anyway.
+        // For an eventuality, from the second step on is equivalent to from the first one on.
         Next(y) if matches!(*y, Eventually(_)) => always(*y),
         Next(y) => always(or(vec![State(not(&previous(&truth())?)), *y])?),
         Or(parts) => always_one_of(parts),
@@ -268,7 +266,7 @@ fn always_one_of(parts: Vec<Ltl>) -> Option<Ltl> {
         ([Eventually(_) | Unless(..)], Some(state)) => Some(whole(Some(state), rest)),
         (_, None) if all_always => Some(Or(rest)),
         (_, Some(state)) if all_always => {
-            // From the first step in which it fails on, one of them holds for good.
+            // From the first step in which the condition fails, one of them holds for good.
             let begun = once(&not(&state))?;
             let mut kept = rest.into_iter().map(|p| match p {
                 Always(y) => match *y {
@@ -370,7 +368,7 @@ pub(super) fn conj(a: Expr, b: Expr) -> Expr {
     }
 }
 
-/// `a or b`; `not a or b` is `a -> b`, which reads better.
+/// Builds `a or b`; `not a or b` becomes `a -> b`, which is easier to read.
 pub(super) fn disj(a: Expr, b: Expr) -> Expr {
     match (a.kind, b.kind) {
         (ExprKind::Not(a), b) => binary(BinaryOp::Implies, *a, make(b)),
@@ -388,12 +386,12 @@ pub(super) fn implies(a: Expr, b: Expr) -> Expr {
     }
 }
 
-/// `a -> b`, whatever `a` is: the shape of a response.
+/// Builds `a -> b` for any `a`: the shape of a response.
 pub(super) fn arrow(a: Expr, b: Expr) -> Expr {
     binary(BinaryOp::Implies, a, b)
 }
 
-/// An operator that looks back; `None` for what speaks of the next step, which it may not.
+/// Builds a past operator; `None` if the operand mentions the next step, which is not allowed.
 fn past(op: PastOp, e: &Expr) -> Option<Expr> {
     let body = Box::new(e.clone());
     (!super::speaks_of_next(e)).then(|| make(ExprKind::Past(op, body, None)))
@@ -407,7 +405,7 @@ pub(super) fn historically(e: &Expr) -> Option<Expr> {
     past(PastOp::Historically, e)
 }
 
-/// `e` in some step up to now, said without a negation where that can be.
+/// Builds `e` in some step up to now, without a negation if possible.
 pub(super) fn ever(e: &Expr) -> Option<Expr> {
     match &e.kind {
         ExprKind::Not(a) => Some(not(&historically(a)?)),
@@ -415,7 +413,7 @@ pub(super) fn ever(e: &Expr) -> Option<Expr> {
     }
 }
 
-/// `e` in all steps up to now, likewise.
+/// Builds `e` in all steps up to now, without a negation if possible.
 pub(super) fn so_far(e: &Expr) -> Option<Expr> {
     match &e.kind {
         ExprKind::Not(a) => Some(not(&once(a)?)),
@@ -427,7 +425,7 @@ pub(super) fn previous(e: &Expr) -> Option<Expr> {
     past(PastOp::Previous, e)
 }
 
-/// `e` in the first step: a condition of that step alone.
+/// Builds `e` in the first step: a condition on that step alone.
 pub(super) fn at_first(e: &Expr) -> Option<Expr> {
     let first = not(&previous(&truth())?);
     (!super::speaks_of_next(e)).then(|| conj(e.clone(), first))

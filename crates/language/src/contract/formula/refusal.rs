@@ -1,4 +1,4 @@
-//! LW201: which part of a formula stands outside GR(1), why, and how to write it within.
+//! LW201: which part of a formula is outside GR(1), why, and how to rewrite it.
 
 use super::forms::{self, Form};
 use super::ltl::make;
@@ -11,15 +11,15 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{BinaryOp, Domain, Expr, ExprKind, Name, Quantifier, UntilOp};
 use linewright_syntax::format;
 
-/// A quantifier that a formula stands under.
-pub(super) type Around<'a> = (&'a Name, &'a Domain);
+/// An enclosing quantifier of a formula.
+pub(super) type EnclosingQuantifier<'a> = (&'a Name, &'a Domain);
 
-/// The finding about a formula that is none of GR(1) in its place.
+/// Returns the finding about a formula that is outside GR(1) at its position.
 pub(super) fn refusal(
     known: &Names<'_>,
     formula: &Expr,
     place: Place,
-    around: &[Around<'_>],
+    around: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
     let (span, why) = culprit(formula, place);
@@ -31,7 +31,7 @@ pub(super) fn refusal(
         }
         .to_owned(),
     };
-    // `always eventually a -> always eventually b` is not what it looks like.
+    // `always eventually a -> always eventually b` is often misunderstood.
     let help = match (&formula.kind, place) {
         (ExprKind::Binary(BinaryOp::Implies, a, b), Place::Justice) if temporal(b) => format!(
             "{help}; `always` takes all that follows it: put brackets around `always eventually {}` if it ends before the arrow",
@@ -42,12 +42,12 @@ pub(super) fn refusal(
     Diagnostic::error(codes::NOT_GR1, span, why).with_help(help)
 }
 
-/// What to write instead, in words.
+/// Describes the replacement.
 fn form(
     known: &Names<'_>,
     formula: &Expr,
     place: Place,
-    around: &[Around<'_>],
+    around: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Option<String> {
     let whole = super::whole(formula, place);
@@ -59,7 +59,7 @@ fn form(
         Some(under(form, around))
     };
     let exact = of(&whole)?;
-    // Without `always`, a formula about steps is mostly meant for all of them.
+    // Without `always`, a formula about steps is usually meant for all of them.
     if place == Place::Top && first_step_only(formula) {
         let meant = of(&make(ExprKind::Always(Box::new(formula.clone()))));
         if let Some(meant) = meant.filter(|m| m.strength == forms::Strength::Same) {
@@ -77,7 +77,7 @@ fn form(
     Some(format!("write {}", exact.text()))
 }
 
-/// Whether a formula is about the first step, and perhaps only by oversight.
+/// Returns whether a formula is about the first step, possibly by oversight.
 fn first_step_only(formula: &Expr) -> bool {
     match &formula.kind {
         ExprKind::Binary(BinaryOp::Implies, a, b) => {
@@ -87,7 +87,7 @@ fn first_step_only(formula: &Expr) -> bool {
     }
 }
 
-fn under(mut form: Form, around: &[Around<'_>]) -> Form {
+fn under(mut form: Form, around: &[EnclosingQuantifier<'_>]) -> Form {
     for (_, rule) in &mut form.rules {
         for (name, domain) in around.iter().rev() {
             *rule = make(ExprKind::Quantifier(
@@ -101,7 +101,7 @@ fn under(mut form: Form, around: &[Around<'_>]) -> Form {
     form
 }
 
-/// The part that is in the way, and why.
+/// Returns the offending part, and the reason.
 fn culprit(e: &Expr, place: Place) -> (Span, String) {
     let inner = |e: &Expr, why: &str| {
         let at = smallest(e);
@@ -158,7 +158,7 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
     }
 }
 
-/// What a temporal operator is called.
+/// Returns the name of a temporal operator.
 fn word(e: &Expr) -> &'static str {
     match &e.kind {
         ExprKind::Always(a) if matches!(a.kind, ExprKind::Eventually(_)) => "`always eventually`",
@@ -172,11 +172,11 @@ fn word(e: &Expr) -> &'static str {
     }
 }
 
-/// The finding about a formula of the next step that has no `always`.
+/// Returns the finding about a formula of the next step without `always`.
 pub(super) fn without_always(
     known: &Names<'_>,
     formula: &Expr,
-    around: &[Around<'_>],
+    around: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
     let help = form(known, formula, Place::Top, around, label)
@@ -197,7 +197,7 @@ fn first_next(e: &Expr) -> Option<&Expr> {
     e.children().into_iter().find_map(first_next)
 }
 
-/// Whether all variables in it are inputs, also those of defines.
+/// Returns whether all its variables are inputs, including those of defines.
 fn speaks_of_inputs(known: &Names<'_>, formula: &Expr, label: &Label<'_>) -> bool {
     fn outputs(entry: &Entry, label: &Label<'_>) -> bool {
         match entry {
@@ -233,7 +233,7 @@ fn speaks_of_inputs(known: &Names<'_>, formula: &Expr, label: &Label<'_>) -> boo
     true
 }
 
-/// A name that nothing has.
+/// Returns an unused name.
 fn fresh(known: &Names<'_>) -> String {
     let names = (1..).map(|n| match n {
         1 => "settled".to_owned(),

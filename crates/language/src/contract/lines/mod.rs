@@ -1,4 +1,4 @@
-//! From a line's syntax tree to its model: machines instantiated, part types, stations, routes.
+//! Resolution of lines: instantiates machines, and resolves part types, stations and routes.
 
 mod parts;
 mod places;
@@ -16,10 +16,10 @@ use linewright_syntax::ast::{self, LineItem};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A part type with what expressions see of it.
+/// A part type with its properties as seen by expressions.
 struct Part {
     model: PartType,
-    /// By name: first element and type.
+    /// First element and type, by name.
     types: Vec<(String, usize, PropertyType)>,
 }
 
@@ -28,16 +28,16 @@ struct Builder<'a, 's> {
     sources: &'s SourceMap,
     e: Elaborator<'a>,
     parts: Vec<Part>,
-    /// Machines by name and arguments: stations that are alike share one, and its library.
+    /// Machines by name and arguments: equal stations share one, and its library.
     machines: BTreeMap<(String, String), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,
-    /// Which of the nodes are stations, and which are sources.
+    /// Indices of the nodes that are stations, and of those that are sources.
     stations: BTreeSet<usize>,
     sources_of_parts: BTreeSet<usize>,
 }
 
-/// A line. `None` when something is wrong; findings say what.
+/// Resolves a line. `None` if there is an error; the findings give it.
 pub(super) fn line<'a>(
     scope: &Scope<'a>,
     sources: &SourceMap,
@@ -100,7 +100,7 @@ impl<'a> Builder<'a, '_> {
                     span: name.span,
                 });
             } else if is_node(item) {
-                // Keep the indices right; the findings stop the line anyway.
+                // Keeps the indices correct; the findings stop the line anyway.
                 model.nodes.push(Node {
                     name: String::new(),
                     kind: NodeKind::Buffer { capacity: 1 },

@@ -1,4 +1,4 @@
-//! Part types: what they carry, and what they are joined from.
+//! Part types: their properties, and their bills of materials.
 
 use super::{Builder, Part};
 use crate::contract::elaborate::{Elaborator, nearest};
@@ -11,7 +11,7 @@ use linewright_syntax::ast::{self, ExprKind, LineItem};
 
 impl<'a> Builder<'a, '_> {
     pub(super) fn declare_parts(&mut self, decl: &'a ast::Line) {
-        // Types first: a product's values may come from parts that are declared after it.
+        // Types first: a product's values may come from parts that are declared later.
         for item in &decl.items {
             let LineItem::Part {
                 name,
@@ -95,7 +95,7 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// `= 0`, `= [0, 1]`, or `= Printed.heights`.
+    /// Resolves `= 0`, `= [0, 1]`, or `= Printed.heights`.
     pub(super) fn initial(
         &mut self,
         part: usize,
@@ -183,7 +183,7 @@ impl<'a> Builder<'a, '_> {
         Some(numbers.into_iter().map(InitialValue::Number).collect())
     }
 
-    /// An elaborator that sees a part's properties, with ids in their order.
+    /// Returns an elaborator with a part's properties in scope, with ids in their order.
     pub(super) fn part_scope(&self, part: usize) -> Elaborator<'a> {
         let mut e = Elaborator::new(self.e.names.without_variables());
         e.dialect.real = true;

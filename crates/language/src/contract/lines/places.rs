@@ -170,7 +170,7 @@ impl<'a> Builder<'a, '_> {
         if model.is_none() {
             self.e.findings.tainted = true;
             self.e.findings.list.append(&mut found);
-            // Without arguments the machine is wrong by itself, and was reported where it stands.
+            // Without arguments the machine itself is wrong, which was reported at its declaration.
             if self.e.findings.list.len() == before && !arguments.is_empty() {
                 self.e.findings.error_with(
                     codes::NAME_UNKNOWN,
@@ -276,7 +276,7 @@ impl<'a> Builder<'a, '_> {
         ))
     }
 
-    /// A statement that may stand once only.
+    /// Reports a second occurrence of a statement that is allowed only once.
     fn once<'w>(&mut self, seen: &mut BTreeMap<&'w str, Span>, word: &'w str, span: Span) {
         if let Some(first) = seen.insert(word, span) {
             let finding = stands_twice(word, span, first, "leave one of the two out");
@@ -284,7 +284,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// The wires of a belt's machine: inputs `load` and `unload_ready`, outputs `s[i]` and `ready`.
+    /// Returns the wires of a belt's machine: inputs `load` and `unload_ready`, outputs `s[i]` and
+    /// `ready`.
     pub(super) fn belt(&mut self, span: Span, machine: Arc<Machine>) -> Option<Belt> {
         let plant = |name: &str| machine.plant.iter().position(|p| p.name == name);
         let wires: Vec<String> = (0..machine.wire_count())
@@ -324,7 +325,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// What a belt's machine says of times, powers and failures counts for stations only.
+    /// Reports times, powers and failures of a belt's machine, which only have an effect in
+    /// stations.
     fn without_effect(&mut self, span: Span, machine: &Machine) {
         let components = &machine.components;
         let is_zero = |watts: &RealExpr| *watts == RealExpr::Number(0.0);
@@ -430,12 +432,12 @@ impl<'a> Builder<'a, '_> {
     pub(super) fn task(
         &mut self,
         machine: &Machine,
-        operations: &'a [ast::Performed],
+        operations: &'a [ast::OperationCall],
         part: &'a ast::Name,
     ) -> Option<Task> {
         let index = self.find_part(part);
         let mut resolved = Vec::new();
-        for ast::Performed { name, arguments } in operations {
+        for ast::OperationCall { name, arguments } in operations {
             let Some(operation) = machine.operations.iter().position(|o| o.name == name.text)
             else {
                 let known = machine.operations.iter().map(|o| o.name.as_str());
@@ -503,7 +505,7 @@ impl<'a> Builder<'a, '_> {
             }
             mapping.push(found);
         }
-        // Arrays of other lengths, or an array and a single value, share some elements at most.
+        // Arrays of different lengths, or an array and a single value, share only some elements.
         let elements = |names: &mut dyn Iterator<Item = &str>, array: &str| -> BTreeSet<String> {
             let own = names.filter(|name| array_of(name) == array);
             own.map(str::to_owned).collect()
@@ -595,12 +597,12 @@ impl<'a> Builder<'a, '_> {
     }
 }
 
-/// Arguments without their places.
+/// Returns arguments without their places.
 fn values_of(given: &instantiate::Arguments) -> Vec<(&String, &Value)> {
     given.iter().map(|(n, (v, _))| (n, v)).collect()
 }
 
-/// Whether two properties have the same values; the name of an enumeration does not matter.
+/// Returns whether two properties have the same values; the name of an enumeration does not matter.
 fn same_values(a: Option<&Domain>, b: Option<&Domain>) -> bool {
     match (a, b) {
         (None, None) => true,
@@ -609,7 +611,7 @@ fn same_values(a: Option<&Domain>, b: Option<&Domain>) -> bool {
     }
 }
 
-/// The array whose element a property is, or its own name.
+/// Returns the array that contains a property, or the property's own name.
 fn array_of(property: &str) -> &str {
     property.split('[').next().unwrap_or(property)
 }

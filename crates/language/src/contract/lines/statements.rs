@@ -12,7 +12,7 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
 
-/// The shortest shift, in seconds.
+/// Minimum duration of a shift, in seconds.
 const SHORTEST_SHIFT: f64 = 1.0;
 
 impl<'a> Builder<'a, '_> {
@@ -41,7 +41,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Statements that may stand once only: of two, one would be left out without a word.
+    /// Reports duplicates of statements that are allowed only once: otherwise one would be ignored
+    /// silently.
     pub(super) fn no_doubles(&mut self, decl: &'a ast::Line) {
         let mut once: BTreeMap<&str, Span> = BTreeMap::new();
         let mut requirements: BTreeMap<&str, Span> = BTreeMap::new();

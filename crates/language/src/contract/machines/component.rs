@@ -1,4 +1,4 @@
-//! Components in their places: every input bound, no loop within a step.
+//! Components of a machine: checks that every input is bound, with no loop within a step.
 
 use super::{Parts, jobs, nested, plant, same_step};
 use crate::contract::elaborate::{Elaborator, Findings, Names, VariableTable, fitted, nearest};
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// An elaborator for bindings: whole-number expressions over wires.
+/// Returns an elaborator for bindings: whole-number expressions over wires.
 pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elaborator<'a> {
     let mut names = outer.without_variables();
     let mut variables = VariableTable::default();
@@ -25,7 +25,7 @@ pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elabor
         leaves.push((input.name.as_str(), wire));
     }
     for (name, entry) in entries(leaves) {
-        // A wire hides what has its name outside.
+        // A wire hides outer declarations of the same name.
         names.hide(&name);
         names.variables.insert(name, entry);
     }
@@ -49,7 +49,7 @@ pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elabor
     }
 }
 
-/// One component: every input bound, no same-step loop, its times and powers.
+/// Resolves a component: every input bound, no loop within a step, its times and powers.
 pub(super) fn component<'a>(
     e: &mut Elaborator<'a>,
     wires: &mut Elaborator<'a>,
@@ -161,7 +161,7 @@ pub(super) fn component<'a>(
     })
 }
 
-/// Every input is bound once, and an index or member names one that there is.
+/// Checks that every input is bound at most once, and that an index or member exists.
 fn bindings_once(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
     let mut seen: BTreeMap<String, Span> = BTreeMap::new();
     let inputs: Vec<&str> = specification
@@ -220,7 +220,7 @@ fn bindings_once(findings: &mut Findings, decl: &ast::Component, specification: 
     }
 }
 
-/// What a binding binds, as a leaf or the beginning of leaves is called.
+/// Returns the name of a binding's target: a leaf, or a prefix of leaves.
 fn target(b: &ast::Binding) -> String {
     let mut text = b.name.text.clone();
     if let Some(index) = b.index {
@@ -232,10 +232,10 @@ fn target(b: &ast::Binding) -> String {
     text
 }
 
-/// How an array or record is bound, for messages.
+/// Rule for binding an array or record, for messages.
 const PARTS: &str = "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`; a record to one with the same members, or member by member: `target.x = ...`";
 
-/// What an input is bound to: what the file says, else the plant's wire of its name, else the
+/// Returns the binding of an input: the declared one, else the plant's wire of its name, else the
 /// coordinator's output of its name.
 pub(super) fn binding<'a>(
     wires: &mut Elaborator<'a>,
@@ -301,7 +301,7 @@ pub(super) fn binding<'a>(
     Some(expr)
 }
 
-/// The type of an input, or of a part of it.
+/// Returns the type of an input, or of a part of it.
 fn expected(specification: &Specification, name: &str, path: &[Segment<'_>]) -> Option<Type> {
     let own = specification.inputs().filter_map(|id| {
         let (root, leaf) = way(&specification.variable(id).name);
@@ -348,8 +348,8 @@ fn type_of(specification: &Specification, leaves: &[(VarId, Vec<Segment<'_>>)]) 
     }
 }
 
-/// The scalar at the end of a way into a value. Where an array is wanted, a scalar stands for all
-/// its elements.
+/// Returns the scalar at the end of a path into a value. Where an array is expected, a scalar
+/// stands for all its elements.
 fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
     match (value, path) {
         (Value::Scalar(term, ty), path)
@@ -368,8 +368,8 @@ fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
     }
 }
 
-/// What an input is bound to where no job says otherwise. The outer `None`: what is wrong was
-/// reported; the inner: nothing.
+/// Returns the binding of an input where no operation sets it. The outer `None`: an error was
+/// reported; the inner: it is not bound.
 #[expect(clippy::option_option, reason = "bound to nothing, or wrongly")]
 fn otherwise<'a>(
     wires: &mut Elaborator<'a>,
@@ -380,7 +380,7 @@ fn otherwise<'a>(
 ) -> Option<Option<(Term, Span)>> {
     let (name, path) = way(&variable.name);
     let ty = measured(&variable.domain, Unit::named(&variable.unit));
-    // The binding that says most about this leaf.
+    // The most specific binding for this leaf.
     let explicit = decl
         .bindings
         .iter()
@@ -397,7 +397,7 @@ fn otherwise<'a>(
         let term = part_of(wires, &b.value, whole.as_ref(), variable, rest, &target(b))?;
         return Some(Some((term, b.value.span)));
     }
-    // Of several coordinators with an output of that name none is meant.
+    // If several coordinators have an output of that name, none is used.
     let seen = &wires.names.variables;
     let mut outputs = parts
         .components
@@ -431,8 +431,8 @@ fn otherwise<'a>(
     Some(Some((Term::Var(id, Time::Now), decl.name.span)))
 }
 
-/// The part of a value that a leaf of an input gets: `way` leads to it. `whole` is the type of all
-/// of it, `target` what it is called.
+/// Returns the part of a value that a leaf of an input gets, at the end of path `way`. `whole` is
+/// the expected type of the value, `target` its name in messages.
 fn part_of<'a>(
     wires: &mut Elaborator<'a>,
     value: &'a ast::Expr,
@@ -477,7 +477,7 @@ fn part_of<'a>(
     None
 }
 
-/// Reports that an input is bound to nothing, at all or while an operation runs.
+/// Reports that an input is not bound, either never or while an operation runs.
 fn unbound(
     findings: &mut Findings,
     decl: &ast::Component,
@@ -485,7 +485,7 @@ fn unbound(
     operation: Option<&ast::Name>,
 ) {
     if decl.broken {
-        // It may be bound by what could not be understood.
+        // A part that could not be parsed may bind it.
         findings.tainted = true;
         return;
     }

@@ -1,21 +1,19 @@
-//! From layers to one flat machine.
+//! Expansion of layers to one flat machine.
 //!
-//! A machine is resolved as it is written: an inner machine stands in its place as a component
-//! whose outputs are all that can be seen of it ([`Nested`]). Here such components are replaced, in
-//! one of two ways:
+//! A machine is first resolved as written: an inner machine is a component whose outputs are
+//! everything visible of it ([`Nested`]). This module replaces such components, in one of two ways:
 //!
-//! - *flat*, for whatever runs: by the inner machine's components, called `left.pick`;
+//! - *flat*, for execution: by the inner machine's components, called `left.pick`;
 //! - *abstracted*, for proofs: by one component with the contract that the inner machine refines.
-//!   What others read of it and the contract does not speak of becomes an output of that component
-//!   about which nothing is said. An inner machine that refines nothing is replaced by its
-//!   components here, too.
+//!   Wires that others read and that the contract does not mention become unconstrained outputs of
+//!   that component. An inner machine that refines nothing is replaced by its components here, too.
 //!
-//! Both are the same walk: wires are numbered anew, and every expression is put over the new
+//! Both use the same traversal: wires are renumbered, and every expression is converted to the new
 //! numbers.
 
-use super::nested::{Level, Nested, Seen};
+use super::nested::{Level, Nested, VisibleItem};
 use crate::contract::machine::{
-    Component, Inner, Layers, Machine, Orders, Promised, RealExpr, Role, Rules,
+    Component, Inner, Layers, Machine, Orders, RealExpr, RefinedContract, Role, Rules,
 };
 use linewright_core::gr1::{
     Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -25,35 +23,35 @@ use std::sync::Arc;
 
 /// How inner machines are replaced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum How {
-    /// By all that they are made of.
+pub(super) enum NestedTreatment {
+    /// By all their components.
     Flat,
-    /// By what they promise.
+    /// By the contracts that they refine.
     Abstracted,
 }
 
 /// A machine without layers.
-pub(super) struct Expanded {
-    /// The machine.
+pub(super) struct FlatMachine {
+    /// Resulting machine.
     pub machine: Machine,
-    /// What every wire of the level is, over the machine's wires; `None` for what nobody asked for.
+    /// Value of every wire of the level, over the machine's wires; `None` if it was not requested.
     pub values: Vec<Option<Expr>>,
 }
 
-/// What stands in the place of a component.
+/// Replacement of a component.
 enum Piece<'l> {
     /// The component itself.
     Own(&'l Component),
     /// A machine, as the contract that it refines.
     Promise {
         component: Box<Component>,
-        /// Which output of the component each output of the view is.
+        /// Output of the component for each output of the view.
         outputs: Vec<Option<usize>>,
     },
     /// A machine, as its components.
     Parts {
         inner: &'l Nested,
-        expanded: Box<Expanded>,
+        expanded: Box<FlatMachine>,
     },
 }
 
@@ -67,14 +65,14 @@ impl Piece<'_> {
     }
 }
 
-/// The machine of a level, with its layers taken apart; what a machine without inner ones is
-/// already.
+/// Returns the machine of a level with its layers expanded; a machine without inner ones is
+/// unchanged.
 pub(super) fn finish(level: Level) -> Machine {
     if level.nested.iter().all(Option::is_none) {
         return level.machine;
     }
-    let mut flat = expand(&level, How::Flat, &BTreeSet::new()).machine;
-    let abstracted = expand(&level, How::Abstracted, &BTreeSet::new()).machine;
+    let mut flat = expand(&level, NestedTreatment::Flat, &BTreeSet::new()).machine;
+    let abstracted = expand(&level, NestedTreatment::Abstracted, &BTreeSet::new()).machine;
     let spans: Vec<_> = level.machine.components.iter().map(|c| c.span).collect();
     let nested = level.nested.into_iter().zip(spans);
     let inner = nested.filter_map(|(nested, span)| {
@@ -92,8 +90,8 @@ pub(super) fn finish(level: Level) -> Machine {
     flat
 }
 
-/// Takes the layers apart. `wanted` are wires of the level that are read from outside of it.
-pub(super) fn expand(level: &Level, how: How, wanted: &BTreeSet<usize>) -> Expanded {
+/// Expands the layers. `wanted` are wires of the level that are read from outside.
+pub(super) fn expand(level: &Level, how: NestedTreatment, wanted: &BTreeSet<usize>) -> FlatMachine {
     let mut read = mentioned(&level.machine, how);
     read.extend(wanted);
     let components = level.machine.components.iter().zip(&level.nested);
@@ -112,7 +110,7 @@ pub(super) fn expand(level: &Level, how: How, wanted: &BTreeSet<usize>) -> Expan
     let places = Places::new(level, &pieces);
     let count = level.machine.wire_count();
     let values: Vec<Option<Expr>> = (0..count).map(|w| places.wire(w)).collect();
-    Expanded {
+    FlatMachine {
         machine: assemble(level, how, &places, &values),
         values,
     }
@@ -121,15 +119,15 @@ pub(super) fn expand(level: &Level, how: How, wanted: &BTreeSet<usize>) -> Expan
 fn piece<'l>(
     inner: &'l Nested,
     component: &Component,
-    how: How,
+    how: NestedTreatment,
     read: &BTreeSet<usize>,
 ) -> Piece<'l> {
-    if let (How::Abstracted, Some(promised)) = (how, inner.flat.refines.first()) {
+    if let (NestedTreatment::Abstracted, Some(promised)) = (how, inner.flat.refines.first()) {
         return promise(inner, promised, component, read);
     }
     let mut wanted = BTreeSet::new();
     for output in read {
-        if let Seen::Wire(wire) = inner.seen[*output] {
+        if let VisibleItem::Wire(wire) = inner.seen[*output] {
             wanted.insert(wire);
         }
     }
@@ -139,10 +137,10 @@ fn piece<'l>(
     }
 }
 
-/// One component with the contract, and with what is read beside.
+/// Returns one component with the contract, and with the additional wires that are read.
 fn promise<'l>(
     inner: &Nested,
-    promised: &Promised,
+    promised: &RefinedContract,
     component: &Component,
     read: &BTreeSet<usize>,
 ) -> Piece<'l> {
@@ -156,8 +154,8 @@ fn promise<'l>(
     let mut count = own.len();
     for &output in read {
         let found = match inner.seen[output] {
-            Seen::Promised(v) => own.iter().position(|o| *o == v),
-            Seen::Done | Seen::Wire(_) => known(&inner.values[output]),
+            VisibleItem::Promised(v) => own.iter().position(|o| *o == v),
+            VisibleItem::Done | VisibleItem::Wire(_) => known(&inner.values[output]),
         };
         outputs[output] = Some(found.unwrap_or_else(|| {
             let variable = &component.specification.variable(inner.output(output));
@@ -167,7 +165,7 @@ fn promise<'l>(
         }));
     }
     specification.timing = inner.timing(promised);
-    // What the contract takes from outside, by way of what the inner machine takes.
+    // Inputs that the contract takes from outside, through those of the inner machine.
     let inputs = promised.specification.inputs();
     let bindings = inputs.filter_map(|v| {
         let binding = promised.bindings[v.index()].as_ref()?;
@@ -184,21 +182,21 @@ fn promise<'l>(
     }
 }
 
-/// Where everything stands in the new machine.
+/// Positions in the new machine.
 struct Places<'l> {
     level: &'l Level,
     pieces: &'l [Piece<'l>],
-    /// For every component of every piece, its place among the new components.
+    /// For every component of every piece, its index among the new components.
     indices: Vec<Vec<usize>>,
-    /// The first wire of every new component.
+    /// First wire of every new component.
     firsts: Vec<usize>,
-    /// How many wires there are.
+    /// Number of wires.
     count: usize,
 }
 
 impl<'l> Places<'l> {
-    /// Coordinators first, of all layers: they answer before anybody else. Those that watch come
-    /// last, since they see all others.
+    /// Assigns the positions. Coordinators of all layers come first, since they answer before all
+    /// others. Watches come last, since they see all others.
     fn new(level: &'l Level, pieces: &'l [Piece<'l>]) -> Self {
         let all = pieces.iter().enumerate().flat_map(|(i, piece)| {
             let components = piece.components().iter().enumerate();
@@ -226,7 +224,7 @@ impl<'l> Places<'l> {
         }
     }
 
-    /// A wire of the level.
+    /// Returns a wire of the level.
     fn wire(&self, wire: usize) -> Option<Expr> {
         let machine = &self.level.machine;
         if wire < machine.plant.len() {
@@ -240,9 +238,9 @@ impl<'l> Places<'l> {
             Piece::Promise { outputs, .. } => Some(self.output(index, 0, outputs[output]?)),
             Piece::Parts { inner, expanded } => {
                 let expr = match inner.seen[output] {
-                    Seen::Wire(wire) => expanded.values[wire].clone()?,
-                    Seen::Done => expanded.machine.done.clone()?,
-                    Seen::Promised(v) => {
+                    VisibleItem::Wire(wire) => expanded.values[wire].clone()?,
+                    VisibleItem::Done => expanded.machine.done.clone()?,
+                    VisibleItem::Promised(v) => {
                         let promised = expanded.machine.refines.first()?;
                         promised.bindings[v.index()].clone()?
                     }
@@ -258,7 +256,7 @@ impl<'l> Places<'l> {
         ))
     }
 
-    /// An expression over a level's wires.
+    /// Converts an expression over a level's wires.
     fn over(&self, expr: &Expr) -> Expr {
         expr.substitute(&mut |w, time| {
             let value = self
@@ -268,7 +266,7 @@ impl<'l> Places<'l> {
         })
     }
 
-    /// An expression over the wires of an inner machine that was taken apart.
+    /// Converts an expression over the wires of an expanded inner machine.
     fn inside(&self, index: usize, expr: &Expr) -> Expr {
         let Piece::Parts { expanded, .. } = &self.pieces[index] else {
             return self.over(expr);
@@ -294,8 +292,8 @@ fn at(expr: &Expr, time: Time) -> Expr {
     expr.substitute(&mut |w, _| Expr::Var(w, time))
 }
 
-/// The level's wires that somebody in it reads.
-fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
+/// Returns the level's wires that are read within it.
+fn mentioned(machine: &Machine, how: NestedTreatment) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let mut see = |expr: &Expr| {
         expr.for_each_var(&mut |v, _| {
@@ -317,7 +315,7 @@ fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
     for orders in &machine.orders {
         orders.when.iter().for_each(&mut see);
     }
-    if how == How::Flat {
+    if how == NestedTreatment::Flat {
         for (_, value) in &machine.writes {
             value.for_each(&mut |x| {
                 if let RealExpr::Wire(wire) = x {
@@ -329,7 +327,12 @@ fn mentioned(machine: &Machine, how: How) -> BTreeSet<usize> {
     found
 }
 
-fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>]) -> Machine {
+fn assemble(
+    level: &Level,
+    how: NestedTreatment,
+    places: &Places<'_>,
+    values: &[Option<Expr>],
+) -> Machine {
     let old = &level.machine;
     let mut components: Vec<Option<Component>> = vec![None; places.firsts.len()];
     for (index, piece) in places.pieces.iter().enumerate() {
@@ -349,13 +352,13 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
         RealExpr::of_wires(value.expect("a wire that was asked for; please report this"))
     };
     let writes = match how {
-        How::Flat => old
+        NestedTreatment::Flat => old
             .writes
             .iter()
             .map(|(p, x)| (*p, x.substitute(&RealExpr::Property, &wire)))
             .collect(),
         // Proofs know nothing of a part's numbers.
-        How::Abstracted => Vec::new(),
+        NestedTreatment::Abstracted => Vec::new(),
     };
     let nested = || level.nested.iter().flatten();
     Machine {
@@ -381,7 +384,7 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
         refines: old
             .refines
             .iter()
-            .map(|promised| Promised {
+            .map(|promised| RefinedContract {
                 bindings: promised
                     .bindings
                     .iter()
@@ -396,8 +399,7 @@ fn assemble(level: &Level, how: How, places: &Places<'_>, values: &[Option<Expr>
     }
 }
 
-/// The skills that the machine calls, and those that the machines within it call, as far as they
-/// were taken apart.
+/// Returns the skills that the machine calls, and those of the inner machines that were expanded.
 fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
     let over = |orders: &Orders| Orders {
         when: orders.when.iter().map(|e| places.over(e)).collect(),
@@ -426,7 +428,7 @@ fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
     all
 }
 
-/// A component in its new place. `holder` is the inner machine's own place.
+/// Returns a component at its new position. `holder` is the inner machine's own path.
 fn placed(
     places: &Places<'_>,
     index: usize,
@@ -449,7 +451,7 @@ fn placed(
     placed
 }
 
-/// What an operation performs there.
+/// Returns the components that an operation runs.
 fn sequence(places: &Places<'_>, (index, operation): (usize, Option<usize>)) -> Vec<usize> {
     let new = &places.indices[index];
     match (&places.pieces[index], operation) {
@@ -462,7 +464,7 @@ fn sequence(places: &Places<'_>, (index, operation): (usize, Option<usize>)) -> 
     }
 }
 
-/// The machine's own guarantees: the variables of monitors stand behind the wires.
+/// Converts the machine's own guarantees: the variables of monitors follow the wires.
 fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
     let put = |formulas: &[Formula]| -> Vec<Formula> {
         let moved = formulas.iter().map(|f| Formula {
@@ -490,10 +492,9 @@ fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
 }
 
 impl Nested {
-    /// Whether the contract stands for a machine that answers before it looks. A `moore` contract
-    /// does not make one of it: what its outputs are bound to has to come from components that
-    /// answer first.
-    fn timing(&self, promised: &Promised) -> Timing {
+    /// Returns the timing of a contract that replaces a machine. A `moore` contract alone does not
+    /// make it a Moore machine: all its outputs must be bound to components that answer first.
+    fn timing(&self, promised: &RefinedContract) -> Timing {
         let specification = &promised.specification;
         let first = specification.outputs().all(|v| {
             let binding = promised.bindings[v.index()].as_ref();
@@ -505,13 +506,13 @@ impl Nested {
         }
     }
 
-    /// The variable of the view's output of this number.
+    /// Returns the variable of an output of the view.
     fn output(&self, output: usize) -> VarId {
         VarId((self.level.machine.plant.len() + output) as u32)
     }
 }
 
-/// Whether all that an expression reads is on its wires from the beginning of the step.
+/// Returns whether all wires that an expression reads are set from the beginning of the step.
 pub(super) fn answers_first(machine: &Machine, expr: &Expr) -> bool {
     let mut first = true;
     expr.for_each_var(&mut |v, _| {
@@ -525,9 +526,9 @@ pub(super) fn answers_first(machine: &Machine, expr: &Expr) -> bool {
     first
 }
 
-/// All that can be seen of a machine from outside, as a contract without formulas: its plant's
+/// Returns everything visible of a machine from outside, as a contract without formulas: its plant
 /// wires are the inputs.
-pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
+pub(super) fn view(machine: &Machine, seen: &[VisibleItem]) -> Specification {
     let inputs = machine.plant.iter().map(|input| Variable {
         name: input.name.clone(),
         owner: Owner::Environment,
@@ -538,7 +539,7 @@ pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
     });
     let outputs = seen.iter().map(|seen| {
         let (name, domain, unit, span) = match seen {
-            Seen::Promised(v) => {
+            VisibleItem::Promised(v) => {
                 let variable = machine.refines[0].specification.variable(*v);
                 let Variable {
                     name,
@@ -549,11 +550,11 @@ pub(super) fn view(machine: &Machine, seen: &[Seen]) -> Specification {
                 } = variable;
                 (name.clone(), domain.clone(), unit.clone(), *span)
             }
-            Seen::Done => {
+            VisibleItem::Done => {
                 let domain = linewright_core::gr1::Domain::Bool;
                 ("done".to_owned(), domain, String::new(), machine.span)
             }
-            Seen::Wire(wire) => (
+            VisibleItem::Wire(wire) => (
                 machine.wire_name(*wire),
                 machine.wire_domain(*wire).clone(),
                 wire_unit(machine, *wire),

@@ -1,10 +1,10 @@
-//! What a job sets: inputs of the actions that it runs,
+//! Inputs set by an operation for the actions that it runs,
 //! `operation shift: pick, move(tx = 2, ty = 1), place`.
 //!
-//! While the operation runs, the input has the value that stands there; otherwise the one it is
-//! bound to in the action, if any. An action that runs several times in one operation is given the
-//! same each time, since its place in the sequence is known to the coordinator alone; a second
-//! instance of the action tells the two apart.
+//! While the operation runs, the input has the value given there; otherwise the one it is bound to
+//! in the action, if any. An action that runs several times in one operation gets the same values
+//! each time, since only the coordinator knows the position in the sequence. A second instance of
+//! the action distinguishes the two.
 
 use super::Parts;
 use crate::contract::elaborate::{Findings, VariableTable, nearest};
@@ -16,20 +16,20 @@ use linewright_core::gr1::{BinaryOp, Domain, Specification, Time, VarId};
 use linewright_core::source::SourceMap;
 use linewright_syntax::ast::{self, MachineItem};
 
-/// What one operation says about an action.
+/// The values that one operation sets for an action.
 pub(super) struct Job<'a> {
-    /// The operation.
+    /// Name of the operation.
     pub operation: &'a ast::Name,
-    /// What it sets.
+    /// Inputs and their values.
     pub arguments: &'a [ast::Argument],
 }
 
-/// Who performs what stands in a sequence: `left` of `left.fetch`.
+/// Returns the component that performs an element of a sequence: `left` of `left.fetch`.
 pub(super) fn performer(run: &str) -> &str {
     run.split('.').next().unwrap_or(run)
 }
 
-/// The operations that run an action, in order, each once.
+/// Returns the operations that run an action, in order, each once.
 pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> {
     let mut found = Vec::new();
     for item in &machine.items {
@@ -54,8 +54,8 @@ pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> 
     found
 }
 
-/// Reports what operations set that is no input, or set twice, or set differently for two runs of
-/// one action.
+/// Reports operations that set something that is no input, set it twice, or set it differently for
+/// two runs of one action.
 pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &SourceMap) {
     for item in &parts.machine.items {
         let MachineItem::Operation { name, sequence, .. } = item else {
@@ -94,7 +94,7 @@ pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &Source
     }
 }
 
-fn inputs_exist(findings: &mut Findings, run: &ast::Performed, specification: &Specification) {
+fn inputs_exist(findings: &mut Findings, run: &ast::OperationCall, specification: &Specification) {
     let mut known: Vec<&str> = specification
         .inputs()
         .map(|id| way(&specification.variable(id).name).0)
@@ -121,7 +121,7 @@ fn inputs_exist(findings: &mut Findings, run: &ast::Performed, specification: &S
     }
 }
 
-/// Whether two runs are given the same, as it is written.
+/// Returns whether two runs get the same arguments, as written.
 fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
     let words = |x: &ast::Argument| -> Vec<String> {
         let text = sources.text(x.value.span).split_whitespace();
@@ -132,8 +132,8 @@ fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
     a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| given(y, x)))
 }
 
-/// The job of one of several coordinators: the operation that runs, where it knows it, and else
-/// `none`. `None` where the wire itself has that type.
+/// Returns the operation for one of several coordinators: the one that runs, if it knows it, and
+/// else `none`. `None` if the wire itself has that type.
 pub(super) fn job_of(variables: &VariableTable, ty: &Type) -> Option<Term> {
     let (Type::Enum(own), Some(Domain::Enum { labels, .. })) =
         (ty, variables.domains.first()?.as_ref())
@@ -153,7 +153,7 @@ pub(super) fn job_of(variables: &VariableTable, ty: &Type) -> Option<Term> {
     }))
 }
 
-/// "This operation runs", over the wires.
+/// Returns "this operation runs", over the wires.
 pub(super) fn runs(variables: &VariableTable, operation: &str) -> Option<Term> {
     let Some(Domain::Enum { labels, .. }) = variables.domains.first()?.as_ref() else {
         return None;

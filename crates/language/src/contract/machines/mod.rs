@@ -1,5 +1,4 @@
-//! From a machine's syntax tree and arguments to its model: contracts instantiated, wires laid,
-//! expressions resolved.
+//! Resolution of machines: instantiates contracts, numbers wires, resolves expressions.
 
 mod component;
 mod expand;
@@ -32,25 +31,25 @@ use settings::settings;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Operations that say nothing else end within so many steps.
+/// Default maximum number of steps of an operation.
 const DEFAULT_STEP_LIMIT: u64 = 10_000;
 
 struct Parts<'a> {
     machine: &'a ast::Machine,
     properties: Vec<(Property, Option<Domain>)>,
-    /// By name: its first element's index and its type.
+    /// Index of the first element and type, by name.
     property_types: BTreeMap<String, (usize, PropertyType)>,
     plant: Vec<PlantInput>,
     plant_entries: BTreeMap<String, Vec<usize>>,
-    /// A machine stands among them with its view for a contract.
+    /// Components; an inner machine has its view as its contract.
     components: Vec<(&'a ast::Component, Arc<Specification>)>,
-    /// For every component, the machine that it is.
+    /// For every component, its inner machine, if it is one.
     nested: Vec<Option<Nested>>,
-    /// The machines that this one stands within, the outermost first, and its own name.
+    /// Enclosing machines, the outermost first, and this one's name.
     path: Vec<&'a str>,
 }
 
-/// A machine with these arguments. `None` when something is wrong; findings say what.
+/// Resolves a machine with these arguments. `None` if there is an error; the findings give it.
 pub(super) fn machine(
     scope: &Scope<'_>,
     sources: &SourceMap,
@@ -62,7 +61,7 @@ pub(super) fn machine(
     level(scope, sources, machine, given, call, &[], findings).map(expand::finish)
 }
 
-/// The same as it is written, with its layers. `path` are the machines that it stands within.
+/// Resolves a machine as written, with its layers. `path` are the enclosing machines.
 fn level(
     scope: &Scope<'_>,
     sources: &SourceMap,
@@ -205,7 +204,7 @@ fn build<'a>(
     })
 }
 
-/// Statements that may stand once, and names that may be declared once.
+/// Reports duplicates of statements and names that are allowed only once.
 fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
     let parameters = machine.header.parameters.iter().map(|p| &p.name);
     let mut names: BTreeMap<&str, Span> = BTreeMap::new();
@@ -214,7 +213,7 @@ fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
             findings.push(double(name, first));
         }
     }
-    // Operations have names of their own: one that is a single action is called like it.
+    // Operations have a separate name space: one with a single action may share its name.
     let mut operations: BTreeMap<&str, Span> = BTreeMap::new();
     let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
     let mut once: BTreeMap<&str, Span> = BTreeMap::new();
@@ -226,7 +225,7 @@ fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
             | MachineItem::Abstract(t) => &t.name,
             MachineItem::Component(c) => &c.name,
             MachineItem::Guarantee { name, .. } => {
-                // Formulas have names of their own, too.
+                // Formulas have a separate name space, too.
                 let first = name.as_ref().and_then(|n| rules.insert(&n.text, n.span));
                 if let (Some(name), Some(first)) = (name, first) {
                     findings.push(double(name, first));
@@ -306,7 +305,7 @@ fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
     }
 }
 
-/// A component's contract with the component's arguments; what is wrong with the call is reported.
+/// Returns a component's contract with the component's arguments; reports errors of the call.
 fn instance<'a>(
     e: &mut Elaborator<'a>,
     scope: &Scope<'_>,
@@ -346,8 +345,8 @@ fn instance<'a>(
     Some(instance.specification)
 }
 
-/// What came of a call. What is wrong within the contract or machine (`what`) is reported once,
-/// where it stands; here only what the call gets wrong.
+/// Handles the result of a call. Errors within the contract or machine (`what`) are reported once,
+/// at its declaration; here only errors of the call.
 fn called<T>(
     findings: &mut Findings,
     c: &ast::Component,
@@ -357,7 +356,7 @@ fn called<T>(
 ) -> Option<T> {
     let calls = found.into_iter().filter(|d| {
         let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
-        // Of machines that contain each other none would tell it of itself.
+        // None of several machines that contain each other would report it itself.
         d.code == codes::MACHINE_IN_ITSELF
             || d.code == codes::ARGUMENT
                 && d.span.is_some_and(|s| s == c.contract.span || argument(s))
@@ -367,7 +366,7 @@ fn called<T>(
     if result.is_some() {
         return result;
     }
-    // Without arguments it is wrong by itself.
+    // Without arguments, its declaration is wrong.
     if c.arguments.is_empty() {
         findings.tainted = true;
     } else if findings.list.len() == before {

@@ -1,16 +1,15 @@
-//! Machines as components of machines: what can be seen of one, what it takes, and what its numbers
-//! become.
+//! Inner machines: their visible outputs, their inputs, and the use of their numbers.
 //!
-//! From outside an inner machine is a component like others. Its inputs are its plant's wires: the
+//! From outside, an inner machine is a component like others. Its inputs are its plant wires: the
 //! wire `operation`, its signals and its abstractions. Its outputs are the outputs of the contract
-//! that it refines (of the first, where it refines several), `done`, and whatever stands on its
-//! wires, by its own names: `left.pick.stage`. Of names that are the same, the contract's is meant.
+//! that it refines (the first, if there are several), `done`, and all its wires under their own
+//! names: `left.pick.stage`. If names are equal, the contract's takes precedence.
 //!
-//! Its `step`, `limit`, `failures`, `write` and `idle power` say how it works alone. The times and
-//! powers of its actions, and the power that it draws beside them, belong to the outer machine as
-//! well.
+//! Its `step`, `limit`, `failures`, `write` and `idle power` apply only when it works alone. The
+//! times and powers of its actions, and its power in addition to them, apply in the outer machine
+//! as well.
 
-use super::expand::{How, answers_first, expand, view};
+use super::expand::{NestedTreatment, answers_first, expand, view};
 use super::properties::{PropertyType, assigned, assigned_array};
 use super::{Parts, called, level};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
@@ -25,50 +24,50 @@ use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A machine as it is written: an inner machine is a component whose contract is its view.
+/// A machine as written: an inner machine is a component whose contract is its view.
 #[derive(Debug, Clone)]
 pub(super) struct Level {
-    /// The machine.
+    /// Machine of the level.
     pub machine: Machine,
-    /// For every component, the machine that it is.
+    /// For every component, its inner machine, if it is one.
     pub nested: Vec<Option<Nested>>,
     /// For every operation the components that it runs, each with the operation of that component
-    /// where it is a machine.
+    /// if it is a machine.
     pub performed: Vec<Vec<(usize, Option<usize>)>>,
-    /// The types of properties, by name, with the place of the first element.
+    /// Types of properties by name, with the index of the first element.
     pub properties: BTreeMap<String, (usize, PropertyType)>,
 }
 
-/// A machine in its place in another one.
+/// A machine as a component of another one.
 #[derive(Debug, Clone)]
 pub(super) struct Nested {
-    /// Its name there.
+    /// Name within the outer machine.
     pub name: String,
-    /// The machine.
+    /// The machine with its layers.
     pub level: Level,
-    /// The same without layers.
+    /// The machine without layers.
     pub flat: Machine,
-    /// What each output of its view is, ...
-    pub seen: Vec<Seen>,
-    /// ... and that over the wires of the flat machine.
+    /// Meaning of each output of its view.
+    pub seen: Vec<VisibleItem>,
+    /// Value of each output of its view, over the wires of the flat machine.
     pub values: Vec<Expr>,
-    /// Its properties over those of the outer machine, where they are bound.
+    /// Properties over those of the outer machine, where they are bound.
     pub properties: Vec<Option<RealExpr>>,
 }
 
-/// Something that can be seen of a machine.
+/// An output of a machine's view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Seen {
+pub(super) enum VisibleItem {
     /// A variable of the contract that it refines.
     Promised(VarId),
-    /// That its operation is done.
+    /// Whether its operation is done.
     Done,
     /// A wire of its level.
     Wire(usize),
 }
 
-/// The machine of a component, with its view as a contract; what is wrong with the call is
-/// reported.
+/// Returns the inner machine of a component, with its view as a contract; reports errors of the
+/// call.
 pub(super) fn nested<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -110,13 +109,13 @@ pub(super) fn nested<'a>(
         &mut found,
     );
     let level = called(&mut e.findings, c, found, "machine", inner)?;
-    let flat = expand(&level, How::Flat, &BTreeSet::new());
+    let flat = expand(&level, NestedTreatment::Flat, &BTreeSet::new());
     let seen = seen(&level.machine);
     let specification = Arc::new(view(&level.machine, &seen));
-    let value = |seen: &Seen| match seen {
-        Seen::Promised(v) => flat.machine.refines[0].bindings[v.index()].clone(),
-        Seen::Done => flat.machine.done.clone(),
-        Seen::Wire(wire) => flat.values[*wire].clone(),
+    let value = |seen: &VisibleItem| match seen {
+        VisibleItem::Promised(v) => flat.machine.refines[0].bindings[v.index()].clone(),
+        VisibleItem::Done => flat.machine.done.clone(),
+        VisibleItem::Wire(wire) => flat.values[*wire].clone(),
     };
     let values: Option<Vec<Expr>> = seen.iter().map(value).collect();
     let nested = Nested {
@@ -150,8 +149,8 @@ fn unknown(findings: &mut Findings, scope: &Scope<'_>, c: &ast::Component) {
     );
 }
 
-/// All that can be seen of a machine, each name once.
-fn seen(machine: &Machine) -> Vec<Seen> {
+/// Returns everything visible of a machine, each name once.
+fn seen(machine: &Machine) -> Vec<VisibleItem> {
     let mut found = Vec::new();
     let mut names: BTreeSet<String> = BTreeSet::new();
     if let Some(promised) = machine.refines.first() {
@@ -159,12 +158,12 @@ fn seen(machine: &Machine) -> Vec<Seen> {
         for v in specification.outputs() {
             if promised.bindings[v.index()].is_some() {
                 names.insert(way(&specification.variable(v).name).0.to_owned());
-                found.push(Seen::Promised(v));
+                found.push(VisibleItem::Promised(v));
             }
         }
     }
     if machine.done.is_some() && names.insert("done".to_owned()) {
-        found.push(Seen::Done);
+        found.push(VisibleItem::Done);
     }
     let mut wire = machine.plant.len();
     for component in &machine.components {
@@ -172,7 +171,7 @@ fn seen(machine: &Machine) -> Vec<Seen> {
         let hidden = names.contains(&component.name);
         for v in specification.outputs() {
             if !hidden && !specification.is_auxiliary(v) {
-                found.push(Seen::Wire(wire));
+                found.push(VisibleItem::Wire(wire));
             }
             wire += 1;
         }
@@ -181,7 +180,7 @@ fn seen(machine: &Machine) -> Vec<Seen> {
 }
 
 impl Nested {
-    /// Which outputs of the view stand on their wires from the beginning of a step.
+    /// Returns which outputs of the view are set from the beginning of a step.
     pub fn early(&self) -> Vec<bool> {
         self.values
             .iter()
@@ -189,8 +188,8 @@ impl Nested {
             .collect()
     }
 
-    /// Whether an input is read within the step by what answers in it: by components that look
-    /// before they answer, or by an output of the view itself.
+    /// Returns whether an input is read before the end of the step: by components that read before
+    /// they answer, or by an output of the view itself.
     pub fn is_read_early(&self, input: usize) -> bool {
         let reads = |expr: &Expr| {
             let mut found = false;
@@ -207,7 +206,7 @@ impl Nested {
         components.chain(&self.values).any(reads)
     }
 
-    /// A time of one of its actions, over the properties of the outer machine.
+    /// Returns a time of one of its actions, over the properties of the outer machine.
     pub fn timed(&self, time: &ActionTime) -> ActionTime {
         match time {
             ActionTime::PerStep(x) => ActionTime::PerStep(self.over_properties(x)),
@@ -215,7 +214,7 @@ impl Nested {
         }
     }
 
-    /// An expression over its properties, over those of the outer machine.
+    /// Converts an expression over its properties to those of the outer machine.
     pub fn over_properties(&self, value: &RealExpr) -> RealExpr {
         let property = |i: usize| {
             let bound = self.properties.get(i).cloned().flatten();
@@ -225,13 +224,13 @@ impl Nested {
         value.substitute(&property, &RealExpr::Wire)
     }
 
-    /// How many elements a property has.
+    /// Returns the number of elements of a property.
     fn properties_of(&self, name: &str) -> Option<usize> {
         let (_, ty) = self.level.properties.get(name)?;
         Some(ty.length.unwrap_or(1))
     }
 
-    /// The properties that times and powers of its actions depend on.
+    /// Returns the properties that times and powers of its actions depend on.
     fn needed(&self) -> BTreeSet<usize> {
         let mut found = BTreeSet::new();
         let mut see = |x: &RealExpr| {
@@ -250,8 +249,8 @@ impl Nested {
         found
     }
 
-    /// The operation that a place in a sequence names: `left.fetch`, or `left` where there is one
-    /// only.
+    /// Returns the operation that an element of a sequence names: `left.fetch`, or `left` if there
+    /// is only one.
     pub fn operation(&self, findings: &mut Findings, run: &ast::Name) -> Option<usize> {
         let operations = &self.flat.operations;
         let said = run.text.split_once('.').map(|(_, operation)| operation);
@@ -290,8 +289,8 @@ impl Nested {
     }
 }
 
-/// What an inner machine's properties are in the outer one: what the file says, else the property
-/// of that name.
+/// Returns the values of an inner machine's properties in the outer one: as declared, else the
+/// property of the same name.
 pub(super) fn bind_properties<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -343,7 +342,7 @@ pub(super) fn bind_properties<'a>(
     bound
 }
 
-/// Reports what times and powers depend on and is bound to nothing.
+/// Reports unbound properties that times and powers depend on.
 fn missing(
     findings: &mut Findings,
     decl: &ast::Component,
@@ -351,14 +350,14 @@ fn missing(
     bound: &[Option<RealExpr>],
 ) {
     if decl.broken {
-        // It may be bound by what could not be understood.
+        // A part that could not be parsed may bind it.
         findings.tainted = true;
         return;
     }
     for i in nested.needed() {
         let name = &nested.flat.properties[i].name;
         let root = way(name).0;
-        // What was bound wrongly was reported.
+        // A wrong binding was reported.
         let said = decl.bindings.iter().any(|b| b.name.text == root);
         if bound[i].is_some() || said && nested.properties_of(root) == Some(1) {
             continue;
@@ -375,7 +374,7 @@ fn missing(
     }
 }
 
-/// What belongs to actions and not to machines.
+/// Reports settings that apply to actions and not to machines.
 pub(super) fn no_settings(findings: &mut Findings, decl: &ast::Component) {
     let said = [
         decl.when.as_ref().map(|x| ("when", x.span)),

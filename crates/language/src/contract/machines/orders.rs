@@ -1,9 +1,9 @@
-//! The skills that a machine calls, and when: each set with one condition over wires a skill.
+//! The skills that a machine calls: each set with one condition over wires per skill.
 //!
-//! The rules of a set stand in two places. Those about what one coordinator calls are guarantees of
-//! its contract, so that it is synthesized to keep them ([`guarantee`]). And all of them are
-//! assumptions of a component that does nothing but watch ([`watching`]): that they are kept is
-//! then proved like any other assumption, and checked by the library in every step.
+//! The rules of a set are used twice. Rules about the calls of one coordinator are guarantees of
+//! its contract, so its synthesized controller keeps them ([`guarantee`]). And all rules are
+//! assumptions of a component that only watches ([`watching`]): they are then proved like any other
+//! assumption, and checked by the library in every step.
 
 use super::Parts;
 use super::component::scope_of_wires;
@@ -13,7 +13,7 @@ use crate::contract::scope::Scope;
 use crate::contract::skills::{level, listed, near_or_all};
 use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
 use crate::order::{Level, Skills};
-use linewright_automata::bound::TooLarge;
+use linewright_automata::bound::BoundExceeded;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable, eval,
@@ -23,7 +23,7 @@ use linewright_syntax::ast::{self, MachineItem};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The sets of skills that the machine calls, every skill bound.
+/// Returns the sets of skills that the machine calls, every skill bound.
 pub(super) fn orders<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -49,7 +49,7 @@ pub(super) fn orders<'a>(
             );
         }
         let level = level(decl.level.as_ref(), &Level::ALL, &mut wires.findings.list);
-        // What is wrong with a condition is said whatever is wrong with the set.
+        // Errors in the conditions are reported even if there are errors in the set.
         let called = called(wires, decl);
         let Some(skills) = skills(&mut wires.findings, scope, set) else {
             continue;
@@ -70,7 +70,7 @@ pub(super) fn orders<'a>(
     orders
 }
 
-/// The set of a name; one that cannot be used was reported.
+/// Returns the set with a name; errors in the set itself were reported.
 fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Option<Arc<Skills>> {
     match scope.skills.get(name.text.as_str()) {
         Some(Some(skills)) => Some(Arc::clone(skills)),
@@ -95,11 +95,11 @@ fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Optio
     }
 }
 
-/// By name: where the name stands, and the condition, unless something is wrong with it.
-type Called<'a> = BTreeMap<&'a str, (Span, Option<Expr>)>;
+/// By name of the skill: its place, and the condition, unless there is an error in it.
+type BoundSkills<'a> = BTreeMap<&'a str, (Span, Option<Expr>)>;
 
-fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> Called<'a> {
-    let mut called = Called::new();
+fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> BoundSkills<'a> {
+    let mut called = BoundSkills::new();
     for call in &decl.calls {
         let term = wires.boolean(&call.value, Time::Now);
         let expr = term.and_then(|t| wires.formula(&t, call.value.span));
@@ -121,13 +121,13 @@ fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> Called<'
     called
 }
 
-/// One condition a skill, in the order of the skills. `None` when something is wrong; it was
+/// Returns one condition per skill, in the order of the skills. `None` if there is an error; it was
 /// reported.
 fn conditions(
     findings: &mut Findings,
     decl: &ast::SkillCalls,
     skills: &Skills,
-    mut called: Called<'_>,
+    mut called: BoundSkills<'_>,
 ) -> Option<Vec<Expr>> {
     let name = &decl.set.text;
     let bound: Vec<_> = skills
@@ -143,7 +143,7 @@ fn conditions(
         .map(|(skill, _)| skill.name.as_str())
         .collect();
     for (unknown, (span, _)) in &called {
-        // A name with a slip is one of those that are missing, rather than another that is there.
+        // A misspelled name is more likely one of those missing than one already present.
         let known = missing.iter().copied();
         let all = skills.skills.iter().map(|s| s.name.as_str());
         let help = match linewright_core::diagnostics::nearest(unknown, known) {
@@ -158,7 +158,7 @@ fn conditions(
         );
     }
     if decl.broken {
-        // They may be bound by what could not be understood.
+        // A part that could not be parsed may bind them.
         findings.tainted = true;
         return None;
     }
@@ -178,11 +178,11 @@ fn conditions(
     bound.into_iter().map(|b| b?.1).collect()
 }
 
-/// So many values of wires are tried to find out whether two skills can be called at once.
+/// Maximum number of wire values tried to find out whether two skills can be called at once.
 const MOST_TRIED: u64 = 1 << 12;
 
-/// The rules about what one coordinator calls become guarantees of its contract. What is wrong is
-/// told later, by [`orders`].
+/// Adds the rules about the calls of one coordinator to the guarantees of its contract. Errors are
+/// reported later, by [`orders`].
 pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &Scope<'_>) {
     let mut wires = scope_of_wires(&e.names, parts);
     let orders = orders(&mut wires, parts, scope);
@@ -200,7 +200,7 @@ pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &S
         }
         let mut kept = Specification::clone(specification);
         for orders in &orders {
-            // Over the coordinator's own variables; `None` for what others decide, too.
+            // Over the coordinator's own variables; `None` if it depends on others, too.
             let own = |expr: &Expr| {
                 let mut all = true;
                 let over = expr.substitute(&mut |v, time| {
@@ -213,30 +213,30 @@ pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &S
             let when = orders.when.iter();
             let when: Vec<Option<Condition>> =
                 when.map(|w| own(w).map(Condition::rising)).collect();
-            // One that is too large is told where it watches.
+            // A rule that is too large is reported by the watch.
             let _ = add_rules(&mut kept, orders, &when, Party::Machine);
         }
         parts.components[index].1 = Arc::new(kept);
     }
 }
 
-/// Whose business the rules are.
+/// The side that has to keep the rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Party {
-    /// They are guarantees.
+    /// The rules are guarantees.
     Machine,
-    /// They are assumptions.
+    /// The rules are assumptions.
     Plant,
 }
 
-/// Adds the rules, all of whose skills have a condition, to a specification. What defines their
-/// variables is guaranteed in any case.
+/// Adds the rules, if all their skills have a condition, to a specification. The definitions of
+/// their variables are always guarantees.
 fn add_rules(
     specification: &mut Specification,
     orders: &Orders,
     when: &[Option<Condition>],
     party: Party,
-) -> Result<(), TooLarge> {
+) -> Result<(), BoundExceeded> {
     let never = || Condition::rising(Expr::FALSE);
     let conditions: Vec<Condition> = when
         .iter()
@@ -252,7 +252,7 @@ fn add_rules(
         }
         specification.variables.extend(lowered.variable);
         if party == Party::Machine {
-            // What no call of the first step could break need not be asked of it.
+            // Conditions on step 0 that no call can break are not needed.
             let broken = |f: &Formula| f.expr.clone().not();
             lowered
                 .rule
@@ -280,7 +280,7 @@ fn extend(side: &mut Side, more: Side) {
     side.safety.extend(more.safety);
 }
 
-/// That two skills of one component are not called at once, where they could be.
+/// Returns formulas that two skills of one component are not called at once, where they could be.
 fn at_once(
     skills: &Skills,
     when: &[Option<Condition>],
@@ -316,7 +316,7 @@ fn at_once(
     found
 }
 
-/// Whether no values make it true, as far as they are few enough to be tried.
+/// Returns whether the expression is never true, if there are few enough values to try.
 fn is_never(expr: &Expr, specification: &Specification) -> bool {
     let mut variables: Vec<VarId> = Vec::new();
     expr.for_each_var(&mut |v, _| {
@@ -353,8 +353,9 @@ fn is_never(expr: &Expr, specification: &Specification) -> bool {
     }
 }
 
-/// The skills that are called by asking for an operation, and when one has ended: then the next one
-/// is a call of its own, also where it is the same again. `None` where no skill is called so.
+/// Returns the skills that are called by requesting an operation, and the condition that one has
+/// ended: the next request is then a new call, even for the same operation. `None` if no skill is
+/// called like this.
 fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> {
     let mut plant = model.plant.iter();
     let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
@@ -370,7 +371,7 @@ fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> 
     Some((done, skills))
 }
 
-/// The input that says that the operation has ended, with a name that no skill has.
+/// Returns the input that the operation has ended, with a name that no skill has.
 fn ended_input(specification: &Specification, span: Span) -> Variable {
     let mut name = "operation_ended".to_owned();
     while specification.variables.iter().any(|v| v.name == name) {
@@ -386,7 +387,7 @@ fn ended_input(specification: &Specification, span: Span) -> Variable {
     }
 }
 
-/// A component a set of skills, which watches that its orders are kept.
+/// Returns a component per set of skills, which watches that its orders are kept.
 pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Component> {
     let mut watching = Vec::new();
     for orders in &model.orders {
@@ -450,8 +451,8 @@ pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Componen
     watching
 }
 
-/// Adds a component behind all others. The variables of the machine's own monitors stand behind the
-/// wires, and move on.
+/// Adds a component after all others. The variables of the machine's own monitors follow the wires,
+/// and are renumbered.
 pub(super) fn add(model: &mut Machine, component: Component) {
     let before = model.wire_count();
     let more = component.specification.outputs().count();

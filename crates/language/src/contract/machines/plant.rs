@@ -1,4 +1,4 @@
-//! What the plant gives: the operation, signals, and abstractions of properties.
+//! Plant inputs: the operation, signals, and abstractions of properties.
 
 use super::Parts;
 use super::jobs::performer;
@@ -11,12 +11,13 @@ use crate::contract::value::Term;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
-use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, Performed};
+use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, OperationCall};
 
-/// A component that runs, and which operation of it where it is a machine.
+/// A component to run, and its operation if it is a machine.
 type Run = (usize, Option<usize>);
 
-/// The jobs, each with the components that it runs, and the plant wire that selects one: wire 0.
+/// Returns the operations, each with the components that it runs, and the plant wire that selects
+/// one: wire 0.
 pub(super) fn operations(
     findings: &mut Findings,
     parts: &mut Parts<'_>,
@@ -35,8 +36,8 @@ pub(super) fn operations(
     if declared.is_empty() {
         return (Vec::new(), Vec::new());
     }
-    // The type of the input that is bound to `operation` is the type of the wire; where several
-    // coordinators have jobs, the wire has those of all.
+    // The type of the wire is that of the input bound to `operation`; if several coordinators have
+    // operations, the wire has those of all.
     let mut bound: Vec<(Domain, Span)> = Vec::new();
     for (c, s) in &parts.components {
         let chosen = c.bindings.iter().filter(|b| is_operation(&b.value));
@@ -110,7 +111,7 @@ pub(super) fn operations(
             continue;
         };
         let mut runs: Vec<Run> = Vec::new();
-        for Performed { name: action, .. } in sequence {
+        for OperationCall { name: action, .. } in sequence {
             runs.extend(run(findings, parts, action, false));
         }
         if sequence.is_empty() {
@@ -128,7 +129,7 @@ pub(super) fn operations(
     (result, performed)
 }
 
-/// What a name in a sequence runs. `alone` says that it is the operation's own name.
+/// Returns what a name in a sequence runs. `alone` tells whether it is the operation's own name.
 fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool) -> Option<Run> {
     let who = performer(&name.text);
     let is = |(c, _): &(&ast::Component, _)| c.name.text == who && !c.is_coordinator();
@@ -178,7 +179,7 @@ fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool
     None
 }
 
-/// Whether a binding is the wire that says which operation runs.
+/// Returns whether a binding is the wire with the running operation.
 pub(super) fn is_operation(value: &ast::Expr) -> bool {
     matches!(&value.kind, ExprKind::Path(p) if p.len() == 1 && p[0].text == "operation")
 }
@@ -261,7 +262,7 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
     }
 }
 
-/// Whether the machine declares an action of this name, also one that could not be used.
+/// Returns whether the machine declares an action of this name, even an unusable one.
 fn is_action(machine: &Machine, name: &str) -> bool {
     machine.items.iter().any(
         |i| matches!(i, MachineItem::Component(c) if !c.is_coordinator() && c.name.text == name),

@@ -1,11 +1,11 @@
-//! What a machine promises as a whole: the contracts that it is said to refine, and guarantees of
-//! its own over all its wires.
+//! Promises of a machine as a whole: the contracts that it is claimed to refine, and its guarantees
+//! over all wires.
 
 use super::component::binding;
 use super::{Parts, instance};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::formula::{Label, classify};
-use crate::contract::machine::{Promised, Rules};
+use crate::contract::machine::{RefinedContract, Rules};
 use crate::contract::scope::Scope;
 use crate::contract::shape::way;
 use linewright_core::diagnostics::codes;
@@ -14,14 +14,14 @@ use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, VarId, Vari
 use linewright_core::source::SourceMap;
 use linewright_syntax::ast::{self, MachineItem};
 
-/// The contracts that the machine is said to refine, every variable bound.
+/// Returns the contracts that the machine is claimed to refine, every variable bound.
 pub(super) fn refined<'a>(
     e: &mut Elaborator<'a>,
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
     scope: &Scope<'_>,
     sources: &SourceMap,
-) -> Vec<Promised> {
+) -> Vec<RefinedContract> {
     let machine = parts.machine;
     let decls = machine.items.iter().filter_map(|item| match item {
         MachineItem::Refines(decl) => Some(decl),
@@ -34,7 +34,7 @@ pub(super) fn refined<'a>(
         };
         known(&mut wires.findings, decl, &specification);
         let bindings = bindings(wires, parts, decl, &specification);
-        refined.extend(bindings.map(|bindings| Promised {
+        refined.extend(bindings.map(|bindings| RefinedContract {
             contract: decl.contract.text.clone(),
             specification,
             bindings,
@@ -44,7 +44,7 @@ pub(super) fn refined<'a>(
     refined
 }
 
-/// Every binding is one of a variable that there is.
+/// Checks that every binding is for an existing variable.
 fn known(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
     let mut known: Vec<&str> = specification
         .variables
@@ -68,7 +68,7 @@ fn known(findings: &mut Findings, decl: &ast::Component, specification: &Specifi
     }
 }
 
-/// What every variable is: what the file says, else the wire of its name. `None` when something is
+/// Returns the value of every variable: as declared, else the wire of its name. `None` if one is
 /// missing; it was reported.
 fn bindings<'a>(
     wires: &mut Elaborator<'a>,
@@ -130,8 +130,8 @@ fn bindings<'a>(
     complete.then_some(bound)
 }
 
-/// Whether an input of the contract is the plant's business here, too: what is assumed of it cannot
-/// be assumed of the machine.
+/// Checks that an input of the contract is set by the plant here, too: assumptions about it cannot
+/// be made about the machine.
 fn from_outside(
     findings: &mut Findings,
     parts: &Parts<'_>,
@@ -162,10 +162,10 @@ fn listed(names: &[String]) -> String {
     quoted.join(", ")
 }
 
-/// A wire: the component it comes from, its name there, and its values.
+/// A wire: its component, its name there, and its domain.
 type Wire<'a> = (Option<&'a str>, &'a str, &'a Domain);
 
-/// All wires in order.
+/// Returns all wires in order.
 fn wire_names<'a>(parts: &'a Parts<'_>) -> Vec<Wire<'a>> {
     let mut names: Vec<Wire<'_>> = parts
         .plant
@@ -185,8 +185,8 @@ fn wire_names<'a>(parts: &'a Parts<'_>) -> Vec<Wire<'a>> {
     names
 }
 
-/// The wire that a variable's name speaks of: the plant's of that name, `pick_a_stage` for `stage`
-/// of `pick_a`, or the only component's output of that name.
+/// Returns the wire for a variable's name: the plant's of that name, `pick_a_stage` for `stage` of
+/// `pick_a`, or the only component's output of that name.
 fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
     let only = |fits: &dyn Fn(&Wire<'_>) -> bool| -> Option<VarId> {
         let mut found = wires.iter().enumerate().filter(|(_, w)| fits(w));
@@ -207,7 +207,7 @@ fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
         .or_else(|| only(&|(of, own, _)| of.is_some() && *own == name))
 }
 
-/// Guarantees of the machine as a whole.
+/// Resolves guarantees of the machine as a whole.
 pub(super) fn guarantees<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,

@@ -1,4 +1,4 @@
-//! Properties of parts: their types, their values, and how expressions see them.
+//! Properties of parts: their types, their values, and their use in expressions.
 
 use crate::contract::elaborate::{Elaborator, Findings, MAX_EXPANSION, constant_real};
 use crate::contract::shape::Entry;
@@ -9,18 +9,18 @@ use linewright_core::gr1::{Domain, Time, VarId};
 use linewright_syntax::ast;
 use std::sync::Arc;
 
-/// The type of a property: what a plant expression sees of it.
+/// Type of a property, as seen by plant expressions.
 #[derive(Debug, Clone)]
 pub(in crate::contract) struct PropertyType {
-    /// How it is shown, `deg`; empty for a bare number.
+    /// Displayed unit, such as `deg`; empty for a bare number.
     pub unit: String,
-    /// Its finite domain, for truth values, ranges and labels.
+    /// Finite domain, for truth values, ranges and labels.
     pub domain: Option<Domain>,
-    /// How many elements, for an array.
+    /// Number of elements, for an array.
     pub length: Option<usize>,
 }
 
-/// The type of a property as it was written.
+/// Resolves the declared type of a property.
 pub(in crate::contract) fn property_type<'a>(
     e: &mut Elaborator<'a>,
     domain: &'a ast::Domain,
@@ -73,7 +73,8 @@ pub(in crate::contract) fn property_type<'a>(
     }
 }
 
-/// The value of a property, in its declared unit: a constant, or a list of them for an array.
+/// Returns the value of a property, in its declared unit: a constant, or a list of constants for an
+/// array.
 pub(in crate::contract) fn property_values<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -147,7 +148,7 @@ pub(in crate::contract) fn property_values<'a>(
             e.findings.mismatch(value.span, &wanted, &found);
             return None;
         }
-        // A bare number is in the declared unit already.
+        // A bare number is already in the declared unit.
         let number = match found {
             Type::Number(d) if d != Dimension::None => number / factor,
             _ => number,
@@ -158,7 +159,7 @@ pub(in crate::contract) fn property_values<'a>(
                 e.findings.error_with(
                     codes::PROPERTY,
                     value.span,
-                    format!("{number} is no whole number of `{}`", ty.unit),
+                    format!("{number} is not a whole number of `{}`", ty.unit),
                     "round it, or declare the property in a finer unit",
                 );
                 return None;
@@ -183,7 +184,7 @@ pub(in crate::contract) fn property_values<'a>(
     Some(numbers)
 }
 
-/// Brings a property into an elaborator's sight under new ids; gives the ids.
+/// Brings a property into an elaborator's scope under new ids; returns the ids.
 pub(in crate::contract) fn see_property(
     e: &mut Elaborator<'_>,
     name: &str,
@@ -199,13 +200,13 @@ pub(in crate::contract) fn see_property(
         None => Entry::One(ids[0]),
         Some(_) => Entry::Many(Arc::new(ids.iter().map(|id| Entry::One(*id)).collect())),
     };
-    // A property hides a constant of the same name from outside.
+    // A property hides an outer constant of the same name.
     e.names.hide(name);
     e.names.variables.insert(name.to_owned(), entry);
     ids
 }
 
-/// The names of a property's elements.
+/// Returns the names of a property's elements.
 pub(in crate::contract) fn element_names(name: &str, ty: &PropertyType) -> Vec<String> {
     match ty.length {
         None => vec![name.to_owned()],
@@ -213,7 +214,7 @@ pub(in crate::contract) fn element_names(name: &str, ty: &PropertyType) -> Vec<S
     }
 }
 
-/// A real expression assigned to a property: a value with a dimension is converted to the
+/// Resolves a real expression assigned to a property: a value with a dimension is converted to the
 /// property's unit, a bare number is taken to be in it.
 pub(in crate::contract) fn assigned<'a>(
     e: &mut Elaborator<'a>,
@@ -225,8 +226,8 @@ pub(in crate::contract) fn assigned<'a>(
     converted(&mut e.findings, ty, term, &found, value)
 }
 
-/// Several values assigned to the elements of an array: `value` is an array of as many. What is
-/// wrong is reported.
+/// Resolves an array assigned to an array property; `value` must have the same length. Errors are
+/// reported.
 pub(in crate::contract) fn assigned_array<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -261,7 +262,7 @@ pub(in crate::contract) fn assigned_array<'a>(
     }
 }
 
-/// A term in the unit of a property.
+/// Converts a term to the unit of a property.
 fn converted(
     findings: &mut Findings,
     ty: &PropertyType,
@@ -272,7 +273,7 @@ fn converted(
     let expected = ty.domain.as_ref().map(Type::of);
     let (dimension, factor) = unit(&ty.unit);
     match (&expected, found) {
-        // A range with a unit: the plant rounds to nothing, so that what is no whole number is
+        // A range with a unit: the plant does not round, so a value that is not a whole number is
         // reported when it occurs.
         (Some(Type::Int), Type::Number(d)) if dimension != Dimension::None => {
             if *d != dimension {

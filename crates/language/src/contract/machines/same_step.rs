@@ -1,16 +1,17 @@
 //! Who may read whose answer within a step.
 //!
-//! What looks before it answers may read what stands on the wires by then: the plant's values, what
-//! Moore components said at the beginning of the step, and the answers of components that are
-//! declared earlier. An inner machine is looked at as a whole, but for two things: outputs that its
-//! own Moore components give are there from the beginning, and what only those read may come later.
+//! A component that reads before it answers may read the wires that are already set: the plant's
+//! values, the outputs of Moore components from the beginning of the step, and the answers of
+//! components declared earlier. An inner machine is treated as a whole, with two exceptions:
+//! outputs of its own Moore components are set from the beginning, and inputs that only those read
+//! may come later.
 
 use super::Parts;
 use crate::contract::elaborate::Findings;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Expr, Timing};
 
-/// Reports what a component reads too early. `firsts` are the first wires of all components.
+/// Reports inputs that a component reads too early. `firsts` are the first wires of all components.
 pub(super) fn check(
     findings: &mut Findings,
     parts: &Parts<'_>,
@@ -64,7 +65,7 @@ pub(super) fn check(
     }
 }
 
-/// Whether a wire has its value when a component looks.
+/// Returns whether a wire is set when a component reads it.
 fn is_there(parts: &Parts<'_>, index: usize, firsts: &[usize], wire: usize) -> bool {
     if wire < parts.plant.len() {
         return true;

@@ -1,4 +1,4 @@
-//! Everything of a machine that is a number or a plant expression.
+//! Numeric settings and plant expressions of a machine.
 
 use super::Parts;
 use super::properties::{PropertyType, assigned, assigned_array};
@@ -12,7 +12,7 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, MachineItem};
 use std::collections::BTreeMap;
 
-/// Everything of a machine that is a number or a plant expression.
+/// Resolves the settings and plant expressions of a machine.
 pub(super) fn settings<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -36,7 +36,7 @@ pub(super) fn settings<'a>(
         both.names.constants.remove(name);
         both.names.variables.entry(name.clone()).or_insert(entry);
     }
-    // By property: where it is written.
+    // Place where each property is written.
     let mut written: BTreeMap<usize, Span> = BTreeMap::new();
     for item in &parts.machine.items {
         let before = model.writes.len();
@@ -113,8 +113,8 @@ pub(super) fn settings<'a>(
     e.findings.absorb(&mut both.findings);
 }
 
-/// A property that is written already, by itself or with its array, is a finding: the later value
-/// would win unseen.
+/// Reports a property that is already written, by itself or with its array: otherwise the later
+/// value would win silently.
 fn written_once(
     findings: &mut Findings,
     name: &ast::Name,
@@ -138,7 +138,7 @@ fn written_once(
     }
 }
 
-/// What is known without looking at the components: durations, powers, limits.
+/// Resolves settings that do not depend on the components: durations, powers, limits.
 pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, model: &mut Machine) {
     for item in &machine.items {
         match item {
@@ -173,7 +173,8 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
     }
 }
 
-/// A quantity that is not negative; a duration that a run can measure, a power with an energy.
+/// Resolves a quantity that is not negative; a duration must be measurable in a run, a power must
+/// give a valid energy.
 pub(in crate::contract) fn positive<'a>(
     e: &mut Elaborator<'a>,
     x: &'a ast::Expr,
@@ -195,7 +196,7 @@ pub(in crate::contract) fn positive<'a>(
     }
     let unmeasured = match dimension {
         Dimension::Time if !is_duration(value) => Some((
-            format!("{value:e} s is no duration that a run can measure"),
+            format!("{value:e} s is not a valid duration"),
             format!("write 0 s, or a time from {SHORTEST_SECONDS:e} s to {LONGEST_SECONDS:e} s"),
         )),
         Dimension::Power if value > GREATEST_WATTS => Some((
@@ -212,7 +213,7 @@ pub(in crate::contract) fn positive<'a>(
     Some(value)
 }
 
-/// `mtbf a mttr b`
+/// Resolves `mtbf a mttr b`.
 pub(in crate::contract) fn failures<'a>(
     e: &mut Elaborator<'a>,
     mtbf: &'a ast::Expr,

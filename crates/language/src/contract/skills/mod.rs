@@ -1,8 +1,8 @@
-//! From a set of skills as it was written to [`order::Skills`](Skills): components, their
-//! situations, what each skill leads to.
+//! Resolution of a set of skills to [`order::Skills`](Skills): components, their situations, the
+//! effect of each skill.
 //!
-//! A set knows nothing of the file around it, so it is resolved once, and every machine that calls
-//! its skills shares it. Orders may speak of components that are declared behind them.
+//! A set is independent of the file around it, so it is resolved once and shared by every machine
+//! that calls its skills. Orders may mention components that are declared after them.
 
 mod regex;
 mod rules;
@@ -15,9 +15,9 @@ use linewright_syntax::ast::{self, SkillItem};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// So many names are listed in one message, ...
+/// Maximum number of names listed in one message.
 const MOST_LISTED: usize = 12;
-/// ... and so many are compared with one that is unknown.
+/// Maximum number of names compared with an unknown one.
 const MOST_COMPARED: usize = 4 * MOST_SKILLS;
 
 struct Resolver<'a> {
@@ -32,7 +32,7 @@ struct Resolver<'a> {
     tainted: bool,
 }
 
-/// A set of skills. `None` when something is wrong; findings say what.
+/// Resolves a set of skills. `None` if there is an error; the findings give it.
 pub(super) fn skills(
     set: &ast::SkillSet,
     sources: &SourceMap,
@@ -153,7 +153,7 @@ impl<'a> Resolver<'a> {
                 None
             }
             (None, Some(first)) => {
-                // What could not be understood may have been its situation.
+                // A part that could not be parsed may have been its situation.
                 if !decl.broken {
                     let known = decl.situations.iter().map(|s| s.text.as_str());
                     let near = nearest(name, known).unwrap_or(&first.text);
@@ -190,7 +190,7 @@ impl<'a> Resolver<'a> {
         found
     }
 
-    /// A set has skills, and not too many.
+    /// Checks that a set has skills, and not too many.
     fn count(&mut self) {
         let name = &self.set.name;
         if self.skills.is_empty() && !self.tainted {
@@ -212,7 +212,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The skill of a name. What could not be understood may have declared it.
+    /// Returns the skill with a name. A part that could not be parsed may have declared it.
     fn find(&mut self, name: &ast::Name) -> Option<usize> {
         let found = self.skill_index.get(name.text.as_str()).copied();
         if found.is_none() {
@@ -235,7 +235,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// The level that a word names, among these.
+/// Returns the level that a word names, among these.
 pub(super) fn level(
     word: Option<&ast::Name>,
     known: &[Level],
@@ -259,7 +259,7 @@ pub(super) fn level(
     found.copied()
 }
 
-/// What an unknown name may mean: the nearest one, or what there is.
+/// Suggests a meaning of an unknown name: the nearest one, or all known names.
 pub(super) fn near_or_all<'n>(
     name: &str,
     known: impl Iterator<Item = &'n str> + Clone,
@@ -271,7 +271,7 @@ pub(super) fn near_or_all<'n>(
     }
 }
 
-/// Names with commas between them, the first of many.
+/// Joins names with commas, at most the first [`MOST_LISTED`].
 pub(super) fn listed<'n>(names: impl Iterator<Item = &'n str> + Clone) -> String {
     let count = names.clone().count();
     let shown: Vec<String> = names.take(MOST_LISTED).map(|n| format!("`{n}`")).collect();

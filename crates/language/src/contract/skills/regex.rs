@@ -1,5 +1,5 @@
-//! Regular expressions over skills: names looked up, and their size bounded, since whoever makes an
-//! automaton of one writes it out.
+//! Regular expressions over skills: resolves names, and bounds the size, since an automaton needs
+//! the repetitions expanded.
 
 use super::Resolver;
 use linewright_automata::regex::Regex;
@@ -7,13 +7,13 @@ use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, RegexKind, Times};
 
-/// Something is repeated so often at most.
+/// Maximum number of repetitions.
 const MOST_TIMES: u64 = 1000;
-/// A sequence has so many skills at most, repetitions written out.
+/// Maximum number of skills in a sequence, with repetitions expanded.
 const MOST_SIZE: u64 = 10_000;
 
 impl Resolver<'_> {
-    /// A sequence, unless it becomes too large.
+    /// Resolves a sequence, unless it becomes too large.
     pub(super) fn sequence(&mut self, regex: &ast::Regex) -> Option<Regex> {
         let resolved = self.regex(regex)?;
         let size = size(&resolved);
@@ -88,12 +88,12 @@ impl Resolver<'_> {
     }
 }
 
-/// How many skills an expression has, written out.
+/// Returns the number of skills in an expression, with repetitions expanded.
 fn size(regex: &Regex) -> u64 {
     match regex {
         Regex::Nothing | Regex::Empty => 0,
         Regex::Letter(_) | Regex::AnyBut(_) => 1,
-        // Each set of skills that have been called goes on with each of the others.
+        // Each set of called skills continues with each of the others.
         Regex::AnyOrder(skills) => {
             let sets = 1_u64.checked_shl(skills.len().saturating_sub(1) as u32);
             sets.unwrap_or(u64::MAX).saturating_mul(skills.len() as u64)

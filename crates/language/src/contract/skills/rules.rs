@@ -1,4 +1,4 @@
-//! Orders: the skills and situations that they speak of, looked up.
+//! Orders: resolves the skills and situations that they mention.
 
 use super::{Resolver, level, near_or_all};
 use crate::contract::formula::one_line;
@@ -9,11 +9,11 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, OrderRule, SkillItem};
 use std::collections::BTreeMap;
 
-/// `at most N` counts so far at most.
+/// Maximum count of `at most N`.
 const MOST_COUNT: u64 = 1000;
 
 impl Resolver<'_> {
-    /// The rules, as far as they mean something.
+    /// Resolves the rules that are free of errors.
     pub(super) fn rules(&mut self) -> Vec<Rule> {
         let orders = self.set.items.iter().filter_map(|item| match item {
             SkillItem::Order(order) => Some(order),
@@ -45,7 +45,7 @@ impl Resolver<'_> {
                 level,
                 kind,
                 deletions,
-                // Without what a published model deletes for it.
+                // Without the deletions of a published model.
                 span: Span {
                     end: order.body.end,
                     ..order.span
@@ -135,7 +135,7 @@ impl Resolver<'_> {
     }
 
     fn events(&mut self, events: &[ast::Event]) -> Option<Vec<Event>> {
-        // All of them are looked at, whatever is wrong with the first.
+        // All of them are resolved, even if the first is wrong.
         let events: Vec<Option<Event>> = events.iter().map(|e| self.event(e)).collect();
         events.into_iter().collect()
     }
@@ -147,8 +147,8 @@ impl Resolver<'_> {
         self.at_once(&event.skills, separate).map(Event)
     }
 
-    /// Skills that are called at once, in ascending order: each once, and of a component one at
-    /// most.
+    /// Resolves skills that are called at once, in ascending order: each once, and at most one per
+    /// component.
     pub(super) fn at_once(
         &mut self,
         names: &[ast::Name],
@@ -156,7 +156,7 @@ impl Resolver<'_> {
     ) -> Option<Vec<usize>> {
         let found: Vec<Option<usize>> = names.iter().map(|n| self.find(n)).collect();
         let found: Vec<usize> = found.into_iter().collect::<Option<_>>()?;
-        // By component, and that is by skill.
+        // By component, which is by skill.
         let mut moved: BTreeMap<usize, usize> = BTreeMap::new();
         let mut sound = true;
         for (place, skill) in found.iter().enumerate() {
@@ -200,7 +200,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// Situations of several components, in their order.
+    /// Resolves situations of several components, in their order.
     fn side(&mut self, situations: &[ast::Situation]) -> Option<Vec<(usize, usize)>> {
         let found: Vec<_> = situations.iter().map(|s| self.situation(s)).collect();
         let found: Vec<(usize, usize)> = found.into_iter().collect::<Option<_>>()?;
@@ -280,8 +280,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Reports a name that is not declared, unless what could not be understood may have declared
-    /// it.
+    /// Reports an undeclared name, unless a part that could not be parsed may have declared it.
     fn unknown(&mut self, name: &ast::Name, what: &str, known: impl Fn(&Self) -> Vec<&str>) {
         self.tainted = true;
         if self.set.broken {

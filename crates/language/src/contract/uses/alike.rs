@@ -1,19 +1,19 @@
 //! LW113: two variables of a contract that look like two names for one thing (`desired` and
 //! `desired_angle`).
 //!
-//! Names that share words are common and mostly right: `turn` and `turn_done`, `part` and
-//! `part_ok`, `low` and `low_limit`. So three things have to come together before anything is said.
-//! The two are of one side and one type. What one name has more than the other only says what kind
-//! of thing it is (`_angle`, `_value`, `_cmd`), or one shortens the other. And they are not both in
-//! use: no formula mentions one of them; or each formula keeps to one of the two, where nobody who
-//! knew both would leave out what tells them apart.
+//! Names that share words are common and usually fine: `turn` and `turn_done`, `part` and
+//! `part_ok`, `low` and `low_limit`. So three conditions have to be met for a finding. The two have
+//! the same side and type. The additional words of one only give the kind of thing (`_angle`,
+//! `_value`, `_cmd`), or one abbreviates the other. And they are not used together: no formula
+//! mentions one of them, or each formula mentions only one of the two, although someone who knew
+//! both would add the distinguishing word.
 
 use super::mentions::Mentions;
 use linewright_core::diagnostics::{Diagnostic, codes, related, words};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{Contract, ContractItem, Domain, DomainKind, Name, Ownership};
 
-/// Words that say what kind of thing a name is for, and nothing about which.
+/// Words that only give the kind of thing a name is for.
 const KINDS: &[&str] = &[
     "angle",
     "cell",
@@ -41,14 +41,14 @@ const KINDS: &[&str] = &[
     "weight",
     "width",
 ];
-/// The same for any type, a truth value included.
+/// Such words for any type, including truth values.
 const MERE: &[&str] = &[
     "bit", "flag", "input", "output", "sig", "signal", "state", "status", "val", "value", "var",
     "variable",
 ];
 
-/// Of more variables than this no names are compared: a program has written them, and pairs grow
-/// with their square.
+/// Maximum number of variables whose names are compared: more are probably generated, and the
+/// number of pairs grows with the square.
 const MOST_VARIABLES: usize = 1_000;
 
 struct Variable<'a> {
@@ -58,8 +58,8 @@ struct Variable<'a> {
     domain: &'a Domain,
 }
 
-/// The pairs of a contract, each told at the name that nothing uses, or at the later one. `idle`
-/// says which nothing uses for sure.
+/// Finds the pairs of a contract, each reported at the unused name, or at the later one. `idle`
+/// tells which names are certainly unused.
 pub(super) fn find(
     contract: &Contract,
     sources: &SourceMap,
@@ -67,7 +67,7 @@ pub(super) fn find(
 ) -> Vec<Diagnostic> {
     let mut variables: Vec<Variable<'_>> = Vec::new();
     let mut formulas: Vec<Mentions<'_>> = Vec::new();
-    // Which formulas what stands in definitions reaches is not followed up.
+    // Which formulas use a definition is not tracked.
     let mut indirect = Mentions::default();
     for item in &contract.items {
         match item {

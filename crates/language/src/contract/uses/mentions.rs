@@ -1,4 +1,4 @@
-//! The names that a piece of a file mentions, where nothing nearer has the same name.
+//! The names that a piece of a file mentions, without those bound locally.
 
 use linewright_syntax::ast::{
     self, ContractItem, DomainKind, Expr, ExprKind, Item, LineItem, MachineItem, StationItem,
@@ -6,7 +6,7 @@ use linewright_syntax::ast::{
 };
 use std::collections::BTreeSet;
 
-/// Names that occur, without those that a quantifier or a definition's own parameter stands for.
+/// Names that occur, except quantified names and a definition's own parameters.
 #[derive(Debug, Default)]
 pub(super) struct Mentions<'a> {
     names: BTreeSet<&'a str>,
@@ -18,7 +18,7 @@ impl<'a> Mentions<'a> {
         self.names.contains(name)
     }
 
-    /// Whether one of a type's labels occurs: they are written without their type.
+    /// Returns whether one of a type's labels occurs: they are written without their type.
     pub fn has_label_of(&self, domain: &ast::Domain) -> bool {
         match &domain.kind {
             DomainKind::Labels(labels) => labels.iter().any(|l| self.has(&l.text)),
@@ -26,7 +26,7 @@ impl<'a> Mentions<'a> {
         }
     }
 
-    /// Takes a name for mentioned.
+    /// Marks a name as mentioned.
     pub fn name(&mut self, name: &'a str) {
         if !self.bound.contains(&name) {
             self.names.insert(name);
@@ -68,7 +68,7 @@ impl<'a> Mentions<'a> {
             }
             DomainKind::Record(members) => members.iter().for_each(|(_, d)| self.domain(d)),
             DomainKind::Named(name) => self.name(&name.text),
-            // A quantifier may range over an array that is called like a unit: `h`.
+            // A quantifier may range over an array with the name of a unit: `h`.
             DomainKind::Unit(name) => self.name(name),
             DomainKind::Labels(_) => {}
         }
@@ -105,12 +105,12 @@ impl<'a> Mentions<'a> {
         self.expr(&constant.value);
     }
 
-    fn typed(&mut self, typed: &'a ast::Typed) {
+    fn typed(&mut self, typed: &'a ast::TypedDecl) {
         self.domain(&typed.domain);
         self.exprs(&typed.values);
     }
 
-    fn performed(&mut self, list: &'a [ast::Performed]) {
+    fn performed(&mut self, list: &'a [ast::OperationCall]) {
         for performed in list {
             self.name(&performed.name.text);
             self.arguments(&performed.arguments);
@@ -231,7 +231,7 @@ impl<'a> Mentions<'a> {
     pub fn file(&mut self, file: &'a ast::File) {
         for item in &file.items {
             match item {
-                // A set of skills speaks of nothing outside of it.
+                // A set of skills mentions nothing outside of it.
                 Item::Import(_) | Item::Skills(_) => {}
                 Item::Type(t) => self.domain(&t.domain),
                 Item::Const(c) => self.constant(c),

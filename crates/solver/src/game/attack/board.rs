@@ -1,39 +1,39 @@
-//! The game as the environment sees it, and the steps in which its winning region grows; the
-//! formula stands above [`super`].
+//! The game from the environment's point of view, and the steps in which its winning region grows;
+//! [`super`] has the formula.
 
 use crate::game::arena::{Arena, Formulas, Selection};
 use crate::game::set_up::SPLIT;
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::Timing;
 
-/// The game as the environment sees it.
+/// The game from the environment's point of view.
 pub(super) struct Board<K: Kernel> {
-    /// The relations as they are, also for a machine that answers first.
+    /// The original relations, also for a machine that moves first.
     pub arena: Arena<K>,
-    /// Who answers first.
+    /// Which side moves first.
     pub timing: Timing,
-    /// The environment's safety, and its invariants and domains of the next step.
+    /// The environment's safety, and its invariants and domains in the next step.
     pub environment: K::Function,
-    /// The machine's safety, and its invariants and domains of the next step.
+    /// The machine's safety, and its invariants and domains in the next step.
     pub answers: K::Function,
 }
 
-/// One step of Z.
+/// One iteration of Z.
 pub(super) struct Stage<K: Kernel> {
     /// Z before it.
     pub before: K::Function,
     /// Z after it.
     pub reached: K::Function,
-    /// The goal that is kept from the machine; `None` for a forced step.
-    pub starve: Option<Starve<K>>,
+    /// How a goal is withheld from the machine; `None` for a forced step.
+    pub starve: Option<StarvationStrategy<K>>,
 }
 
-/// How a goal is kept from the machine.
-pub(super) struct Starve<K: Kernel> {
-    /// Which goal.
+/// How a goal is withheld from the machine.
+pub(super) struct StarvationStrategy<K: Kernel> {
+    /// Index of the goal.
     pub goal: usize,
-    /// For every assumption the Xs of its least fixpoint: from each, the environment comes into the
-    /// one before, or meets the assumption.
+    /// For every assumption, the Xs of its least fixpoint: from each, the environment reaches the
+    /// previous one or meets the assumption.
     pub layers: Vec<Vec<K::Function>>,
 }
 
@@ -49,8 +49,8 @@ impl<K: Kernel> Board<K> {
         })
     }
 
-    /// The transitions (x, y, x′, y′) that the machine may take and that are not in `target`; for a
-    /// machine that answers second, whether it has one (x, y, x′).
+    /// The transitions (x, y, x′, y′) open to the machine that are not in `target`; for a machine
+    /// that moves second, whether it has one (x, y, x′).
     pub fn evasions(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         match self.timing {
@@ -59,8 +59,8 @@ impl<K: Kernel> Board<K> {
         }
     }
 
-    /// The environment's moves into `target`: (x, y, x′), or (x, y, y′, x′) where the machine
-    /// answers first.
+    /// The environment's moves into `target`: (x, y, x′), or (x, y, y′, x′) if the machine moves
+    /// first.
     pub fn moves(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         m.and_not(&self.environment, &self.evasions(target)?)
@@ -78,8 +78,8 @@ impl<K: Kernel> Board<K> {
         m.and(&forced, &arena.states)
     }
 
-    /// The environment's choices in step 0 from which it wins in `region`: x, or (x, y) where the
-    /// machine answers first.
+    /// The environment's choices in step 0 from which it wins in `region`: x, or (x, y) if the
+    /// machine moves first.
     pub fn beginnings(&self, region: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
         let lost = m.and_not(&arena.sys_initial, region)?;
@@ -101,7 +101,7 @@ impl<K: Kernel> Board<K> {
         })
     }
 
-    /// The stages up to the first from which the environment can begin; `None` if there is none.
+    /// The stages up to the first from which the environment can start; `None` if there is none.
     pub fn stages(&self) -> Result<Option<Vec<Stage<K>>>, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
         let mut stages: Vec<Stage<K>> = Vec::new();
@@ -135,14 +135,14 @@ impl<K: Kernel> Board<K> {
             stages.push(Stage {
                 before: region,
                 reached: reached.clone(),
-                starve: Some(Starve { goal, layers }),
+                starve: Some(StarvationStrategy { goal, layers }),
             });
             region = reached;
         }
     }
 
-    /// The states from which a goal can be kept from the machine for ever, or `region` be reached;
-    /// with the layers by assumption.
+    /// States from which a goal can be withheld from the machine for ever, or `region` can be
+    /// reached; with the layers by assumption.
     #[expect(clippy::type_complexity, reason = "a set and its layers")]
     fn starve(
         &self,

@@ -1,9 +1,9 @@
 //! A counterstrategy as explicit states with guards over the machine's outputs.
 //!
-//! As with strategies ([`crate::game::explore`]) a state is what will be done next: the residual of
-//! the strategy with the current step known, and what is still open of the assumption that is aimed
-//! at. So where the environment moves first there are at most as many states as inputs that it ever
-//! gives, times assumptions.
+//! As with strategies ([`crate::game::explore`]), a state is what will be done next: the residual
+//! of the strategy for the known current step, and what is still missing for the pursued
+//! assumption. So if the environment moves first, there are at most as many states as inputs that
+//! it ever gives, times assumptions.
 
 use super::board::Board;
 use super::strategy::Strategy;
@@ -13,33 +13,33 @@ use crate::symbolic::{Bit, Kernel, Limit, Limits};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use std::collections::{HashMap, VecDeque};
 
-/// More rows than this are not written down.
+/// Maximum number of rows.
 const MOST_ROWS: usize = 200_000;
 
-/// More states than this are not written down.
+/// Maximum number of states.
 const MOST_STATES: usize = 20_000;
 
-/// What is about to be given, over next bits.
+/// The upcoming move, over next bits.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Key<F> {
     aim: usize,
-    /// What is given (x′), by the answer y′ where the machine answers first.
+    /// The inputs x′; as a function of the answer y′ if the machine moves first.
     given: F,
-    /// The steps (x′, y′) with which the assumption that is aimed at is met.
+    /// The steps (x′, y′) that meet the pursued assumption.
     met: F,
 }
 
-/// A part of the machine's answers and the state that the environment is in after it.
+/// A subset of the machine's answers, with the environment's next state.
 struct Class<K: Kernel> {
-    /// The valuations (x, y), as far as the inputs given allow; over current bits.
+    /// The valuations (x, y), as far as the given inputs allow; over current bits.
     step: K::Function,
     to: usize,
 }
 
-/// What is given, and where the answers lead.
+/// Given inputs, and the successors for the machine's answers.
 type Step<K> = (Vec<i64>, Vec<Class<K>>);
 
-/// Inputs that are given, and the bits that say so.
+/// Given inputs, and the bits that represent them.
 type Given = (Vec<i64>, Vec<(Bit, bool)>);
 
 struct Explorer<'a, K: Kernel> {
@@ -49,12 +49,12 @@ struct Explorer<'a, K: Kernel> {
     inputs: Vec<VarId>,
     limits: &'a Limits,
     keys: Vec<Key<K::Function>>,
-    /// The steps (x′, y′) that the machine may take there, over next bits.
+    /// The steps (x′, y′) open to the machine, over next bits.
     legal: Vec<K::Function>,
     numbers: HashMap<Key<K::Function>, usize>,
 }
 
-/// Writes a counterstrategy down state by state.
+/// Writes a counterstrategy state by state.
 pub fn explore<K: Kernel>(
     board: &Board<K>,
     specification: &Specification,
@@ -97,14 +97,14 @@ pub fn explore<K: Kernel>(
     for state in 0..lost {
         rows.push(explorer.rows(state, lost, &cover, &mut room)?);
     }
-    // Where every answer breaks a guarantee, there is nothing more to do.
+    // If every answer breaks a guarantee, nothing more is needed.
     let given = rows[start].first().map_or(Vec::new(), |r| r.output.clone());
     rows.push(vec![Row {
         cubes: vec![Vec::new()],
         output: given,
         to: lost,
     }]);
-    // The first state is that of step 0; nothing leads back to it in a way that matters.
+    // The first state is that of step 0; no relevant transition leads back to it.
     let initial = rows[start].clone();
     Ok(trimmed(&Explicit {
         initial,
@@ -113,7 +113,7 @@ pub fn explore<K: Kernel>(
 }
 
 impl<K: Kernel> Explorer<'_, K> {
-    /// The state of a key; new legal steps are added. Says also whether there were any.
+    /// Returns the state of a key, adds new legal steps to it, and returns whether there were any.
     fn enter(
         &mut self,
         key: Key<K::Function>,
@@ -136,7 +136,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok((number, fresh))
     }
 
-    /// By what is given in a state: where the machine's answers lead.
+    /// For each input given in a state, the successors for the machine's answers.
     fn steps(&mut self, state: usize) -> Result<Vec<Step<K>>, Limit> {
         let m = self.m;
         let key = self.keys[state].clone();
@@ -194,7 +194,7 @@ impl<K: Kernel> Explorer<'_, K> {
         }
         let key = Key {
             aim,
-            // Only what concerns a step that may be given matters.
+            // Only steps that may be given matter.
             met: m.and(met, &moves)?,
             given: moves,
         };
@@ -207,7 +207,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(())
     }
 
-    /// Adds the legal steps that follow those of a class. Says whether there were new ones.
+    /// Adds the legal steps that follow a class. Returns whether any were new.
     fn extend(&mut self, class: &Class<K>) -> Result<bool, Limit> {
         let now = self.board.now();
         let legal = self.m.and_exists(&class.step, &self.board.answers, &now)?;
@@ -215,7 +215,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(self.enter(key, &legal)?.1)
     }
 
-    /// The different inputs (x′) that a set of steps begins with, with their bits.
+    /// The distinct inputs (x′) of a set of steps, with their bits.
     fn given(&self, steps: &K::Function) -> Result<Vec<Given>, Limit> {
         let m = self.m;
         let arena = &self.board.arena;
@@ -256,8 +256,8 @@ impl<K: Kernel> Explorer<'_, K> {
                 });
             }
         }
-        // Answers that break a guarantee: where the machine answers first, the environment has to
-        // say with what.
+        // Answers that break a guarantee: if the machine moves first, the environment needs an
+        // input for them.
         let broken = m.and_not(&self.keys[state].given, &self.legal[state])?;
         let everything = m.is_false(&self.legal[state]);
         if everything || self.board.timing == Timing::Moore {
@@ -277,7 +277,7 @@ impl<K: Kernel> Explorer<'_, K> {
     }
 }
 
-/// Without the states that cannot be reached.
+/// Removes unreachable states.
 fn trimmed(explicit: &Explicit) -> Explicit {
     let mut numbers: HashMap<usize, usize> = HashMap::new();
     let mut order = Vec::new();

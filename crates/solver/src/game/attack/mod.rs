@@ -6,13 +6,13 @@
 //! ```
 //!
 //! `EPre` holds the states in which the environment has a legal move after which every legal answer
-//! of the machine lies in its argument; none of them being legal counts. The set is the complement
-//! of the machine's winning region ([`super::fixpoint`]; after Könighofer, Hofferek and Bloem,
-//! "Debugging formal specifications: a practical approach using model-based diagnosis and
+//! of the machine lies in its argument; this includes states without a legal answer. The set is the
+//! complement of the machine's winning region ([`super::fixpoint`]; after Könighofer, Hofferek and
+//! Bloem, "Debugging formal specifications: a practical approach using model-based diagnosis and
 //! counterstrategies", STTT 15, 2013). The steps of Z are kept as [`board::Stage`]s: either one
-//! more forced step, or a goal that can be kept from the machine for ever while every assumption's
-//! justice is met again and again. The search ends with the first stage from which the environment
-//! can begin, so the last stage is as low as can be.
+//! more forced step, or a goal that can be withheld from the machine for ever while every
+//! assumption's justice is met again and again. The search ends with the first stage from which the
+//! environment can start, so the last stage is the lowest possible.
 
 mod board;
 mod explore;
@@ -27,20 +27,20 @@ use board::Board;
 use linewright_core::gr1::{Formula, Specification};
 pub use play::{Ending, Play};
 
-/// A counterstrategy in plain data, and the play that it and a machine that resists as long as it
-/// can lead to.
+/// A counterstrategy as plain data, and the play between it and a machine that resists as long as
+/// it can.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attack {
-    /// The counterstrategy. Conditions are about the machine's outputs, by their place among them;
-    /// the `output` of a row is what the environment gives. Where the environment moves first, all
-    /// rows of a state give the same.
+    /// The counterstrategy. Conditions refer to the machine's outputs by index; the `output` of a
+    /// row is what the environment gives. If the environment moves first, all rows of a state give
+    /// the same.
     pub explicit: Explicit,
     /// A play in which the environment wins as early as it can, and the machine resists as long as
     /// it can.
     pub play: Play,
 }
 
-/// The counterstrategy of a specification, or `None` if the machine wins.
+/// Computes the counterstrategy of a specification, or `None` if the machine wins.
 pub(super) fn attack_on<K: Kernel>(
     specification: &Specification,
     beginning: &[Formula],
@@ -62,7 +62,7 @@ pub(super) fn attack_on<K: Kernel>(
     Ok(Some(Attack { explicit, play }))
 }
 
-/// The specification with these of its guarantees only.
+/// The specification with only these guarantees.
 pub fn reduced(specification: &Specification, guarantees: &[GuaranteeRef]) -> Specification {
     use super::reference::GuaranteeKind as Kind;
     let all = &specification.guarantees;

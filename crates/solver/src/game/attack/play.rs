@@ -1,11 +1,10 @@
 //! The play that shows why a game is lost: the environment wins as early as it can, the machine
 //! resists as long as it can.
 //!
-//! In every step the machine takes the legal answer that leads to the highest stage, so that no
-//! play that ends in a clash is shorter unless the machine makes it shorter; among equals it
-//! changes the fewest outputs. The play ends where no answer is legal, and names the guarantees
-//! that clash there; or it comes back to a step it has seen, and then a goal is kept from the
-//! machine for ever.
+//! In every step the machine takes the legal answer that leads to the highest stage, so that a play
+//! that ends in a clash is as long as the machine can make it; among equals it changes the fewest
+//! outputs. The play ends where no answer is legal, and names the guarantees that clash there; or
+//! it returns to an earlier step, and then a goal is withheld from the machine for ever.
 
 use super::board::{Board, Stage};
 use super::strategy::Strategy;
@@ -15,35 +14,35 @@ use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use serde::{Deserialize, Serialize};
 
-/// A play that the machine loses.
+/// A play lost by the machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Play {
-    /// The valuations, step by step, with one value a variable of the specification. In the last
-    /// step of a play that ends in a clash, only the inputs mean something; for a machine that
-    /// answers first, its outputs too.
+    /// The valuations step by step, with one value per variable of the specification. In the last
+    /// step of a play that ends in a clash, only the inputs are meaningful; for a machine that
+    /// moves first, its outputs too.
     pub steps: Vec<Vec<i64>>,
     /// How it ends.
     pub ending: Ending,
 }
 
-/// How a play ends that the machine loses.
+/// How a lost play ends.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
-    /// In the last step no answer keeps all of these guarantees, although some answer keeps any
-    /// fewer of them.
+    /// In the last step no answer keeps all of these guarantees, but some answer keeps any proper
+    /// subset of them.
     Clash(Vec<GuaranteeRef>),
-    /// The play goes on at this step for ever, and never meets this guarantee.
+    /// The play repeats from this step for ever, and never meets this guarantee.
     Starved {
-        /// The step to which it returns.
+        /// Index of the step to which it returns.
         from: usize,
-        /// What is never met.
+        /// The guarantee that is never met.
         goal: GuaranteeRef,
     },
 }
 
 impl Play {
-    /// The same with the guarantees of a [reduced](super::reduced) specification as those of the
-    /// whole; `core` are the ones that were kept.
+    /// Converts the guarantees of a [reduced](super::reduced) specification to those of the whole;
+    /// `core` lists the ones that were kept.
     #[must_use]
     pub fn within(mut self, core: &[GuaranteeRef]) -> Self {
         let whole = |guarantee: &mut GuaranteeRef| {
@@ -60,7 +59,7 @@ impl Play {
     }
 }
 
-/// Plays. The machine begins within `beginning` where it can.
+/// Computes a play. The machine starts within `beginning` if it can.
 pub fn play<K: Kernel>(
     board: &Board<K>,
     specification: &Specification,
@@ -79,7 +78,7 @@ pub fn play<K: Kernel>(
     let mut seen: Vec<(usize, Vec<i64>)> = Vec::new();
     let mut aim = 0;
     let m = player.m;
-    // The moves of the step to come, over next bits, and what is legal in it.
+    // Moves of the upcoming step, over next bits, and the legal ones among them.
     let mut given = m.prime(&strategy.initial)?;
     let mut legal = m.prime(&board.arena.sys_initial)?;
     let wished = m.and(&legal, &m.prime(beginning)?)?;
@@ -129,7 +128,7 @@ struct Player<'a, K: Kernel> {
 }
 
 impl<K: Kernel> Player<'_, K> {
-    /// The step among these, over next bits, from which the machine holds out longest.
+    /// Among these steps, over next bits, the one with which the machine holds out longest.
     fn resist(
         &self,
         possible: &K::Function,
@@ -155,8 +154,8 @@ impl<K: Kernel> Player<'_, K> {
         Ok(Some(self.valuation(&bits)))
     }
 
-    /// Where some move does not change a variable, or else sets it to its smallest value, only such
-    /// moves.
+    /// For each variable, restricts moves to those that do not change it, or else to those that set
+    /// its smallest value, if there are any.
     fn quiet(
         &self,
         moves: K::Function,
@@ -182,8 +181,8 @@ impl<K: Kernel> Player<'_, K> {
         Ok(moves)
     }
 
-    /// What is given when no answer is legal; for a machine that answers first, its quietest answer
-    /// with it.
+    /// What is given when no answer is legal; for a machine that moves first, with its quietest
+    /// answer.
     fn offered(&self, given: &K::Function, before: Option<&Vec<i64>>) -> Result<Vec<bool>, Limit> {
         let m = self.m;
         let mut moves = m.and(given, &m.prime(&self.domains()?)?)?;
@@ -193,7 +192,7 @@ impl<K: Kernel> Player<'_, K> {
         Ok(m.witness(&moves).unwrap_or_default())
     }
 
-    /// That every output has a value.
+    /// Every output has a value in its domain.
     fn domains(&self) -> Result<K::Function, Limit> {
         let (m, encoding) = (self.m, &self.board.arena.encoding);
         let mut within = m.constant(true);
@@ -203,7 +202,7 @@ impl<K: Kernel> Player<'_, K> {
         Ok(within)
     }
 
-    /// The fewest guarantees that no answer keeps together.
+    /// A minimal set of guarantees that no answer keeps together.
     fn clash(
         &self,
         formulas: &Formulas<K>,
@@ -255,7 +254,7 @@ impl<K: Kernel> Player<'_, K> {
         Ok(left.into_iter().map(|(guarantee, _)| guarantee).collect())
     }
 
-    /// The goal that is kept from the machine in a state.
+    /// The goal withheld from the machine in a state.
     fn goal(&self, state: &[i64]) -> Result<GuaranteeRef, Limit> {
         let m = self.m;
         let cube = self.cube(state, Time::Now)?;

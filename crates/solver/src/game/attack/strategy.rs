@@ -1,10 +1,10 @@
-//! From the stages of a lost game to a function: what the environment gives, by the state and the
-//! assumption it aims at.
+//! From the stages of a lost game to a function: what the environment gives, by state and pursued
+//! assumption.
 //!
-//! In a forced step it moves into the stage below. Where it keeps a goal from the machine, it moves
-//! into the layer below for the assumption aimed at; when that assumption's justice is met, it aims
-//! at the next one. Of several moves it takes the one that changes the fewest inputs, one input
-//! after the other; else the smallest values.
+//! In a forced step it moves into the stage below. Where it withholds a goal from the machine, it
+//! moves into the layer below for the pursued assumption; when that assumption's justice is met, it
+//! pursues the next one. Among several moves it takes the one that changes the fewest inputs, one
+//! input after the other; otherwise the smallest values.
 
 use super::board::{Board, Stage};
 use crate::symbolic::{BitSet, Kernel, Limit};
@@ -12,12 +12,12 @@ use linewright_core::gr1::{Specification, Time};
 
 /// A deterministic counterstrategy.
 pub struct Strategy<K: Kernel> {
-    /// For every assumption that may be aimed at, what is given: (x, y, x′), or (x, y, y′, x′)
-    /// where the machine answers first.
+    /// For every assumption that may be pursued, the moves: (x, y, x′), or (x, y, y′, x′) if the
+    /// machine moves first.
     pub moves: Vec<K::Function>,
-    /// For each of them, the transitions after which the next one is aimed at.
+    /// For each assumption, the transitions after which the next one is pursued.
     pub met: Vec<K::Function>,
-    /// What is given in step 0, over current bits: x, or (x, y) where the machine answers first.
+    /// Moves in step 0, over current bits: x, or (x, y) if the machine moves first.
     pub initial: K::Function,
 }
 
@@ -55,14 +55,14 @@ impl<K: Kernel> Strategy<K> {
         })
     }
 
-    /// The aim after the one that was met.
+    /// The assumption pursued after the one that was met.
     pub fn after(&self, aim: usize) -> usize {
         (aim + 1) % self.moves.len()
     }
 }
 
 impl<K: Kernel> Stage<K> {
-    /// The moves from the states `fresh` of this stage that lead on.
+    /// The moves from the states `fresh` of this stage that make progress.
     fn moves(
         &self,
         board: &Board<K>,
@@ -122,7 +122,7 @@ fn smallest<K: Kernel>(
     Ok(relation)
 }
 
-/// The relation, with only the moves that satisfy `wish` wherever there is one.
+/// Restricts the relation to moves that satisfy `wish` wherever there is one.
 fn prefer<K: Kernel>(
     board: &Board<K>,
     relation: &K::Function,

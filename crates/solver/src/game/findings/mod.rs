@@ -1,12 +1,12 @@
-//! What is odd about the assumptions: contradictions, dead ends, and whether the machine can win by
-//! breaking them; and, in [`shape`], about guarantees that ask for less than they seem to.
+//! Checks of the assumptions: contradictions, dead ends, and whether the machine can win by forcing
+//! a violation. In [`shape`]: guarantees that demand less than they seem to.
 //!
 //! A specification is *well-separated* (Klein and Pnueli; Maoz and Ringert, "On well-separation of
 //! GR(1) specifications", FSE 2016) when the machine cannot force the environment to violate its
 //! assumptions. Only then does "safety first, strictly" equal the plain implication. The check is
 //! the same game with the machine's justice replaced by `false`, played from the states that can
-//! occur. It is made twice, as there: for a machine that keeps its own safety all the while, and
-//! for one that does as it likes, which says whether the assumptions make sense by themselves.
+//! occur. As in that paper, it is made twice: for a machine that always keeps its own safety, and
+//! for an unrestricted one, which shows whether the assumptions are meaningful by themselves.
 
 pub mod requests;
 pub mod shape;
@@ -17,37 +17,38 @@ use super::lasting::together;
 use super::reachable::{self, reachable};
 use super::reference::{AssumptionRef, GuaranteeKind};
 use super::set_up::SPLIT;
-use crate::symbolic::{Kernel, Limit};
+use crate::symbolic::{Bit, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
 use serde::{Deserialize, Serialize};
 
-/// What is odd about the environment's side. A valuation has one value a variable of the
-/// specification.
+/// The values of the variables of a specification, in its order. `None`: every value of the
+/// variable will do, given the others.
+pub type Situation = Vec<Option<i64>>;
+
+/// What is odd about the environment's side.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentFindings {
     /// The environment's initial conditions and invariants contradict each other: every machine is
-    /// right.
+    /// correct.
     pub cannot_start: bool,
     /// A first valuation after which the environment has no move.
-    pub stuck_at_start: Option<Vec<i64>>,
+    pub stuck_at_start: Option<Situation>,
     /// A valuation that can occur while both sides keep their safety, after which the environment
     /// has no move.
-    pub dead_end: Option<Vec<i64>>,
+    pub dead_end: Option<Situation>,
     /// A valuation that can occur while both sides keep their safety, from which the machine can
     /// keep its safety and force the environment to break an assumption. `None`: the specification
     /// is well-separated.
-    pub forced: Option<Vec<i64>>,
-    /// From how many of the valuations that can occur it can, and how many can occur.
+    pub forced: Option<Situation>,
+    /// In how many of the valuations that can occur it can do so, and how many can occur.
     pub forced_states: [f64; 2],
-    /// The same for a machine that need not keep its safety: a valuation that can occur then, and
-    /// the numbers.
-    pub forced_recklessly: Option<Vec<i64>>,
+    /// The same for a machine that need not keep its safety: a valuation that can occur then.
+    pub forced_recklessly: Option<Situation>,
     /// See [`Self::forced_recklessly`].
     pub forced_recklessly_states: [f64; 2],
-    /// The assumptions that can be broken so, each by itself, where one alone is enough.
+    /// Assumptions that can each be broken alone in this way.
     pub broken: Vec<AssumptionRef>,
-    /// No play keeps all assumptions, not even with a machine that helps and forgets about its
-    /// guarantees.
+    /// No play keeps all assumptions, even with a cooperating machine that ignores its guarantees.
     pub unsatisfiable: bool,
 }
 
@@ -58,7 +59,7 @@ impl EnvironmentFindings {
     }
 }
 
-/// Examines the environment's side of a game that is encoded already.
+/// Examines the environment of an encoded game.
 pub fn examine<K: Kernel>(
     formulas: &Formulas<K>,
     arena: &Arena<K>,
@@ -80,7 +81,7 @@ pub fn examine<K: Kernel>(
     let dead_end = m.and(&stuck, &reachable)?;
     let forced = m.and(&forcing(arena)?, &reachable)?;
 
-    // The same for a machine without guarantees.
+    // The game for a machine without guarantees.
     let reckless = formulas.arena(&Selection::Only(&[]), SPLIT)?;
     let first = m.and(&reckless.env_initial, &reckless.sys_initial)?;
     let anywhere = reachable::reachable(&reckless, &first, &moves)?;
@@ -116,27 +117,59 @@ pub fn examine<K: Kernel>(
     };
     let hopeless = m.is_false(&m.and(&first, &together(&helped)?)?);
 
-    let valuation = |bits: Vec<bool>| -> Vec<i64> {
-        let ids = (0..specification.variables.len()).map(|i| VarId(i as u32));
-        ids.map(|v| arena.encoding.value(v, Time::Now, &bits))
-            .collect()
+    let situation = |set: &K::Function, within: &K::Function| {
+        prime_implicant(arena, specification, set, within)
     };
-    let witness = |set: &K::Function| m.witness(set).map(valuation);
     let count = |set: &K::Function| -> f64 {
         let bits = arena.encoding.pairs() as f64;
         m.export(&[set]).shares()[0] * bits.exp2()
     };
     Ok(EnvironmentFindings {
         cannot_start: false,
-        stuck_at_start: witness(&stuck_at_start),
-        dead_end: witness(&dead_end),
-        forced: witness(&forced),
+        stuck_at_start: situation(&stuck_at_start, &initial)?,
+        dead_end: situation(&dead_end, &reachable)?,
+        forced: situation(&forced, &reachable)?,
         forced_states: [count(&forced), count(&reachable)],
-        forced_recklessly: witness(&recklessly),
+        forced_recklessly: situation(&recklessly, &anywhere)?,
         forced_recklessly_states: [count(&recklessly), count(&anywhere)],
         broken,
         unsatisfiable: hopeless,
     })
+}
+
+/// A prime implicant of a set within a larger one: the fewest values, none of which can be left
+/// out, that together ensure that a state of the larger set belongs to the smaller. Variables are
+/// left out greedily, internal ones first.
+fn prime_implicant<K: Kernel>(
+    arena: &Arena<K>,
+    specification: &Specification,
+    set: &K::Function,
+    within: &K::Function,
+) -> Result<Option<Situation>, Limit> {
+    let (m, encoding) = (&arena.kernel, &arena.encoding);
+    let Some(bits) = m.witness(set) else {
+        return Ok(None);
+    };
+    let outside = m.and_not(within, set)?;
+    let variables = &specification.variables;
+    let ids = || (0..variables.len()).map(|i| VarId(i as u32));
+    let mut values: Situation = ids()
+        .map(|v| Some(encoding.value(v, Time::Now, &bits)))
+        .collect();
+    let (internal, seen): (Vec<VarId>, Vec<VarId>) =
+        ids().partition(|v| variables[v.0 as usize].internal);
+    for candidate in internal.into_iter().chain(seen) {
+        let kept = ids().filter(|v| *v != candidate && values[v.0 as usize].is_some());
+        let literals: Vec<(Bit, bool)> = encoding
+            .bit_set(kept, Time::Now)
+            .iter()
+            .map(|bit| (bit, bits[bit.index()]))
+            .collect();
+        if m.is_false(&m.and(&m.cube(&literals)?, &outside)?) {
+            values[candidate.0 as usize] = None;
+        }
+    }
+    Ok(Some(values))
 }
 
 /// The states from which the machine can make the environment break an assumption.

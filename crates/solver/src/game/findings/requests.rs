@@ -1,9 +1,9 @@
-//! Whether an accepted request is always completed.
+//! Checks whether an accepted request is always completed.
 //!
 //! A contract declares a request in one of two ways. It assumes that the request is held until it
 //! is done, `always (R and not D -> next R)`, where D is an output; or it has an output
-//! `turn_executed` or `turn_done` beside an input that has the value `turn`. What is asked is
-//! `always eventually (not R or D)`: does every controller ensure it, could one, or none?
+//! `turn_executed` or `turn_done` for an input that has the value `turn`. The property is
+//! `always eventually (not R or D)`: does every controller ensure it, can one, or none?
 
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
@@ -16,20 +16,19 @@ use serde::{Deserialize, Serialize};
 /// A request that need not be completed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Request {
-    /// When it is up; over current values.
+    /// Condition under which it is pending; over current values.
     pub request: Expr,
-    /// When it is done; over current values.
+    /// Condition under which it is done; over current values.
     pub done: Expr,
-    /// The output that says so.
+    /// The output that signals completion.
     pub output: VarId,
     /// The assumption that it is held, if that declares it.
     pub held_by: Option<AssumptionRef>,
-    /// Whether a controller could ensure that it is completed. If none can, it is completed by
-    /// chance only.
+    /// Whether some controller can ensure completion. If none can, it is completed only by chance.
     pub enforceable: bool,
 }
 
-/// The requests that a specification declares, and that need not be completed.
+/// Declared requests that need not be completed.
 pub fn open<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
@@ -45,7 +44,7 @@ pub fn open<K: Kernel>(
         if m.is_false(&m.and(reached, &waiting)?) {
             continue;
         }
-        // A play of any controller that waits for ever and yet keeps all justice.
+        // A play of some controller that waits for ever and yet keeps all justice.
         if m.is_false(&m.and(reached, &lasting(arena, moves, &waiting)?)?) {
             continue;
         }
@@ -138,8 +137,7 @@ fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
         }
     }
     let asked = after.conjuncts();
-    // All of it is held. If only a part were, that part would be something that stays while another
-    // thing is asked for.
+    // All of it is held. If only a part were, that part could stay while the request changes.
     let kept = |r: &Expr| {
         let mut of_inputs = true;
         r.for_each_var(&mut |v, t| {

@@ -1,10 +1,11 @@
-//! Where a realizable specification asks for less than it seems to.
+//! Finds where a realizable specification demands less than it seems to.
 //!
-//! Everything is asked of the plays that can occur: those in which the environment keeps its safety
-//! and the machine stays in its winning region, as every controller does. What never occurs in them
-//! occurs under no controller.
+//! Everything is evaluated on the plays that can occur: those in which the environment keeps its
+//! safety and the machine stays in its winning region, as every controller does. What never occurs
+//! in them occurs under no controller.
 
 use super::requests::{self, Request};
+use super::{Situation, prime_implicant};
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
 use crate::game::reachable::reachable;
@@ -17,11 +18,10 @@ use linewright_core::gr1::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Where a specification asks for less than it seems to.
+/// Where a specification demands less than it seems to.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
-    /// Guarantees that nobody could break: the domains and the assumptions that hold from one step
-    /// to the next ensure them.
+    /// Guarantees that cannot be broken: the domains and the assumptions about steps ensure them.
     pub unbreakable: Vec<GuaranteeRef>,
     /// Guarantees `P -> Q` whose P never holds.
     pub unreachable: Vec<GuaranteeRef>,
@@ -32,25 +32,26 @@ pub struct Shape {
     /// Outputs that have one value in every play.
     pub constant: Vec<(VarId, i64)>,
     /// Outputs without a frame.
-    pub unframed: Vec<Unframed>,
-    /// A machine that never changes an output keeps everything.
+    pub unframed: Vec<UnframedOutput>,
+    /// Whether a machine that never changes an output keeps everything.
     pub idle: bool,
     /// Requests that need not be completed.
     pub requests: Vec<Request>,
 }
 
-/// An output that may take any value in some situation, although a guarantee fixes it in others.
+/// An output that may take any value in some situation, although a guarantee determines it in
+/// others.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Unframed {
+pub struct UnframedOutput {
     /// The output.
     pub variable: VarId,
     /// Current values after which its next one is free.
-    pub situation: Vec<i64>,
-    /// A guarantee that says what its next value is, elsewhere.
+    pub situation: Situation,
+    /// A guarantee that determines its next value elsewhere.
     pub fixed_by: GuaranteeRef,
 }
 
-/// Looks for all of them. `region` is the winning region.
+/// Finds all of these. `region` is the winning region.
 pub fn shape<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
@@ -75,7 +76,7 @@ struct Look<'a, K: Kernel> {
     specification: &'a Specification,
     /// The states that can occur.
     reached: K::Function,
-    /// The steps that can occur from anywhere: the environment's moves and answers that stay in the
+    /// Steps possible from any state: the environment's moves, with answers that stay in the
     /// winning region.
     moves: K::Function,
 }
@@ -101,12 +102,12 @@ impl<'a, K: Kernel> Look<'a, K> {
         self.arena.encoding.formula(self.m, expr)
     }
 
-    /// All guarantees, with their places.
+    /// All guarantees with their references.
     fn guarantees(&self) -> impl Iterator<Item = (GuaranteeRef, &'a Formula)> {
         all(&self.specification.guarantees)
     }
 
-    /// What both sides' domains and the environment's rules allow, by kind of formula.
+    /// By kind of formula, what both sides' domains and the environment's rules allow.
     fn unbreakable(&self) -> Result<Vec<GuaranteeRef>, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut domains = m.constant(true);
@@ -141,7 +142,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         self.m.and(&self.reached, &self.moves)
     }
 
-    /// The formulas of a side whose condition never holds.
+    /// Formulas of a side whose condition never holds.
     fn unreachable(&self, side: &Side) -> Result<Vec<GuaranteeRef>, Limit> {
         let m = self.m;
         let steps = self.steps()?;
@@ -162,7 +163,7 @@ impl<'a, K: Kernel> Look<'a, K> {
             }
             let mut never = false;
             for antecedent in antecedents {
-                // Where the plant has no step, what holds now still holds.
+                // If the plant has no step, what holds now still counts.
                 let among = if antecedent.mentions_next() || guarantee.kind == Kind::Initial {
                     among
                 } else {
@@ -178,7 +179,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// The outputs that are the machine's own interface.
+    /// The outputs in the machine's interface.
     fn outputs(&self) -> impl Iterator<Item = VarId> {
         let specification = self.specification;
         specification.outputs().filter(|v| {
@@ -213,7 +214,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// Whether some values of a variable make a difference to a formula.
+    /// Whether the value of a variable makes a difference to a formula.
     fn matters(&self, function: &K::Function, v: VarId, time: Time) -> Result<bool, Limit> {
         let (m, encoding) = (self.m, &self.arena.encoding);
         let bits = encoding.bit_set([v], time);
@@ -245,7 +246,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    fn unframed(&self) -> Result<Vec<Unframed>, Limit> {
+    fn unframed(&self) -> Result<Vec<UnframedOutput>, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut found = Vec::new();
         let answers = m.and(&arena.system_moves()?, &m.prime(&arena.states)?)?;
@@ -274,7 +275,8 @@ impl<'a, K: Kernel> Look<'a, K> {
             let others = arena.outputs_next.iter();
             let others = BitSet::new(others.filter(|bit| !own.contains(*bit)));
             let within = arena.encoding.in_domain(m, v, Time::Next)?;
-            // What is said of its next value says nothing here, whatever the others are ...
+            // Formulas about its next value impose nothing here, whatever the other variables are
+            // ...
             let mut said = domains.clone();
             for (_, formula) in &setting {
                 said = m.and(&said, &self.encode(&formula.expr)?)?;
@@ -285,19 +287,16 @@ impl<'a, K: Kernel> Look<'a, K> {
             let answered = m.exists(&answers, &others)?;
             let missing = m.exists(&m.and_not(&within, &answered)?, &own)?;
             let free = m.and_not(&m.and_not(&here, &bound)?, &missing)?;
-            let Some(bits) = m.witness(&free) else {
+            let Some(situation) = prime_implicant(arena, self.specification, &free, &here)? else {
                 continue;
             };
             let fixer = self.fixer(v, &setting, &here)?;
             if let Some(fixed_by) = fixer
                 && self.wins_framed(v, &free)?
             {
-                let ids = (0..self.specification.variables.len()).map(|i| VarId(i as u32));
-                found.push(Unframed {
+                found.push(UnframedOutput {
                     variable: v,
-                    situation: ids
-                        .map(|w| arena.encoding.value(w, Time::Now, &bits))
-                        .collect(),
+                    situation,
                     fixed_by,
                 });
             }
@@ -305,8 +304,8 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// Whether the machine still wins when an output stays wherever it is free. Where it cannot
-    /// stay, the author wants a choice.
+    /// Whether the machine still wins if an output keeps its value wherever it is free. If it does
+    /// not, the author intends a choice.
     fn wins_framed(&self, v: VarId, free: &K::Function) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut frame = m.or(&m.not(free)?, &arena.encoding.unchanged(m, v)?)?;
@@ -316,7 +315,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         self.wins_with(vec![frame])
     }
 
-    /// Whether the machine wins with these rules beside its own.
+    /// Whether the machine wins with these additional rules.
     fn wins_with(&self, more: Vec<K::Function>) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut parts: Vec<K::Function> = arena.system.parts().cloned().collect();
@@ -328,9 +327,9 @@ impl<'a, K: Kernel> Look<'a, K> {
         ruled.wins_initially(&winning_states(&ruled)?)
     }
 
-    /// A guarantee that leaves an output a single next value, and another one than it has, in some
-    /// situation that can occur. One that only says that it stays is a frame itself: where it does
-    /// not hold, the author wants a choice.
+    /// A guarantee that leaves an output a single next value, different from its current one, in
+    /// some possible situation. A guarantee that only keeps the value is itself a frame: where it
+    /// does not hold, the author intends a choice.
     fn fixer(
         &self,
         v: VarId,
@@ -360,8 +359,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(None)
     }
 
-    /// Whether a machine that never changes an output wins, where there is something to be done
-    /// again and again.
+    /// Whether a machine that never changes an output wins, although there are goals.
     fn idle(&self) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let (a, g) = (
@@ -383,8 +381,8 @@ impl<'a, K: Kernel> Look<'a, K> {
     }
 }
 
-/// The states that can occur under some controller, and the steps that can be taken from anywhere:
-/// the environment's moves and answers that stay in the winning region.
+/// The states that can occur under some controller, and the steps possible from any state: the
+/// environment's moves, with answers that stay in the winning region.
 pub fn occurring<K: Kernel>(
     arena: &Arena<K>,
     region: &K::Function,
@@ -393,7 +391,7 @@ pub fn occurring<K: Kernel>(
     let target = m.prime(region)?;
     let stays = match arena.timing {
         Timing::Mealy => target,
-        // Only answers that are right whatever the environment gives.
+        // Only answers that are correct for all inputs.
         Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
     };
     let moves = m.and(
@@ -410,7 +408,7 @@ pub fn occurring<K: Kernel>(
     Ok((reached, moves))
 }
 
-/// What has to hold before a formula asks for anything: P of `P -> Q`, P and R of `P -> (R -> Q)`.
+/// The condition under which a formula demands anything: P of `P -> Q`, P and R of `P -> (R -> Q)`.
 pub fn antecedent(expr: &Expr) -> Option<Expr> {
     let Expr::Binary(BinaryOp::Implies, a, b) = expr else {
         return None;

@@ -1,48 +1,48 @@
-//! What could be done about an unrealizable specification, in plain data.
+//! Possible repairs of an unrealizable specification, as plain data.
 
 use crate::game::reference::{AssumptionRef, GuaranteeKind, GuaranteeRef};
 use linewright_core::gr1::Expr;
 use serde::{Deserialize, Serialize};
 
-/// What could be done about an unrealizable specification.
+/// Possible repairs of an unrealizable specification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Advice {
-    /// The assumptions without which fewer guarantees than the core's would clash already.
+    /// The assumptions without which a proper subset of the core would already clash.
     pub matters: Vec<AssumptionRef>,
-    /// Not even a plant that helps could make all guarantees hold: no assumption mends it.
+    /// Even a cooperating plant cannot make all guarantees hold: no assumption repairs this.
     pub contradictory: bool,
-    /// Then: guarantees that contradict each other even so, none of which can be left out. None, if
-    /// the assumptions do by themselves.
+    /// In that case, a minimal set of guarantees that contradict each other even so. Empty if the
+    /// assumptions alone are contradictory.
     pub contradiction: Vec<GuaranteeRef>,
-    /// Assumptions, any of which makes it realizable, the one that forbids least first.
+    /// Assumptions, each of which makes it realizable; the least restrictive first.
     pub assumptions: Vec<NewAssumption>,
-    /// Where no single guarantee can be weakened: a minimal set of guarantees without which the
+    /// If no single guarantee can be weakened: a minimal set of guarantees to leave out so that the
     /// rest can be kept.
     pub leave_out: Vec<GuaranteeRef>,
-    /// Guarantees of the core, any of which can be weakened to make it realizable, the one that
-    /// gives up least first.
+    /// Guarantees of the core, each of which can be weakened to make it realizable; the smallest
+    /// loss first.
     pub weakenings: Vec<Weakening>,
 }
 
 /// An assumption that would help.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NewAssumption {
-    /// Which kind it is.
+    /// Kind of the assumption.
     pub kind: GuaranteeKind,
     /// The formula.
     pub formula: Expr,
-    /// The share of the environment's steps that it forbids; of a justice assumption, in which its
-    /// condition does not hold.
+    /// Share (0 to 1) of the environment's steps that it forbids; for justice, of those in which
+    /// its condition does not hold.
     pub forbids: f64,
 }
 
-/// A guarantee that need not hold in every case.
+/// A guarantee that is weakened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Weakening {
-    /// Which guarantee.
+    /// The guarantee.
     pub guarantee: GuaranteeRef,
-    /// When it need not hold; `None` where it has to be left out.
+    /// Condition under which it need not hold; `None` if it has to be left out.
     pub unless: Option<Expr>,
-    /// The share of all steps in which it need not hold.
+    /// Share (0 to 1) of all steps in which it need not hold.
     pub gives_up: f64,
 }

@@ -1,18 +1,18 @@
-//! How an unrealizable specification could be mended: assumptions to add, guarantees to weaken.
+//! Repairs of an unrealizable specification: assumptions to add, guarantees to weaken.
 //!
-//! The search walks down a lattice of sentences made of the user's own conditions ([`vocabulary`]).
-//! The strongest sentence of a family ("the input is always false", "the input never changes",
-//! "this guarantee is left out") is tried first: where it does not help, no weaker one does. Where
-//! it helps, conditions are added to it as long as it goes on helping ("after the command it is
-//! false"), up to [`search::MOST_CONDITIONS`]; so what is suggested is *minimal*: with one more
-//! condition of the vocabulary it would not be enough. First the core alone is played, which is
-//! small; what mends that is tried on the whole specification, and has to leave an environment that
-//! can keep all assumptions: it has no dead end, cannot be forced to break one where it could not
+//! The search descends a lattice of formulas built from the user's own conditions ([`vocabulary`]).
+//! The strongest formula of a family ("the input is always false", "the input never changes", "this
+//! guarantee is left out") is tried first: if it does not help, no weaker one does. If it helps,
+//! conditions are added as long as it still helps ("after the command it is false"), up to
+//! [`search::MOST_CONDITIONS`]. So a suggestion is *minimal*: with one more condition of the
+//! vocabulary it would not suffice. First the core alone is played, which is small. What repairs it
+//! is tried on the whole specification, and must leave an environment that can keep all
+//! assumptions: it has no dead end, cannot be forced to break an assumption where it could not be
 //! before, and some play keeps everything.
 //!
-//! The idea to look for environments' restrictions in the user's terms is from Alur, Moarref and
-//! Topcu, "Counter-strategy guided refinement of GR(1) temporal logic specifications", FMCAD 2013;
-//! the ranking by what is forbidden is ours.
+//! The idea of searching for restrictions of the environment in the user's terms is from Alur,
+//! Moarref and Topcu, "Counter-strategy guided refinement of GR(1) temporal logic specifications",
+//! FMCAD 2013; the ranking by restrictiveness is ours.
 
 mod advice;
 mod search;
@@ -30,7 +30,7 @@ use super::set_up;
 use crate::symbolic::{Kernel, Limit, Limits};
 use linewright_core::gr1::Specification;
 
-/// Looks for what could be done.
+/// Searches for repairs.
 pub(super) fn advise_on<K: Kernel>(
     specification: &Specification,
     core: &[GuaranteeRef],

@@ -1,4 +1,4 @@
-//! The walk down the lattice of suggestions: see [`super`].
+//! The descent of the lattice of suggestions: see [`super`].
 
 use super::advice::{NewAssumption, Weakening};
 use super::trial::Trials;
@@ -7,21 +7,21 @@ use crate::game::reference::{GuaranteeKind as Kind, GuaranteeRef, definitions};
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{BinaryOp, Expr, Specification, Time, VarId};
 
-/// So many conditions stand before what a suggestion asks for.
+/// Maximum number of conditions of a suggestion.
 const MOST_CONDITIONS: usize = 2;
 
-/// So many suggestions of a kind are made.
+/// Maximum number of suggestions of a kind.
 const MOST_SUGGESTIONS: usize = 3;
 
-/// So many suggestions that mend the core are tried on the whole specification.
+/// Maximum number of suggestions for the core that are tried on the whole specification.
 const MOST_WHOLE: usize = 40;
 
-/// A family of assumptions: what is asked for, and where its conditions are looked at.
+/// A family of assumptions: the demand, and the step in which its conditions are evaluated.
 struct Family {
     kind: Kind,
-    /// What is asked for when all conditions hold.
+    /// The demand when all conditions hold.
     wanted: Expr,
-    /// Whether conditions may speak of outputs: those of the step before, not of the one in which
+    /// Whether conditions may mention outputs: those of the previous step, not of the one in which
     /// the input is given.
     before: bool,
 }
@@ -36,7 +36,7 @@ impl Family {
         }
     }
 
-    /// What is asked for, shorter where a condition says which value it is that stays.
+    /// The demand, shortened if a condition determines the value that stays.
     fn wanted_under(&self, conditions: &[&Word]) -> Expr {
         if let Expr::Binary(BinaryOp::Eq, after, before) = &self.wanted
             && matches!(**after, Expr::Var(_, Time::Next))
@@ -54,7 +54,7 @@ impl Family {
     }
 }
 
-/// The families, from the strongest sentence each.
+/// The families, each starting from its strongest formula.
 fn families(specification: &Specification, words: &[Word]) -> Vec<Family> {
     let mut families = Vec::new();
     let mut inputs: Vec<VarId> = Vec::new();
@@ -92,7 +92,7 @@ fn families(specification: &Specification, words: &[Word]) -> Vec<Family> {
     stays
 }
 
-/// Assumptions that would help, the one that forbids least first.
+/// Assumptions that would help, the least restrictive first.
 pub fn assumptions<K: Kernel>(
     trials: &mut Trials<'_, K>,
     specification: &Specification,
@@ -144,7 +144,7 @@ pub fn assumptions<K: Kernel>(
         if chosen.len() >= MOST_SUGGESTIONS || tried >= MOST_WHOLE {
             break;
         }
-        // One of a family is enough, and two may be the same in other words.
+        // One of a family is enough, and two may be equivalent.
         let meaning = (candidate.kind, trials.encode(&candidate.formula)?);
         let known = meanings.contains(&meaning) || chosen.iter().any(|(n, _)| *n == number);
         if !known && trials.mends(candidate.kind, &candidate.formula)? {
@@ -155,7 +155,7 @@ pub fn assumptions<K: Kernel>(
     Ok(chosen.into_iter().map(|(_, a)| a).collect())
 }
 
-/// Guarantees that could be weakened, the one that gives up least first.
+/// Guarantees that could be weakened, the smallest loss first.
 pub fn weakenings<K: Kernel>(
     trials: &mut Trials<'_, K>,
     core: &[GuaranteeRef],
@@ -169,8 +169,8 @@ pub fn weakenings<K: Kernel>(
         if formula(*guarantee).defines || !trials.mends_without(*guarantee, None)? {
             continue;
         }
-        // What reads a monitor is not the author's own sentence: the guarantee can only be left
-        // out, as a whole.
+        // A formula that reads a monitor is not written by the author: the guarantee can only be
+        // left out as a whole.
         if trials.is_of_monitor(*guarantee) {
             let name = &formula(*guarantee).name;
             if found.iter().all(|w| formula(w.guarantee).name != *name) {
@@ -183,8 +183,8 @@ pub fn weakenings<K: Kernel>(
             continue;
         }
         let mut best: Option<Weakening> = None;
-        // Conditions of the plant first: of its own outputs the machine could make every exception
-        // true.
+        // Conditions on inputs come first: an exception on its own outputs could always be made
+        // true by the machine.
         for inputs_only in [true, false] {
             let mut conditions: Vec<Word> = Vec::new();
             for word in words.iter().filter(|w| w.inputs || !inputs_only) {
@@ -208,7 +208,7 @@ pub fn weakenings<K: Kernel>(
                 };
                 let gives_up = trials.holds(&unless)?;
                 let better = best.as_ref().is_none_or(|b| gives_up < b.gives_up);
-                // What is left of the guarantee has to ask for something.
+                // The weakened guarantee must still demand something.
                 let asks = better && gives_up > 0.0 && trials.asks(*guarantee, &unless)?;
                 if asks && trials.mends_without(*guarantee, Some(&unless))? {
                     best = Some(Weakening {
@@ -236,8 +236,8 @@ pub fn weakenings<K: Kernel>(
     Ok(found)
 }
 
-/// A minimal set of guarantees without which the rest can be kept: they are taken in one after the
-/// other, as long as that works.
+/// A minimal set of guarantees to leave out so that the rest can be kept: guarantees are added one
+/// after the other as long as that works.
 pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>, Limit> {
     let (mut kept, asked) = definitions(&trials.specification.guarantees);
     let mut left = Vec::new();
@@ -251,8 +251,8 @@ pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>,
     Ok(left)
 }
 
-/// The sets of conditions, as large as can be, for which something helps; it helps without any.
-/// Sets that only repeat another's meaning are not told apart.
+/// The maximal sets of conditions for which something helps; it helps without any. Sets that only
+/// repeat another's meaning are not distinguished.
 fn weaken<'w>(
     conditions: &[&'w Word],
     helps: &mut impl FnMut(&[&Word]) -> Result<bool, Limit>,
@@ -280,7 +280,7 @@ fn weaken<'w>(
                     next.push(longer);
                 }
             }
-            // A set of two may have been found from its other end.
+            // A set of two may also be found starting from its other condition.
             let covered = next
                 .iter()
                 .any(|longer| chosen.iter().all(|c| longer.contains(c)));

@@ -1,4 +1,5 @@
-//! Trying a repair out: the core's game first, then the whole, then whether an environment is left.
+//! Tries a repair: first in the core's game, then in the whole game, then checks that an
+//! environment remains.
 
 use crate::game::arena::{Formulas, Selection};
 use crate::game::findings::{self, EnvironmentFindings, shape};
@@ -9,7 +10,7 @@ use crate::game::set_up::SPLIT;
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{Expr, Specification, Time, Timing};
 
-/// So many games of the core are played in the search for repairs of one kind.
+/// Maximum number of games on the core in the search for repairs of one kind.
 const MOST_GAMES: usize = 600;
 
 /// The games of a search.
@@ -17,9 +18,9 @@ pub struct Trials<'a, K: Kernel> {
     pub formulas: &'a Formulas<K>,
     pub specification: &'a Specification,
     core: &'a [GuaranteeRef],
-    /// What is odd about the environment as it is.
+    /// Findings about the original environment.
     environment: EnvironmentFindings,
-    /// The environment's steps, and all steps: what shares are taken of.
+    /// The environment's steps, and all steps: the bases of the shares.
     steps: [K::Function; 2],
     games: usize,
 }
@@ -52,12 +53,12 @@ impl<'a, K: Kernel> Trials<'a, K> {
         })
     }
 
-    /// Begins a search of another kind.
+    /// Starts a search for another kind of repair.
     pub fn begin(&mut self) {
         self.games = 0;
     }
 
-    /// Whether there is no room for another game.
+    /// Whether the number of games is used up.
     pub fn spent(&self) -> bool {
         self.games >= MOST_GAMES
     }
@@ -95,7 +96,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
         )
     }
 
-    /// The same for all guarantees.
+    /// Like `helps_core_without`, for all guarantees.
     pub fn mends_without(
         &self,
         guarantee: GuaranteeRef,
@@ -138,7 +139,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
                 before.stuck_at_start.is_some(),
             )
             && !worse(found.dead_end.is_some(), before.dead_end.is_some())
-            // A controller that wins by blaming the plant is no repair.
+            // A controller that wins by forcing the plant to fail is no repair.
             && found.forced.is_none())
     }
 
@@ -150,7 +151,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
         Ok(!m.is_false(&m.and(&first, &together(&arena)?)?))
     }
 
-    /// Whether a guarantee that need not hold where `unless` does asks for anything.
+    /// Whether a guarantee still demands anything if it need not hold where `unless` does.
     pub fn asks(&self, guarantee: GuaranteeRef, unless: &Expr) -> Result<bool, Limit> {
         let m = self.formulas.kernel();
         let formula = guarantee.formula(&self.specification.guarantees);
@@ -158,7 +159,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
         if m.is_false(&m.and_not(&self.steps[1], &weak)?) {
             return Ok(false);
         }
-        // In some step of some controller its condition has to hold, and the exception not.
+        // In some step of some controller its condition holds, but not the exception.
         let less = self.weakened(guarantee, Some(unless))?;
         let arena = less.arena(&Selection::All, SPLIT)?;
         let Some(region) = winning_region(&arena, None, &Iterations::default())? else {
@@ -174,7 +175,7 @@ impl<'a, K: Kernel> Trials<'a, K> {
         Ok(!m.is_false(&asked))
     }
 
-    /// Whether a guarantee is about what a monitor keeps in mind.
+    /// Whether a guarantee mentions the state of a monitor.
     pub fn is_of_monitor(&self, guarantee: GuaranteeRef) -> bool {
         let mut made_up = false;
         let formula = guarantee.formula(&self.specification.guarantees);

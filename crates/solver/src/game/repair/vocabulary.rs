@@ -1,8 +1,7 @@
-//! The words a repair is made of: conditions that the user's own formulas are made of, and their
-//! negations.
+//! The vocabulary of repairs: conditions from the user's own formulas, and their negations.
 //!
-//! Only conditions about a single step are taken. Those of inputs that the play shows at some value
-//! are added, where the domain is small enough for that value to mean something.
+//! Only conditions about a single step are used. Conditions on inputs with the values seen in the
+//! play are added if the domain is small enough for a single value to be meaningful.
 
 use crate::game::attack::Play;
 use linewright_core::gr1::text::truth;
@@ -10,10 +9,10 @@ use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Specification, Time, UnaryOp, VarId,
 };
 
-/// So many conditions, negations not counted.
+/// Maximum number of conditions, not counting negations.
 const MOST: usize = 24;
 
-/// Values of larger domains are not asked for one by one.
+/// Maximum size of domains whose values are considered one by one.
 const SMALL_DOMAIN: u64 = 16;
 
 /// A condition about the current step.
@@ -26,7 +25,7 @@ pub struct Word {
 }
 
 impl Word {
-    /// The same about the next step.
+    /// The same condition about the next step.
     pub fn next(&self) -> Expr {
         self.expr.substitute(&mut |v, _| Expr::next(v))
     }
@@ -40,7 +39,7 @@ fn variables(expr: &Expr) -> Vec<VarId> {
     found
 }
 
-/// The words of these formulas and of what the play shows, each with its negation behind it.
+/// The words from these formulas and from the play, each followed by its negation.
 pub fn words<'f>(
     specification: &Specification,
     formulas: impl Iterator<Item = &'f Formula>,
@@ -68,7 +67,7 @@ pub fn words<'f>(
             }
         }
     }
-    // What monitors keep in mind is not the user's own.
+    // Conditions on the state of monitors are not the user's own.
     atoms.retain(|atom| {
         variables(atom)
             .iter()
@@ -88,7 +87,7 @@ pub fn words<'f>(
     words
 }
 
-/// The negation, without a double one.
+/// The negation, without double negation.
 pub fn negation(expr: Expr) -> Expr {
     match expr {
         Expr::Unary(UnaryOp::Not, a) => *a,
@@ -102,12 +101,11 @@ pub fn negation(expr: Expr) -> Expr {
     }
 }
 
-/// Adds the conditions without connectives that an expression is made of, moved to the current
-/// step.
+/// Adds the conditions without connectives contained in an expression, moved to the current step.
 fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
     use BinaryOp as B;
     let truth = |e: &Expr| truth(specification, e);
-    // What is said of inputs alone is a word as a whole, too.
+    // A condition on inputs alone is also used as a whole.
     if let Expr::Binary(B::And | B::Or, ..) = expr {
         let (mut inputs, mut times) = (true, Vec::new());
         expr.for_each_var(&mut |v, t| {
@@ -141,7 +139,7 @@ fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
             let mut times = Vec::new();
             atom.for_each_var(&mut |_, t| times.push(t));
             let one_step = times.windows(2).all(|w| w[0] == w[1]);
-            // A condition and its negation are one word.
+            // A condition and its negation count as one word.
             let atom = atom.substitute(&mut |v, _| Expr::Var(v, Time::Now));
             let known = atoms.contains(&atom) || atoms.contains(&negation(atom.clone()));
             if one_step && !times.is_empty() && !known {

@@ -21,10 +21,10 @@ pub fn fair<K: Kernel>(
     settle(steps, within, again, one, met)
 }
 
-/// The states with a past without a beginning in `within` that has met all justice again and again:
-/// none exactly where no run does so for ever, since both need a cycle. Steps forward from what can
-/// be reached stay within that, and are far cheaper than steps back, which come from everywhere; so
-/// whoever expects that there is no run asks here first.
+/// The states of `within` that have an infinite past in `within` with all justice met again and
+/// again. The set is empty exactly if no run does this for ever, since both need a cycle. Steps
+/// forward from reachable states stay within them and are far cheaper than steps back, which come
+/// from everywhere; so it is checked first if no run is expected.
 pub fn past<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
@@ -48,7 +48,7 @@ fn settle<K: Kernel>(
     let always = [m.constant(true)];
     let again = if again.is_empty() { &always } else { again };
     let mut z = m.and(&steps.states, within)?;
-    // Without an end first: it is the cheapest part, and often all that is needed.
+    // Restricts to runs without an end first: this is the cheapest part, and often sufficient.
     loop {
         let smaller = m.and(&z, &one(&z)?)?;
         if smaller == z {

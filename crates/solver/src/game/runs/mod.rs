@@ -1,16 +1,16 @@
-//! What infinite behaviours a set of rules allows, and one of them to look at: the question behind
-//! every proof about contracts.
+//! Infinite behaviors allowed by a set of rules, with an example: the question behind every proof
+//! about contracts.
 //!
-//! Nobody plays against anybody here. Rules are put together as a question needs them, so that what
-//! a proof rests on can be found out by leaving rules away. Two questions are enough:
+//! There is no game here. Rules are combined as a question needs them, so that omitting rules shows
+//! what a proof rests on. Two questions suffice:
 //!
 //! - [`Runs::lasso`]: is there an infinite run that keeps these rules in every step, meets those
 //!   again and again, and from some step on breaks some others for ever? Language inclusion,
-//!   equivalence and emptiness all come down to it. Fair states are those of Emerson and Lei
+//!   equivalence and emptiness all reduce to it. Fair states are computed as by Emerson and Lei
 //!   ("Efficient model checking in fragments of the propositional mu-calculus", LICS 1986), within
-//!   what can be reached.
+//!   the reachable states.
 //! - [`Runs::step`]: can a rule be broken in a step, although every step before it kept all rules,
-//!   and this one keeps some? It is the step of an induction over time, which is sound also where
+//!   and this one keeps some? It is the step of an induction over time, which is sound even if
 //!   components rely on one another in a circle.
 
 mod fair;
@@ -24,7 +24,7 @@ use linewright_core::source::Span;
 use rule_encoder::RuleEncoder;
 use std::fmt::Debug;
 
-/// When a rule holds. See [`linewright_core::gr1`] for what each means.
+/// When a rule holds. [`linewright_core::gr1`] defines each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RuleKind {
     /// In step 0.
@@ -33,32 +33,31 @@ pub enum RuleKind {
     Invariant,
     /// From every step to the next.
     Safety,
-    /// Infinitely often; of a run it is asked by [`Wanted::again`] or [`Wanted::never_again`].
+    /// Infinitely often; demanded of a run by [`RunQuery::again`] or [`RunQuery::never_again`].
     Justice,
 }
 
 /// A formula and when it holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rule {
-    /// When.
+    /// When it holds.
     pub kind: RuleKind,
-    /// What.
+    /// The formula.
     pub expr: Expr,
 }
 
-/// A run without an end: some steps, and then a cycle for ever. A step has a value for every
-/// variable.
+/// An infinite run: some steps, and then a cycle for ever. A step has a value for every variable.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Lasso {
     /// The steps before the cycle.
     pub prefix: Vec<Vec<i64>>,
-    /// The steps of the cycle; at least one.
+    /// The steps of the cycle; never empty.
     pub cycle: Vec<Vec<i64>>,
 }
 
-/// What a run is wanted to be like; rules by their places in the list that [`Runs`] was made of.
+/// Properties of a run; rules are given by index in the list passed to [`Runs`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Wanted {
+pub struct RunQuery {
     /// Initial conditions, invariants and safety that hold throughout.
     pub keep: Vec<usize>,
     /// Justice that is met again and again.
@@ -67,7 +66,7 @@ pub struct Wanted {
     pub never_again: Vec<usize>,
 }
 
-/// A broken rule that is looked for.
+/// A question for a run that breaks a rule.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SafetyViolationQuery {
     /// Rules that every step before the last one keeps.
@@ -78,9 +77,9 @@ pub struct SafetyViolationQuery {
     pub broken: usize,
 }
 
-/// Rules over variables, and questions about them.
+/// Rules over variables; answers questions about them.
 ///
-/// A question costs as much as reaching all states that the kept rules leave reachable.
+/// A question costs as much as reaching all states allowed by the kept rules.
 #[derive(Debug)]
 pub struct Runs {
     specification: Specification,
@@ -88,16 +87,16 @@ pub struct Runs {
     order: Order,
     limits: Limits,
     asked: Box<dyn Ask>,
-    /// What was done on the small kernel, once it was left.
+    /// Work done on the small kernel before leaving it.
     before: u64,
 }
 
-/// More pairs of bits than this are not small.
+/// Maximum number of bit pairs for the small kernel.
 const SMALL_PAIRS: usize = 24;
 
 trait Ask: Debug + Send {
-    fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit>;
-    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit>;
+    fn lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Option<Lasso>, Limit>;
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit>;
     fn step(
         &mut self,
         rules: &[Rule],
@@ -115,10 +114,10 @@ trait Ask: Debug + Send {
 }
 
 impl Runs {
-    /// Room for questions about these rules.
+    /// Prepares questions about these rules.
     ///
     /// # Errors
-    /// When the kernel has no room for the variables.
+    /// Returns an error if the kernel cannot hold the variables.
     pub fn new(variables: &[Variable], rules: Vec<Rule>, limits: &Limits) -> Result<Self, Limit> {
         let specification = as_specification(variables, &rules);
         let encoding = Encoding::new(&specification);
@@ -143,13 +142,13 @@ impl Runs {
         })
     }
 
-    /// The work that was done for all questions so far; see [`Kernel::work`]. It is counted where
+    /// Work done for all questions so far; see [`Kernel::work`]. It is counted if
     /// [`Limits::most_work`] is given.
     pub fn work(&self) -> u64 {
         self.before + self.asked.work()
     }
 
-    /// Asks, and once more on the large kernel where the small one has no room.
+    /// Asks a question, and repeats it on the large kernel if the small one runs out of room.
     fn ask<T>(
         &mut self,
         question: impl Fn(&mut dyn Ask, &[Rule]) -> Result<T, Limit>,
@@ -171,18 +170,18 @@ impl Runs {
         &self.specification.variables
     }
 
-    /// One more rule, over the same variables; gives its place.
+    /// Adds a rule over the same variables; returns its index.
     pub fn add(&mut self, rule: Rule) -> usize {
         self.rules.push(rule);
         self.rules.len() - 1
     }
 
-    /// The variables whose values in a step what these rules allow of `answer` in that step depends
-    /// on, whatever came before. `own` are set together with it and do not count. Kept rules are as
-    /// in [`Wanted::keep`].
+    /// The variables whose values in a step influence which `answer` these rules allow in that
+    /// step, whatever came before. `own` are set together with it and do not count. Kept rules are
+    /// as in [`RunQuery::keep`].
     ///
     /// # Errors
-    /// When a limit was reached.
+    /// Returns the limit that was reached.
     pub fn depends(
         &mut self,
         keep: &[usize],
@@ -192,44 +191,45 @@ impl Runs {
         self.ask(|asked, rules| asked.depends(rules, keep, answer, own))
     }
 
-    /// A run as it is wanted, or `None` when there is none. The shortest way into a cycle is taken,
-    /// the cycle itself need not be the shortest. Variables that no rule of the question mentions
-    /// have the smallest value of their domain.
+    /// A run with these properties, or `None` if there is none. The way into the cycle is a
+    /// shortest one; the cycle itself need not be shortest. Variables that no rule of the question
+    /// mentions have the smallest value of their domain.
     ///
     /// # Errors
-    /// When a limit was reached.
-    pub fn lasso(&mut self, wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+    /// Returns the limit that was reached.
+    pub fn lasso(&mut self, wanted: &RunQuery) -> Result<Option<Lasso>, Limit> {
         self.ask(|asked, rules| asked.lasso(rules, wanted))
     }
 
-    /// Whether there is a run as it is wanted: [`Runs::lasso`] without the run, which costs less.
+    /// Whether there is a run with these properties: [`Runs::lasso`] without the run, which costs
+    /// less.
     ///
     /// # Errors
-    /// When a limit was reached.
-    pub fn any_lasso(&mut self, wanted: &Wanted) -> Result<bool, Limit> {
+    /// Returns the limit that was reached.
+    pub fn any_lasso(&mut self, wanted: &RunQuery) -> Result<bool, Limit> {
         self.ask(|asked, rules| asked.any_lasso(rules, wanted))
     }
 
-    /// The shortest run up to a step that breaks the rule, that step included; `None` when no step
-    /// can break it.
+    /// The shortest run up to and including a step that breaks the rule; `None` if no step can
+    /// break it.
     ///
     /// # Errors
-    /// When a limit was reached.
+    /// Returns the limit that was reached.
     pub fn step(&mut self, slip: &SafetyViolationQuery) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         self.ask(|asked, rules| asked.step(rules, slip))
     }
 
-    /// How many states can be reached under these rules, a state being a value for every variable
+    /// Number of states reachable under these rules, where a state gives a value to every variable
     /// that they mention. Exact below 2⁵³.
     ///
     /// # Errors
-    /// When a limit was reached.
+    /// Returns the limit that was reached.
     pub fn count(&mut self, keep: &[usize]) -> Result<f64, Limit> {
         self.ask(|asked, rules| asked.count(rules, keep))
     }
 
-    /// Goes on with the large kernel, where that has not been done. Says whether there is any sense
-    /// in asking again.
+    /// Switches to the large kernel, unless that was already done. Returns whether to repeat the
+    /// question.
     fn grow(&mut self) -> Result<bool, Limit> {
         if self.order.pairs().len() > SMALL_PAIRS {
             return Ok(false);
@@ -245,11 +245,11 @@ impl Runs {
 }
 
 impl<K: Kernel> Ask for RuleEncoder<K> {
-    fn lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+    fn lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Option<Lasso>, Limit> {
         self.find_lasso(rules, wanted)
     }
 
-    fn any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
+    fn any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit> {
         self.is_any_lasso(rules, wanted)
     }
 
@@ -280,7 +280,7 @@ impl<K: Kernel> Ask for RuleEncoder<K> {
     }
 }
 
-/// Variables and rules in the form that bits are laid out and ordered by.
+/// Variables and rules as a specification, for the layout and order of bits.
 fn as_specification(variables: &[Variable], rules: &[Rule]) -> Specification {
     let formulas = rules.iter().map(|rule| Formula {
         defines: false,
@@ -302,7 +302,7 @@ fn as_specification(variables: &[Variable], rules: &[Rule]) -> Specification {
     }
 }
 
-/// The smallest value of every variable: what stands in a run for those that nothing is known of.
+/// The smallest value of every variable: used in a run for variables of which nothing is known.
 fn smallest(variables: &[Variable]) -> Vec<i64> {
     variables.iter().map(|v| Domain::low(&v.domain)).collect()
 }

@@ -1,28 +1,28 @@
-//! A run in plain values out of sets of states: back along the rings to the beginning, and round a
-//! cycle that meets everything.
+//! Extracts a run in plain values from sets of states: back along the rings to the start, and round
+//! a cycle that meets everything.
 //!
-//! The cycle is looked for where no way out is left: from a fair state one goes on to what can be
-//! reached from it and does not lead back, as long as there is such a state. Then everything within
-//! reach leads back, and every justice is met on the way.
+//! The cycle is searched where there is no way out: as long as states can be reached from a fair
+//! state that do not lead back to it, the search moves on to one of them. After that, everything
+//! reachable leads back, and every justice is met on the way.
 
 use super::Lasso;
-use super::rule_encoder::{Reached, Steps};
+use super::rule_encoder::{ReachableStates, Steps};
 use crate::symbolic::{Encoding, Kernel, Limit};
 use linewright_core::gr1::{Time, VarId};
 use std::collections::BTreeSet;
 
-/// How states become values.
+/// Conversion of states to values.
 pub struct Path<'a> {
-    /// The bits of the variables.
+    /// Bits of the variables.
     pub encoding: &'a Encoding,
-    /// Those that occur.
+    /// Variables that occur.
     pub variables: &'a BTreeSet<VarId>,
-    /// Values for the others.
+    /// Values for all other variables.
     pub smallest: &'a [i64],
 }
 
-/// A state: its values, and the function that holds there alone (as far as the variables that occur
-/// go).
+/// A state: its values, and the function that holds only there (with respect to the variables that
+/// occur).
 pub type State<F> = (Vec<i64>, F);
 
 impl Path<'_> {
@@ -53,7 +53,7 @@ impl Path<'_> {
     /// A run from step 0 to a state of `goal`, which lies in this ring.
     pub fn back_to_start<K: Kernel>(
         &self,
-        reached: &Reached<K>,
+        reached: &ReachableStates<K>,
         ring: usize,
         goal: &K::Function,
     ) -> Result<Vec<State<K::Function>>, Limit> {
@@ -68,8 +68,8 @@ impl Path<'_> {
         Ok(run)
     }
 
-    /// A shortest way of at least one step from a state into `goal`, within a set of states; the
-    /// state itself is left out. `None` when there is no way.
+    /// A shortest way of at least one step from a state into `goal`, within a set of states. The
+    /// state itself is omitted. `None` if there is no way.
     fn way<K: Kernel>(
         &self,
         steps: &Steps<K>,
@@ -103,8 +103,8 @@ impl Path<'_> {
         }
     }
 
-    /// Everything that can be reached from a state within a set, by steps of this direction; the
-    /// state itself only if it comes again.
+    /// Everything that can be reached from a state within a set, by steps in this direction; the
+    /// state itself only if it recurs.
     fn closure<K: Kernel>(
         steps: &Steps<K>,
         from: &K::Function,
@@ -132,7 +132,7 @@ impl Path<'_> {
     /// A run into the fair states and round a cycle among them that meets all justice.
     pub fn lasso<K: Kernel>(
         &self,
-        reached: &Reached<K>,
+        reached: &ReachableStates<K>,
         steps: &Steps<K>,
         fair: &K::Function,
         again: &[K::Function],
@@ -150,7 +150,7 @@ impl Path<'_> {
         let run = self.back_to_start(reached, ring, &here)?;
         let mut prefix: Vec<State<K::Function>> = run;
 
-        // On to where nothing leads away for good.
+        // Moves on to states that cannot be left for good.
         let mut component;
         loop {
             let (_, at) = &prefix[prefix.len() - 1];
@@ -180,7 +180,7 @@ impl Path<'_> {
                 let way = self.way(steps, &at, &component, &from)?;
                 cycle.extend(way.expect("justice within reach; please report this"));
             }
-            // The step that meets it; nothing more is to be done where the state alone does.
+            // The step that meets it; nothing more is needed if the state alone does.
             let (_, at) = &cycle[cycle.len() - 1];
             let by_state = m.is_false(&m.and_not(at, justice)?);
             if !by_state {

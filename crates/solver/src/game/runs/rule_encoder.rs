@@ -1,7 +1,7 @@
-//! Rules as functions of bits, put together for one question.
+//! Encodes rules as functions of bits, combined for one question.
 
 use super::path::Path;
-use super::{Lasso, Rule, RuleKind, SafetyViolationQuery, Wanted, fair, smallest};
+use super::{Lasso, Rule, RuleKind, RunQuery, SafetyViolationQuery, fair, smallest};
 use crate::game::clusters::Clustering;
 use crate::game::heuristics::Heuristics;
 use crate::game::relation::Relation;
@@ -10,44 +10,44 @@ use linewright_core::gr1::{Expr, Specification, Time, VarId, Variable};
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 
-/// How the parts of a relation are put together.
+/// How the parts of a relation are combined.
 const CLUSTERING: Clustering = Clustering::ByBits(3_000);
 
-/// After so many rings a cycle is looked for, although there may be more rings.
+/// Number of rings after which a cycle is first searched, although there may be more rings.
 const FIRST_LOOK: usize = 6;
 
-/// It is looked for again after so many times as many.
+/// Factor by which the number of rings grows until the next search.
 const LOOK_AGAIN: usize = 6;
 
-/// So many sets of reachable states are remembered.
+/// Number of cached sets of reachable states.
 const REMEMBERED: usize = 24;
 
-/// The functions of rules, made when they are first asked for.
+/// Functions of rules, created on first use.
 #[derive(Debug)]
 pub struct RuleEncoder<K: Kernel> {
     m: K,
     encoding: Encoding,
     variables: Vec<Variable>,
-    /// By rule: its conjuncts.
+    /// Conjuncts by rule.
     functions: FxHashMap<usize, Vec<K::Function>>,
-    /// What can be reached under sets of rules, the latest last.
-    reached: Vec<(Vec<usize>, Reached<K>)>,
+    /// Reachable states by set of rules, the latest last.
+    reached: Vec<(Vec<usize>, ReachableStates<K>)>,
 }
 
-/// The rules of a question.
+/// The step relation of a question's rules.
 #[derive(Debug, Clone)]
 pub struct Steps<K: Kernel> {
     /// The kernel.
     pub m: K,
     /// States that keep invariants and domains.
     pub states: K::Function,
-    /// Those of step 0.
+    /// States of step 0.
     pub initial: K::Function,
     /// Safety, and invariants of the next step, as parts.
     parts: Vec<K::Function>,
-    /// To go forward with: current bits are quantified.
+    /// For forward steps: current bits are quantified.
     forward: Relation<K>,
-    /// To go back with: next bits are quantified.
+    /// For backward steps: next bits are quantified.
     backward: Relation<K>,
     /// Current bits of the variables that occur.
     pub now: BitSet,
@@ -55,35 +55,35 @@ pub struct Steps<K: Kernel> {
     pub next: BitSet,
 }
 
-/// The states that can be reached, by how many steps it takes.
+/// Reachable states by number of steps.
 #[derive(Debug, Clone)]
-pub struct Reached<K: Kernel> {
-    /// What the question keeps to.
+pub struct ReachableStates<K: Kernel> {
+    /// The step relation of the question.
     pub steps: Steps<K>,
-    /// States that are first reached after so many steps.
+    /// States by the number of steps after which they are first reached.
     pub rings: Vec<K::Function>,
-    /// All of them.
+    /// All reachable states so far.
     pub all: K::Function,
     /// Whether there are no more.
     pub complete: bool,
 }
 
-/// A question about runs without an end.
+/// A question about infinite runs.
 struct Question<K: Kernel> {
     /// The variables that it mentions.
     variables: BTreeSet<VarId>,
-    /// To remember what was reached by.
+    /// Key for caching the reachable states.
     key: Vec<usize>,
-    /// What can be reached.
-    reached: Reached<K>,
-    /// The steps after which nothing is met any more that is not to be met again.
+    /// Reachable states.
+    reached: ReachableStates<K>,
+    /// The steps after which no justice is met that must not be met again.
     steps: Steps<K>,
-    /// What is met again and again.
+    /// Justice that is met again and again.
     again: Vec<K::Function>,
 }
 
-impl<K: Kernel> Reached<K> {
-    /// One ring more; says whether there was one.
+impl<K: Kernel> ReachableStates<K> {
+    /// Adds a ring; returns whether there was one.
     fn grow(&mut self) -> Result<bool, Limit> {
         if self.complete {
             return Ok(false);
@@ -124,7 +124,7 @@ impl<K: Kernel> Steps<K> {
         self.m.and(&self.states, &found)
     }
 
-    /// The same with fewer steps.
+    /// Restricts the relation to these steps.
     pub fn only(&self, steps: &K::Function) -> Result<Self, Limit> {
         if self.m.is_true(steps) {
             return Ok(self.clone());
@@ -159,7 +159,7 @@ fn relations<K: Kernel>(
 }
 
 impl<K: Kernel> RuleEncoder<K> {
-    /// A board without functions.
+    /// Creates an encoder without functions.
     pub fn new(
         specification: &Specification,
         order: &Order,
@@ -197,7 +197,7 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(encoded)
     }
 
-    /// A formula, confined to codes that have a value.
+    /// A formula, restricted to codes that have a value.
     fn encode(&self, part: &Expr) -> Result<K::Function, Limit> {
         let mut function = self.encoding.formula(&self.m, part)?;
         let mut mentioned = BTreeSet::new();
@@ -211,13 +211,13 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(function)
     }
 
-    /// A rule in one piece.
+    /// A rule as a single function.
     pub fn function(&mut self, rules: &[Rule], index: usize) -> Result<K::Function, Limit> {
         let conjuncts = self.conjuncts(rules, index)?;
         self.m.all(&conjuncts)
     }
 
-    /// Where a rule is broken, by values that there are.
+    /// The codes with values where a rule is broken.
     fn broken(&mut self, rules: &[Rule], index: usize) -> Result<K::Function, Limit> {
         let function = self.function(rules, index)?;
         self.m.not(&function)
@@ -234,7 +234,7 @@ impl<K: Kernel> RuleEncoder<K> {
         found
     }
 
-    /// These rules as steps over these variables.
+    /// The step relation of these rules over these variables.
     fn steps(
         &mut self,
         rules: &[Rule],
@@ -279,15 +279,15 @@ impl<K: Kernel> RuleEncoder<K> {
         })
     }
 
-    /// What can be reached under these rules, as far as it was looked at before; at least the
-    /// initial states. `variables` are those of the whole question. Whoever goes on with it gives
-    /// it back ([`Self::remember`]).
+    /// The states reachable under these rules, as far as computed before; at least the initial
+    /// states. `variables` are those of the whole question. A caller that continues the computation
+    /// returns the result with [`Self::remember`].
     fn reach(
         &mut self,
         rules: &[Rule],
         keep: &[usize],
         variables: &BTreeSet<VarId>,
-    ) -> Result<(Vec<usize>, Reached<K>), Limit> {
+    ) -> Result<(Vec<usize>, ReachableStates<K>), Limit> {
         let mut key: Vec<usize> = keep.to_vec();
         key.sort_unstable();
         key.push(usize::MAX);
@@ -297,7 +297,7 @@ impl<K: Kernel> RuleEncoder<K> {
         }
         let steps = self.steps(rules, keep, variables)?;
         let first = steps.initial.clone();
-        let reached = Reached {
+        let reached = ReachableStates {
             all: first.clone(),
             rings: vec![first],
             complete: false,
@@ -306,15 +306,15 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok((key, reached))
     }
 
-    fn remember(&mut self, key: Vec<usize>, reached: Reached<K>) {
+    fn remember(&mut self, key: Vec<usize>, reached: ReachableStates<K>) {
         if self.reached.len() >= REMEMBERED {
             self.reached.remove(0);
         }
         self.reached.push((key, reached));
     }
 
-    /// What a question about runs without an end is about.
-    fn question(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Question<K>, Limit> {
+    /// Prepares a question about infinite runs.
+    fn question(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Question<K>, Limit> {
         let all = wanted
             .keep
             .iter()
@@ -341,11 +341,15 @@ impl<K: Kernel> RuleEncoder<K> {
     }
 
     /// See [`super::Runs::lasso`].
-    pub fn find_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<Option<Lasso>, Limit> {
+    pub fn find_lasso(
+        &mut self,
+        rules: &[Rule],
+        wanted: &RunQuery,
+    ) -> Result<Option<Lasso>, Limit> {
         let mut asked = self.question(rules, wanted)?;
         let (steps, again) = (&asked.steps, &asked.again);
         let m = self.m.clone();
-        // What there is is often near the beginning.
+        // Runs are often found near the start.
         let mut next_look = FIRST_LOOK;
         let mut fair = m.constant(false);
         loop {
@@ -354,7 +358,7 @@ impl<K: Kernel> RuleEncoder<K> {
                 next_look *= LOOK_AGAIN;
                 fair = fair::fair(steps, &asked.reached.all, again)?;
             } else if !more {
-                // Forwards it is cheaper to see that there is nothing.
+                // Forward search shows more cheaply that there is no run.
                 let past = fair::past(steps, &asked.reached.all, again)?;
                 if !m.is_false(&past) {
                     fair = fair::fair(steps, &asked.reached.all, again)?;
@@ -375,9 +379,9 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(found)
     }
 
-    /// See [`super::Runs::any_lasso`]. Whoever asks so mostly expects that there is none: so there
-    /// is one early look, and then one at everything.
-    pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &Wanted) -> Result<bool, Limit> {
+    /// See [`super::Runs::any_lasso`]. Callers mostly expect that there is no run: so there is one
+    /// early search, and then a complete one.
+    pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit> {
         let mut asked = self.question(rules, wanted)?;
         let mut past = self.m.constant(false);
         loop {
@@ -418,12 +422,12 @@ impl<K: Kernel> RuleEncoder<K> {
             }
             let matters = |f: &K::Function, time: Time| {
                 let mut bits = self.encoding.bits(v, time);
-                // A domain that is no power of two is mentioned, and does not matter.
+                // A domain whose size is no power of two is mentioned, but does not matter.
                 bits.any(|bit| m.depends_on(f, bit))
             };
             let within = |time: Time| self.encoding.in_domain(&m, v, time);
-            // Compared where the variable has a value: the answers are the same for all of them, or
-            // they are not.
+            // Compared where the variable has a value: either the answers are the same for all of
+            // its values, or they are not.
             let differs = |f: &K::Function, time: Time| -> Result<bool, Limit> {
                 if !matters(f, time) {
                     return Ok(false);
@@ -472,7 +476,7 @@ impl<K: Kernel> RuleEncoder<K> {
     fn find_state(
         &self,
         variables: &BTreeSet<VarId>,
-        reached: &mut Reached<K>,
+        reached: &mut ReachableStates<K>,
         broken: &K::Function,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let mut ring = 0;
@@ -492,11 +496,11 @@ impl<K: Kernel> RuleEncoder<K> {
         }
     }
 
-    /// A shortest run to a last step, kept to `last`, that breaks a rule of this kind.
+    /// A shortest run to a last step, restricted to `last`, that breaks a rule of this kind.
     fn find_step(
         &self,
         variables: &BTreeSet<VarId>,
-        reached: &mut Reached<K>,
+        reached: &mut ReachableStates<K>,
         last: &Steps<K>,
         (kind, broken): (RuleKind, &K::Function),
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
@@ -515,7 +519,7 @@ impl<K: Kernel> RuleEncoder<K> {
                 m.prime(broken)?
             }
         };
-        // An invariant that only the last step keeps says nothing of the states before it.
+        // An invariant kept only by the last step does not restrict the states before it.
         let from = last.backward.product(m, &bad)?;
         let mut ring = 0;
         loop {
@@ -552,11 +556,11 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(share * 2f64.powi(i32::try_from(bits).unwrap_or(i32::MAX)))
     }
 
-    /// A run to a state in a ring, and one step more.
+    /// A run to a state in a ring, followed by one more step.
     fn up_to(
         &self,
         variables: &BTreeSet<VarId>,
-        reached: &Reached<K>,
+        reached: &ReachableStates<K>,
         (ring, here): (usize, &K::Function),
         last: &Steps<K>,
     ) -> Result<Vec<Vec<i64>>, Limit> {

@@ -1,4 +1,4 @@
-//! What games are made of, on random functions and specifications.
+//! Tests of the building blocks of games, on random functions and specifications.
 
 mod orders;
 mod parts;

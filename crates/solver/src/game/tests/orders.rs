@@ -1,6 +1,6 @@
-//! Orders that change in the middle of a fixpoint. Games small enough for thousands of tests never
-//! reach the size at which a kernel looks for a better order by itself, so these are played on one
-//! that does so at every safe point.
+//! Tests with orders that change during a fixpoint. Games small enough for thousands of tests never
+//! reach the size at which a kernel reorders by itself, so these use a kernel that does so at every
+//! safe point.
 
 use super::super::arena::{Arena, first_order};
 use super::super::fixpoint::{Iterations, layers, winning_region};
@@ -18,11 +18,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 type Function = <OxiDd as Kernel>::Function;
 
-/// `OxiDD`'s kernel, which sifts at every safe point.
+/// `OxiDD`'s kernel with sifting at every safe point.
 #[derive(Debug, Clone)]
 struct Restless {
     inner: OxiDd,
-    /// How many safe points changed the order.
+    /// Number of safe points that changed the order.
     changed: Arc<AtomicU64>,
 }
 
@@ -176,7 +176,7 @@ fn board<K: Kernel>(specification: &Specification, order: &Order, with: Heuristi
     set_up.expect("it is small").1
 }
 
-/// The region, and the steps towards every goal in it.
+/// The winning region, and the steps toward every goal in it.
 fn solved<K: Kernel>(arena: &Arena<K>) -> Option<Diagram> {
     let iterations = Iterations::default();
     let region = winning_region(arena, None, &iterations).expect("it is small")?;
@@ -199,7 +199,7 @@ fn an_order_that_changes_within_the_fixpoint_changes_nothing() {
         } else {
             specification_with_goals(&mut random)
         };
-        // Before the fixpoint the order is left as bad as it is.
+        // Before the fixpoint the bad order is kept.
         let heuristics = Heuristics::all().without(Heuristic::Sifting);
         let order = first_order(&specification, heuristics.without(Heuristic::Structure));
         let worse: Vec<u16> = order.pairs().iter().rev().copied().collect();

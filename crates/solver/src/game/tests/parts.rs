@@ -1,4 +1,4 @@
-//! Clusters and the diagram builder against a kernel's own operations, on random functions.
+//! Tests clusters and the diagram builder against a kernel's own operations, on random functions.
 
 use super::super::clusters::Clustering;
 use super::super::diagram_builder::DiagramBuilder;
@@ -35,7 +35,7 @@ fn function<K: Kernel>(m: &K, random: &mut Random, clauses: usize, bits: &[Bit])
     all
 }
 
-/// Whether two functions are one. Biodivine's may be equal and written down in another order.
+/// Whether two functions are equal. Biodivine's may be equal and stored in different order.
 fn same<K: Kernel>(m: &K, a: &K::Function, b: &K::Function) -> bool {
     m.is_false(&m.xor(a, b).expect("it is small"))
 }
@@ -47,7 +47,7 @@ fn all_bits() -> Vec<Bit> {
 fn clusters_are_their_parts<K: Kernel>(seed: u64) -> bool {
     let mut random = Random::new(seed);
     let m: K = kernel(&mut random);
-    // Neighbours share bits, as formulas of a file do.
+    // Neighbors share bits, as formulas of a file do.
     let parts: Vec<K::Function> = (0..12)
         .map(|i| {
             let first = (random.below(3) + i / 2).min(u64::from(PAIRS) - 3);

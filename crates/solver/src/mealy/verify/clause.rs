@@ -1,37 +1,37 @@
-//! The clauses of the definitions of a right machine and a right counterstrategy, by the way in
-//! which they can be broken.
+//! The clauses in the definitions of a correct machine and a correct counterstrategy, by the way
+//! they can be violated.
 
 use std::fmt;
 
-/// The clause that a machine or a counterstrategy breaks. Where a contract's formula is broken, its
-/// name stands with it.
+/// The clause that a machine or a counterstrategy violates. If a contract's formula is violated,
+/// the clause carries its name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
-    /// Its ports are those of the contract: names, domains, order.
+    /// Its ports equal those of the contract: names, domains, order.
     Ports,
-    /// A machine answers when the contract says, a counterstrategy when the contract's machine does
+    /// A machine moves when the contract says, a counterstrategy when the contract's machine does
     /// not.
     Timing,
-    /// Every transition leads to a state that exists.
+    /// Every transition leads to an existing state.
     Target,
     /// Every transition gives a value for each port.
     Values,
-    /// What a transition gives lies in its port's domain; the port's name.
+    /// The values in a transition lie in the domains of their ports; carries the port's name.
     Domain(String),
-    /// Guards ask for ports that exist.
+    /// Guards refer to existing ports.
     Guard,
-    /// Who answers first gives the same in all transitions of a state.
+    /// The side that moves first gives the same values in all transitions of a state.
     First,
     /// A counterstrategy gives something in every state.
     Nothing,
     /// There is a transition for every input that keeps the assumptions.
     Gap,
-    /// There is one only.
+    /// There is only one such transition.
     Overlap,
-    /// A counterstrategy has a transition for every answer that keeps the guarantees, or, where the
-    /// machine answers first, for every answer.
+    /// A counterstrategy has a transition for every answer that keeps the guarantees, or, if the
+    /// machine moves first, for every answer.
     Unanswered,
-    /// It has one only.
+    /// It has only one such transition.
     AnsweredTwice,
     /// A machine keeps each initial condition, invariant and safety formula that it guarantees.
     Guarantee(String),

@@ -1,19 +1,19 @@
 //! Checks a counterstrategy against the specification without the solver: the environment keeps its
-//! safety whatever the machine answers, every legal answer is met, and no play satisfies the
-//! machine's goals or starves an assumption.
+//! safety whatever the machine answers, every legal answer has a transition, and no play meets all
+//! of the machine's goals or starves an assumption.
 //!
-//! The product of the counterstrategy with every machine is built explicitly, as [`super::verify`]
-//! does it with the roles the other way round: a node is a state and what the formulas still say
-//! once the current values are known. Answers are enumerated output by output, and a branch is left
-//! as soon as a guarantee is known to be broken. Outputs that neither a formula nor a guard
-//! mentions stay at their smallest value.
+//! The product of the counterstrategy with every machine is built explicitly, as in
+//! [`super::verify`] with swapped roles: a node is a state, together with what the formulas still
+//! say once the current values are known. Answers are enumerated output by output, and a branch is
+//! cut as soon as a guarantee is known to be broken. Outputs that neither a formula nor a guard
+//! mentions keep their smallest value.
 //!
-//! Liveness: on every cycle each assumption's justice occurs, and in no strongly connected part do
-//! all goals.
+//! Liveness: on every cycle each assumption's justice occurs, and in no strongly connected
+//! component do all goals occur.
 
 use super::fair::fair_cycle;
 use super::form::{Rules, malformed};
-use super::letter::{Letter, Taken};
+use super::letter::{Letter, TransitionMatch};
 use super::product::{Edge, Product};
 use super::residual::{Id, Place, Pool, Tree, key};
 use super::{Clause, MOST_PAIRS, Violation};
@@ -22,8 +22,8 @@ use crate::mealy::{Machine, Transition};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 
-/// Checks a counterstrategy: whoever plays it against any machine keeps all assumptions of the
-/// specification, and the machine breaks one of its guarantees.
+/// Checks a counterstrategy: against any machine it keeps all assumptions of the specification, and
+/// the machine breaks one of its guarantees.
 pub fn verify_counterstrategy(
     specification: &Specification,
     counterstrategy: &Machine,
@@ -63,25 +63,25 @@ struct Check<'a> {
     given: Vec<VarId>,
     /// The machine's variables.
     answered: Vec<VarId>,
-    /// Whether anything mentions them.
+    /// Whether a formula or guard mentions them.
     matters: Vec<bool>,
     contexts: Tree,
     legal: Tree,
     broken: Place,
-    /// How many formulas of a context are the environment's rules, and how many the machine's.
+    /// Number of formulas in a context that are the environment's rules, and the machine's.
     rules: [usize; 2],
     names: Vec<String>,
     step: Place,
     product: Product,
     pairs: u64,
-    /// The edge whose valuation is looked for, once the product is there.
+    /// The edge whose valuation is searched, once the product is complete.
     wanted: Option<Edge>,
 }
 
-/// What is found wrong: the node, the valuation of the step after it, and the clause.
-type Wrong = (usize, Vec<i64>, Clause);
+/// A violation: the node, the valuation of the step after it, and the clause.
+type ClauseViolation = (usize, Vec<i64>, Clause);
 
-/// The answers of one step, being enumerated.
+/// State of the enumeration of a step's answers.
 struct Answers<'a> {
     node: usize,
     /// The formulas of the context with the given inputs fixed.
@@ -145,9 +145,9 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The clause that its form breaks, if any.
+    /// The clause that its form violates, if any.
     fn malformed(&self) -> Option<Clause> {
-        // It answers when the machine of the contract does not.
+        // It moves when the machine of the contract does not.
         let timing = match self.specification.timing {
             Timing::Mealy => Timing::Moore,
             Timing::Moore => Timing::Mealy,
@@ -158,7 +158,7 @@ impl<'a> Check<'a> {
             .or_else(|| lists.any(Vec::is_empty).then_some(Clause::Nothing))
     }
 
-    fn explore(&mut self) -> Result<Option<Wrong>, Limit> {
+    fn explore(&mut self) -> Result<Option<ClauseViolation>, Limit> {
         while let Some(current) = self.product.next() {
             let transitions = self.machine.transitions(self.product.node(current).0);
             let first = self.specification.timing == Timing::Mealy;
@@ -176,8 +176,8 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// The transitions of a node that give the same. Where the environment moves first, all do and
-    /// are looked at together.
+    /// Transitions of a node that give the same values. If the environment moves first, all do and
+    /// are examined together.
     fn groups(&self, node: usize) -> Vec<&'a [Transition]> {
         let transitions = self.machine.transitions(self.product.node(node).0);
         match self.specification.timing {
@@ -186,13 +186,13 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// Follows all legal answers to what a group of transitions gives.
+    /// Follows all legal answers to the values of a group of transitions.
     fn answers(
         &mut self,
         node: usize,
         group: &'a [Transition],
         edges: &mut Vec<Edge>,
-    ) -> Result<Option<Wrong>, Limit> {
+    ) -> Result<Option<ClauseViolation>, Limit> {
         self.limits.check_time()?;
         let mut letter = Letter::new(self.specification, group, self.answered.len());
         for (v, value) in self.given.iter().zip(&group[0].output) {
@@ -206,7 +206,7 @@ impl<'a> Check<'a> {
                 *id = self.pool.fix(*id, key(v.index(), Time::Next), value);
             }
         }
-        // A rule of the environment that is broken whatever the answer is.
+        // A rule of the environment that is broken by every answer.
         for (index, id) in formulas[..self.rules[0]].iter().enumerate() {
             if self.pool.value(*id) == Some(0) {
                 let name = self.names[index].clone();
@@ -232,7 +232,7 @@ impl<'a> Check<'a> {
         depth: usize,
         place: Place,
     ) -> Result<Option<Clause>, Limit> {
-        // Where the machine answers first, the other groups have transitions for these answers.
+        // If the machine moves first, the other groups have transitions for these answers.
         let elsewhere = self.specification.timing == Timing::Moore;
         if place == self.broken || elsewhere && answers.letter.candidates(depth).is_empty() {
             return Ok(None);
@@ -257,9 +257,9 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Counts an answer that is looked at.
+    /// Counts an examined answer.
     fn count(&mut self) -> Result<(), Limit> {
-        // To tell what was found costs nothing more.
+        // Reporting a result that is already found costs nothing more.
         if self.wanted.is_some() {
             return Ok(());
         }
@@ -273,7 +273,7 @@ impl<'a> Check<'a> {
         Ok(())
     }
 
-    /// A legal answer.
+    /// Handles a legal answer.
     fn leaf(&mut self, answers: &mut Answers<'a>) -> Result<Option<Clause>, Limit> {
         self.count()?;
         let next = &answers.letter.next;
@@ -283,9 +283,9 @@ impl<'a> Check<'a> {
             }
         }
         let transition = match answers.letter.taken() {
-            Taken::One(transition) => transition,
-            Taken::Nothing => return Ok(Some(Clause::Unanswered)),
-            Taken::Several => return Ok(Some(Clause::AnsweredTwice)),
+            TransitionMatch::One(transition) => transition,
+            TransitionMatch::Nothing => return Ok(Some(Clause::Unanswered)),
+            TransitionMatch::Several => return Ok(Some(Clause::AnsweredTwice)),
         };
         let justice = &answers.formulas[self.rules[0] + self.rules[1]..];
         let label: Vec<bool> = justice
@@ -296,7 +296,7 @@ impl<'a> Check<'a> {
         let to = (transition.to, context);
         let edge = self.product.edge(answers.node, next, &label, to);
         if self.wanted == Some(edge) {
-            // Whatever is given stops the enumeration here.
+            // Any value stops the enumeration here.
             return Ok(Some(Clause::Won));
         }
         if answers.edges.last() != Some(&edge) {
@@ -305,19 +305,18 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Where the machine answers first, the environment has something to give whatever the answer
-    /// is.
+    /// If the machine moves first, the environment has values for every answer.
     fn answered_always(
         &mut self,
         node: usize,
         transitions: &'a [Transition],
-    ) -> Result<Option<Wrong>, Limit> {
+    ) -> Result<Option<ClauseViolation>, Limit> {
         let mut letter = Letter::new(self.specification, transitions, self.answered.len());
         let wrong = self.gap(&mut letter, 0)?;
         Ok(wrong.map(|clause| (node, letter.next, clause)))
     }
 
-    /// Looks for an answer below that satisfies no cube, or several.
+    /// Searches below for an answer that satisfies no cube, or several.
     fn gap(&mut self, letter: &mut Letter<'a>, depth: usize) -> Result<Option<Clause>, Limit> {
         let here = letter.candidates(depth);
         if here.is_empty() {
@@ -343,7 +342,7 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// A cycle on which an assumption is starved or all goals are met.
+    /// Finds a cycle on which an assumption is starved or all goals are met.
     fn liveness(&mut self) -> Result<Option<Violation>, Limit> {
         let assumed = &self.specification.assumptions.justice;
         let goals = self.specification.guarantees.justice.len();
@@ -363,7 +362,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// What a cycle shows.
+    /// The violation shown by a cycle.
     fn violation(&mut self, clause: Clause, cycle: &[(usize, Edge)]) -> Result<Violation, Limit> {
         let mut trace = self.product.trace_to(cycle[0].0);
         let repeats_from = Some(trace.len());

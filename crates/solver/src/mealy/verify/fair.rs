@@ -1,12 +1,12 @@
-//! Fair cycles: strongly connected parts (Tarjan 1972, without recursion) in which every
+//! Fair cycles: strongly connected components (Tarjan 1972, without recursion) in which every
 //! assumption's justice occurs.
 
 use super::product::Edge;
 use crate::game::{Limit, Limits};
 use std::collections::{HashMap, VecDeque};
 
-/// A cycle of `bad` edges on which every one of the `assumptions` is `fair` somewhere: its edges
-/// with the nodes they leave.
+/// A cycle of `bad` edges on which every one of the `assumptions` is `fair` somewhere, as its edges
+/// with their source nodes.
 pub fn fair_cycle(
     edges: &[Vec<Edge>],
     assumptions: usize,
@@ -16,7 +16,7 @@ pub fn fair_cycle(
 ) -> Result<Option<Vec<(usize, Edge)>>, Limit> {
     let part = components(edges, bad, limits)?;
     let inner = |from: usize, edge: &Edge| bad(edge.label) && part[from] == part[edge.to];
-    // Which assumptions occur in a part, and whether it has an edge at all.
+    // The assumptions that occur in a component, and whether it has an edge at all.
     let mut seen: HashMap<usize, Vec<bool>> = HashMap::new();
     for (from, out) in edges.iter().enumerate() {
         for edge in out.iter().filter(|e| inner(from, e)) {
@@ -83,7 +83,7 @@ fn path(
     Vec::new()
 }
 
-/// The strongly connected part of each node, looking at `bad` edges only.
+/// The strongly connected component of each node, using `bad` edges only.
 fn components(
     edges: &[Vec<Edge>],
     bad: &impl Fn(u32) -> bool,
@@ -113,7 +113,7 @@ fn components(
             if let Some(edge) = edges[node].get(*position) {
                 *position += 1;
                 if !bad(edge.label) {
-                    // Leave `position` above 0 so that the node is not opened again.
+                    // Leaves `position` above 0 so that the node is not opened again.
                 } else if index[edge.to] == NEW {
                     calls.push((edge.to, 0));
                 } else if part[edge.to] == NEW {

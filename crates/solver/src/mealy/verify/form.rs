@@ -1,13 +1,11 @@
-//! What a machine and a counterstrategy have to look like before anybody plays them, and what the
-//! formulas say from step to step.
+//! Well-formedness of machines and counterstrategies, and the step rules of the formulas.
 
 use super::Clause;
 use super::residual::{Id, Pool};
 use crate::mealy::{Machine, Port};
 use linewright_core::gr1::{Formula, Specification, Time, Timing, VarId};
 
-/// The clause that the form of a machine breaks, if any: its ports, when it answers, its
-/// transitions.
+/// The clause that the form of a machine violates, if any: its ports, its timing, its transitions.
 pub(super) fn malformed(
     machine: &Machine,
     specification: &Specification,
@@ -53,17 +51,17 @@ pub(super) fn malformed(
     None
 }
 
-/// What the formulas of a specification say of the step to come: the initial conditions, invariants
-/// and safety of the environment, those of the machine, then the justice of both. What speaks of
-/// one step speaks of the step to come.
+/// What the formulas of a specification say about the upcoming step: initial conditions, invariants
+/// and safety of the environment, those of the machine, then the justice of both. Formulas about a
+/// single step refer to the upcoming one.
 pub(super) struct Rules {
-    /// In step 0, where safety and justice have nothing to say.
+    /// Rules of step 0, where safety and justice do not apply.
     pub(super) start: Vec<Id>,
-    /// In later steps, where initial conditions have nothing to say.
+    /// Rules of later steps, where initial conditions do not apply.
     pub(super) step: Vec<Id>,
-    /// How many are the environment's, and how many the machine's, justice aside.
+    /// Number of rules of the environment, and of the machine, without justice.
     pub(super) counts: [usize; 2],
-    /// The names of these.
+    /// Names of the rules.
     pub(super) names: Vec<String>,
 }
 

@@ -1,24 +1,24 @@
-//! A letter being chosen, variable by variable, and the transitions whose guards it may still
+//! A letter that is chosen variable by variable, and the transitions whose guards it may still
 //! satisfy.
 
 use crate::mealy::{Cube, Transition};
 use linewright_core::gr1::{Specification, VarId};
 
-/// A valuation of the next step, of which the first variables that guards ask for are chosen. The
-/// others have the smallest value of their domains.
+/// A valuation of the next step in which the first of the variables tested by guards are chosen.
+/// The others have the smallest value of their domains.
 #[derive(Debug)]
 pub(super) struct Letter<'a> {
     transitions: &'a [Transition],
-    /// By the number of chosen variables, the cubes that they satisfy, each with its transition.
+    /// By number of chosen variables, the cubes that they satisfy, each with its transition.
     candidates: Vec<Vec<(usize, &'a Cube)>>,
     /// The valuation.
     pub(super) next: Vec<i64>,
 }
 
-/// The transitions that a letter satisfies.
+/// The transitions whose guards a letter satisfies.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Taken<'a> {
-    /// This one.
+pub(super) enum TransitionMatch<'a> {
+    /// Exactly this one.
     One(&'a Transition),
     /// None.
     Nothing,
@@ -27,7 +27,7 @@ pub(super) enum Taken<'a> {
 }
 
 impl<'a> Letter<'a> {
-    /// Nothing is chosen yet, of so many variables.
+    /// Creates a letter with no variable chosen.
     pub(super) fn new(
         specification: &Specification,
         transitions: &'a [Transition],
@@ -63,12 +63,12 @@ impl<'a> Letter<'a> {
         &self.candidates[chosen]
     }
 
-    /// The transition that is taken once all variables are chosen.
-    pub(super) fn taken(&self) -> Taken<'a> {
+    /// The transition taken once all variables are chosen.
+    pub(super) fn taken(&self) -> TransitionMatch<'a> {
         match self.candidates.last().map(Vec::as_slice) {
-            Some([(t, _)]) => Taken::One(&self.transitions[*t]),
-            Some([_, _, ..]) => Taken::Several,
-            _ => Taken::Nothing,
+            Some([(t, _)]) => TransitionMatch::One(&self.transitions[*t]),
+            Some([_, _, ..]) => TransitionMatch::Several,
+            _ => TransitionMatch::Nothing,
         }
     }
 }

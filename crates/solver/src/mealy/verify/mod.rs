@@ -2,15 +2,15 @@
 //! every fair cycle against justice.
 //!
 //! The product of the machine with its environment is built explicitly. A node is a state of the
-//! machine and a *context*: what the formulas that speak of two steps still say once the current
-//! values are known (`residual.rs`). So current inputs that no formula mentions, or that matter
-//! only while something else holds, do not multiply the nodes. Next inputs are enumerated variable
-//! by variable, and a branch is left as soon as an assumption is known to be broken.
+//! machine and a *context*: what the two-step formulas still say once the current values are known
+//! (`residual.rs`). So current inputs that no formula mentions, or that matter only while something
+//! else holds, do not multiply the nodes. Next inputs are enumerated variable by variable, and a
+//! branch is cut as soon as an assumption is known to be broken.
 //!
 //! Justice: if the machine breaks goal `j`, some play stays for ever in transitions that do not
-//! satisfy it and yet sees every assumption again and again; that is a strongly connected part of
-//! the graph without the transitions that satisfy `j`, in which every assumption's justice occurs
-//! (`fair.rs`).
+//! satisfy it and yet sees every assumption again and again; that is a strongly connected component
+//! of the graph without the transitions that satisfy `j`, in which every assumption's justice
+//! occurs (`fair.rs`).
 
 mod clause;
 mod counter;
@@ -26,7 +26,7 @@ pub use counter::verify_counterstrategy;
 use super::{Machine, Transition};
 use crate::game::{Limit, Limits};
 use form::{Rules, malformed};
-use letter::{Letter, Taken};
+use letter::{Letter, TransitionMatch};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{Specification, Time, VarId};
 use product::{Edge, Product};
@@ -34,23 +34,24 @@ use residual::{Id, Place, Pool, Tree, key};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// More pairs of a node and a letter than this are not examined.
+/// Maximum number of examined pairs of a node and a letter.
 pub const MOST_PAIRS: u64 = 50_000_000;
 
-/// What a machine does wrong, with the play that shows it.
+/// A violation by a machine, with the play that shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Violation {
-    /// What it breaks.
+    /// The violated clause.
     pub clause: Clause,
-    /// The valuations of all variables, step by step, up to the violation. Without a transition, or
-    /// with two, the outputs of the last step are the smallest values of their domains.
+    /// The valuations of all variables step by step up to the violation. If there is no transition,
+    /// or more than one, the outputs of the last step are the smallest values of their domains.
     pub trace: Vec<Vec<i64>>,
-    /// For a justice formula: the step to which the play returns for ever.
+    /// For a justice formula: index of the step to which the play returns for ever.
     pub repeats_from: Option<usize>,
 }
 
-/// Checks a machine. `Ok(Ok(()))` is: it keeps its contract. Beyond [`MOST_PAIRS`], or as many
-/// pairs as there may be nodes ([`Limits::most_nodes`]), it gives up with [`Limit::Size`].
+/// Checks a machine. `Ok(Ok(()))` means that it keeps its contract. Beyond [`MOST_PAIRS`], or when
+/// the pairs reach the maximum number of nodes ([`Limits::most_nodes`]), it gives up with
+/// [`Limit::Size`].
 pub fn verify(
     specification: &Specification,
     machine: &Machine,
@@ -71,13 +72,13 @@ pub fn verify(
     check.justice()
 }
 
-/// A node's formulas, split by what they are for; over next values only.
+/// A node's formulas by purpose; over next values only.
 struct Context {
-    /// Where the enumeration of legal inputs begins.
+    /// Where the enumeration of legal inputs starts.
     legal: Place,
-    /// The guarantees that are left, with their place among the names.
+    /// The remaining guarantees, with their indices among the names.
     guarantees: Vec<(Id, usize)>,
-    /// The justice of both sides, first the environment's.
+    /// Justice of both sides, first the environment's.
     justice: Vec<Id>,
 }
 
@@ -88,11 +89,11 @@ struct Check<'a> {
     pool: Pool,
     inputs: Vec<VarId>,
     outputs: Vec<VarId>,
-    /// Asks for current values, outputs first.
+    /// Tree over current values, outputs first.
     contexts: Tree,
-    /// Asks for next inputs.
+    /// Tree over next inputs.
     legal: Tree,
-    /// How many formulas of a context are the environment's rules.
+    /// Number of formulas in a context that are the environment's rules.
     assumptions: usize,
     guarantee_names: Vec<String>,
     known: HashMap<Place, Rc<Context>>,
@@ -100,7 +101,7 @@ struct Check<'a> {
     product: Product,
     pairs: u64,
     most_pairs: u64,
-    /// The place in `legal` where an assumption is broken.
+    /// The place in `legal` that means a broken assumption.
     broken: Place,
 }
 
@@ -181,7 +182,7 @@ impl<'a> Check<'a> {
         context
     }
 
-    /// Builds the product; gives the first violation of safety.
+    /// Builds the product; returns the first violation of safety.
     fn explore(&mut self) -> Result<Option<Violation>, Limit> {
         while let Some(current) = self.product.next() {
             let context = self.context(self.product.node(current).1);
@@ -220,8 +221,8 @@ impl<'a> Check<'a> {
     }
 
     /// Calls `visit` with the machine's transition and the valuation of the next step for all next
-    /// inputs that keep the assumptions. Stops when it gives a broken clause, or when there is no
-    /// transition or more than one, and gives the clause with the valuation.
+    /// inputs that keep the assumptions. Stops when it returns a violated clause, or when there is
+    /// no transition or more than one, and returns the clause with the valuation.
     fn letters(
         &mut self,
         node: usize,
@@ -261,7 +262,7 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Inputs that keep the assumptions.
+    /// Handles inputs that keep the assumptions.
     fn leaf(
         &mut self,
         letter: &mut Letter<'a>,
@@ -275,23 +276,23 @@ impl<'a> Check<'a> {
             self.limits.check_time()?;
         }
         let clause = match letter.taken() {
-            Taken::One(transition) => {
+            TransitionMatch::One(transition) => {
                 for (v, value) in self.outputs.iter().zip(&transition.output) {
                     letter.next[v.index()] = *value;
                 }
                 return Ok(visit(self, transition, &letter.next));
             }
-            Taken::Nothing => Clause::Gap,
-            Taken::Several => Clause::Overlap,
+            TransitionMatch::Nothing => Clause::Gap,
+            TransitionMatch::Several => Clause::Overlap,
         };
-        // Nothing of the letter before.
+        // Resets the values of the previous letter.
         for v in &self.outputs {
             letter.next[v.index()] = self.specification.variable(*v).domain.low();
         }
         Ok(Some(clause))
     }
 
-    /// Looks for a fair play that breaks a justice guarantee.
+    /// Searches for a fair play that breaks a justice guarantee.
     fn justice(&mut self) -> Result<Result<(), Violation>, Limit> {
         let assumed = self.specification.assumptions.justice.len();
         for (j, formula) in self.specification.guarantees.justice.iter().enumerate() {
@@ -326,12 +327,12 @@ impl<'a> Check<'a> {
             let same = justice.all(|(i, id)| {
                 check.product.satisfies(edge.label, i) == (check.pool.eval(*id, next) != 0)
             });
-            // Whatever is given stops the enumeration here.
+            // Any value stops the enumeration here.
             (same && target == (Some(transition.to), place)).then_some(Clause::Gap)
         })?;
         Ok(found.map(|(_, next)| next).unwrap_or_default())
     }
 }
 
-/// What is called for every letter: with the transition taken and the valuation of the step.
+/// Callback for every letter, with the transition taken and the valuation of the step.
 type Visit<'v, 'a> = dyn FnMut(&mut Check<'a>, &Transition, &[i64]) -> Option<Clause> + 'v;

@@ -1,5 +1,5 @@
-//! The product that both checkers build, node by node: what is checked, with all that may play
-//! against it.
+//! The product built by both checkers, node by node: what is checked, against everything that may
+//! play against it.
 
 use super::residual::Place;
 use std::collections::HashMap;
@@ -18,25 +18,24 @@ struct Node {
     /// `None` before step 0.
     state: Option<usize>,
     context: Place,
-    /// How it was first reached: from which node, with which valuation.
+    /// How it was first reached: source node and valuation.
     from: Option<(usize, Vec<i64>)>,
 }
 
-/// The nodes that were reached, and the steps between those that were looked at. Node 0 is where
-/// every play begins.
+/// The reached nodes, and the steps between those examined. Node 0 is the start of every play.
 #[derive(Debug)]
 pub(super) struct Product {
     nodes: Vec<Node>,
     numbers: HashMap<(usize, Place), usize>,
-    /// By node; of the first nodes only, as long as others have not been looked at.
+    /// Edges by node, only for the nodes examined so far.
     pub(super) edges: Vec<Vec<Edge>>,
-    /// By number, whether each justice formula is satisfied.
+    /// By label number, whether each justice formula is satisfied.
     pub(super) labels: Vec<Vec<bool>>,
     label_numbers: HashMap<Vec<bool>, u32>,
 }
 
 impl Product {
-    /// The node where every play begins.
+    /// Creates the start node.
     pub(super) fn new(start: Place) -> Self {
         Self {
             nodes: vec![Node {
@@ -51,13 +50,13 @@ impl Product {
         }
     }
 
-    /// The next node to be looked at; none once all have been.
+    /// The next node to examine; `None` once all have been.
     pub(super) fn next(&self) -> Option<usize> {
         let next = self.edges.len();
         (next < self.nodes.len()).then_some(next)
     }
 
-    /// Puts down the steps from the node that [`Self::next`] gave.
+    /// Stores the steps from the node that [`Self::next`] returned.
     pub(super) fn close(&mut self, mut edges: Vec<Edge>) {
         edges.sort_unstable();
         edges.dedup();
@@ -71,7 +70,7 @@ impl Product {
     }
 
     /// The step with this valuation and label from one node to a state and a context, whose node is
-    /// made where there is none yet.
+    /// created if necessary.
     pub(super) fn edge(
         &mut self,
         from: usize,
@@ -99,7 +98,7 @@ impl Product {
         Edge { to, label }
     }
 
-    /// Whether a label says that the justice formula at this place is satisfied.
+    /// Whether a label says that the justice formula with this index is satisfied.
     pub(super) fn satisfies(&self, label: u32, place: usize) -> bool {
         self.labels[label as usize][place]
     }

@@ -1,9 +1,9 @@
-//! What is left of formulas when some variables are known.
+//! Residuals: what is left of formulas when some variables are known.
 //!
-//! Expressions are shared in a [`Pool`]; fixing a variable simplifies. A [`Tree`] asks for
-//! variables one after the other, and only for those that what is left still mentions. Two
-//! valuations that leave the same formulas end in the same place of the tree, and nothing that the
-//! formulas say can tell them apart. No diagrams of the solver are involved.
+//! Expressions are shared in a [`Pool`]; fixing a variable simplifies them. A [`Tree`] queries
+//! variables one after the other, and only those that the rest still mentions. Two valuations that
+//! leave the same formulas end in the same place of the tree and cannot be distinguished by the
+//! formulas. No diagrams of the solver are involved.
 
 use linewright_core::gr1::eval;
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
@@ -11,8 +11,8 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::rc::Rc;
 
-/// A quick hash for small keys of our own making; the default one guards against attackers, of
-/// which there are none here.
+/// A fast hash for small internal keys; the default one guards against attackers, of which there
+/// are none here.
 #[derive(Debug, Default)]
 pub struct Mixer(u64);
 
@@ -51,7 +51,7 @@ impl Hasher for Mixer {
 /// The number of an expression in its pool.
 pub type Id = u32;
 
-/// A variable at a time, as a number: `2 · variable`, one more for its next value.
+/// A variable at a time, as a number: `2 · variable`, plus one for its next value.
 pub type Key = u32;
 
 /// The key of a variable.
@@ -72,7 +72,7 @@ enum Node {
 #[derive(Debug, Default)]
 pub struct Pool {
     nodes: Vec<Node>,
-    /// The keys each expression mentions, in order.
+    /// The keys mentioned by each expression, in order.
     keys: Vec<Rc<[Key]>>,
     ids: HashMap<Node, Id, Mix>,
     fixed: HashMap<(Id, Key, i64), Id, Mix>,
@@ -118,7 +118,7 @@ impl Pool {
         &self.keys[id as usize]
     }
 
-    /// An expression, with every variable at the time that `time` makes of the written one.
+    /// Adds an expression; `time` maps the written time of every variable.
     pub fn add(&mut self, expr: &Expr, time: &impl Fn(Time) -> Time) -> Id {
         match expr {
             Expr::Const(c) => self.constant(*c),
@@ -172,7 +172,7 @@ impl Pool {
         }
     }
 
-    /// The expression with one variable known.
+    /// The expression with the value of one variable fixed.
     pub fn fix(&mut self, id: Id, key: Key, value: i64) -> Id {
         if self.keys[id as usize].binary_search(&key).is_err() {
             return id;
@@ -233,21 +233,21 @@ pub type Place = u32;
 #[derive(Debug)]
 struct Branch {
     formulas: Rc<[Id]>,
-    /// The place in [`Tree::order`] of what is asked for; none when nothing asked for is mentioned
-    /// any more.
+    /// The index in [`Tree::order`] of the next query; `None` if nothing queried is mentioned any
+    /// more.
     question: Option<u32>,
-    /// By value, from the smallest; unknown yet where `u32::MAX`.
+    /// Children by value, from the smallest; `u32::MAX` if not yet known.
     children: Vec<Place>,
 }
 
-/// Lists of formulas, and what is left of them as variables become known.
+/// Lists of formulas, and their residuals as variables become known.
 #[derive(Debug)]
 pub struct Tree {
-    /// What may be asked for, with its smallest and largest value, in this order.
+    /// The queries in this order, with the smallest and largest value.
     order: Vec<(Key, i64, i64)>,
-    /// By key, its place in the order.
+    /// Index in the order by key.
     ranks: Vec<u32>,
-    /// Whether the lists are conjunctions: then what is true is left out, and what is false leaves
+    /// Whether the lists are conjunctions: then true formulas are dropped, and a false one leaves
     /// nothing else.
     pub conjunction: bool,
     branches: Vec<Branch>,
@@ -256,11 +256,11 @@ pub struct Tree {
 
 const UNKNOWN: Place = u32::MAX;
 
-/// The rank of a key that is not asked for.
+/// Rank of a key that is not queried.
 const NEVER: u32 = u32::MAX;
 
 impl Tree {
-    /// A tree that asks for these keys.
+    /// Creates a tree with these queries.
     pub fn new(order: Vec<(Key, i64, i64)>) -> Self {
         let ends = order.iter().map(|(k, ..)| *k as usize + 1);
         let mut ranks = vec![NEVER; ends.max().unwrap_or_default()];
@@ -306,17 +306,17 @@ impl Tree {
         place
     }
 
-    /// The formulas left in a place.
+    /// The formulas left at a place.
     pub fn formulas(&self, place: Place) -> &[Id] {
         &self.branches[place as usize].formulas
     }
 
-    /// What is asked for in a place: a place in the order.
+    /// The query at a place, as an index into the order.
     pub fn question(&self, place: Place) -> Option<usize> {
         self.branches[place as usize].question.map(|q| q as usize)
     }
 
-    /// Where an answer leads.
+    /// The place after an answer.
     pub fn answer(&mut self, pool: &mut Pool, place: Place, value: i64) -> Place {
         let branch = &self.branches[place as usize];
         let Some(question) = branch.question else {
@@ -338,8 +338,8 @@ impl Tree {
         child
     }
 
-    /// Where the value of the variable at this place of the order leads: nowhere else, unless it is
-    /// what is asked for.
+    /// The place after the value of the variable with this index: unchanged unless it is the next
+    /// query.
     pub fn follow(&mut self, pool: &mut Pool, place: Place, rank: usize, value: i64) -> Place {
         if self.question(place) == Some(rank) {
             self.answer(pool, place, value)
@@ -348,7 +348,7 @@ impl Tree {
         }
     }
 
-    /// Answers with the values of a valuation until nothing more is asked for. Keys are looked up
+    /// Answers with the values of a valuation until there is no further query. Keys are looked up
     /// by their variable.
     pub fn descend(&mut self, pool: &mut Pool, mut place: Place, values: &[i64]) -> Place {
         while let Some(question) = self.question(place) {

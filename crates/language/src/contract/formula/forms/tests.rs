@@ -1,5 +1,5 @@
-//! The forms of the shapes that engineers and papers write, and that they mean what they say:
-//! formula and form are evaluated, by the textbook, on many runs that end in a loop.
+//! Tests of the forms of common shapes by engineers and in papers, and of their meaning: formula
+//! and form are evaluated by the textbook semantics on many runs that end in a loop.
 
 use super::*;
 use Strength::{Assumed, Less, More, Same};
@@ -20,7 +20,7 @@ fn formula(text: &str) -> Expr {
     }
 }
 
-/// `i` and `j` are inputs, everything else is the machine's.
+/// `i` and `j` are inputs, all other variables are the machine's.
 fn input(e: &Expr) -> bool {
     let mut only = true;
     e.for_each_path(&mut |names| only &= matches!(names[0].text.as_str(), "i" | "j"));
@@ -257,7 +257,7 @@ const ASSUMPTIONS: &[(&str, Strength, &[&str])] = &[
     ),
 ];
 
-/// What has no form, or none that is known here.
+/// Formulas without a form, or without one known here.
 const NONE: &[&str] = &[
     "eventually (p and always q)",
     "always (p or (always q) or eventually r)",
@@ -291,7 +291,7 @@ fn shapes_have_these_forms() {
         if form.strength != strength || !rules.is_empty() && found != rules {
             let _ = writeln!(report, "{text}: {:?} {found:#?}", form.strength);
         }
-        // It is read as what it is.
+        // The form is parsed back as itself.
         for (_, rule) in &form.rules {
             let again = formula(&format::expression(rule));
             assert_eq!(
@@ -319,9 +319,8 @@ fn what_has_no_form_gets_none() {
     }
 }
 
-/// Every formula over an input and an output with up to four operators of the language of LTL, as
-/// an assumption and as a guarantee: what is offered for it compares with it as is said, on all
-/// short lassos.
+/// Every formula over an input and an output with up to four LTL operators, as an assumption and as
+/// a guarantee: the form offered for it compares as claimed, on all short lassos.
 #[test]
 fn every_form_of_a_small_formula_means_what_is_said() {
     let mut formulas: Vec<Vec<String>> = vec![Vec::new(), vec!["p".to_owned(), "i".to_owned()]];
@@ -378,7 +377,7 @@ fn every_form_of_a_small_formula_means_what_is_said() {
                 form.strength == Assumed || form.rules.iter().all(|(side, _)| *side == guarantee),
                 "{text}: on the other side"
             );
-            // A machine may promise more than it has to, and a plant less.
+            // A machine may promise more than necessary, and a plant less.
             let fits = match form.strength {
                 Same => true,
                 More | Assumed => guarantee,
@@ -398,12 +397,12 @@ fn every_form_of_a_small_formula_means_what_is_said() {
     assert!(offered.iter().all(|n| *n > 5), "{offered:?}");
 }
 
-// ---- the meaning, directly ----------------------------------------------------------------------
+// ---- direct evaluation --------------------------------------------------------------------------
 
 const NAMES: [&str; 6] = ["p", "q", "r", "i", "j", "settled"];
 
-/// The letters of a run, its last ones for ever again; written out so often that all of the past
-/// has settled.
+/// The letters of a run, the last ones repeated for ever; unrolled until the past operators have
+/// settled.
 #[derive(Debug)]
 struct Run {
     letters: Vec<u8>,
@@ -419,7 +418,7 @@ impl Run {
             (*state >> 24) % n
         };
         let (stem, period) = (pick(5), 1 + pick(4) as usize);
-        // Runs in which little happens break other formulas than busy ones.
+        // Sparse runs break other formulas than busy ones.
         let sparse = pick(3);
         let mut letter = || {
             let all = pick(64);
@@ -439,7 +438,7 @@ impl Run {
         Self { letters, period }
     }
 
-    /// All runs over these names with up to three letters before the loop ends.
+    /// Returns all runs over these names with up to three letters before the loop ends.
     fn all(names: &[&str]) -> Vec<Self> {
         let bit = |name: &&str| {
             let bit = NAMES.iter().position(|n| n == name);
@@ -468,8 +467,8 @@ impl Run {
         found
     }
 
-    /// Whether all rules of a form hold, whosesoever they are; of an assumed premise, the
-    /// guarantees if the assumptions do.
+    /// Returns whether all rules of a form hold, on either side; with an assumed premise, whether
+    /// the guarantees hold if the assumptions do.
     fn keeps(&self, form: &Form) -> bool {
         let all = |side: bool| {
             let mut rules = form
@@ -489,7 +488,7 @@ impl Run {
         if i + 1 < n { i + 1 } else { n - self.period }
     }
 
-    /// The steps from `i` on, each once.
+    /// Returns the steps from `i` on, each once.
     fn from(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let n = self.letters.len();
         i.min(n - self.period)..n
@@ -594,7 +593,7 @@ impl Run {
     }
 }
 
-/// A run on which the form is not what it says it is.
+/// Returns a run on which the form does not compare as claimed.
 fn counterexample(original: &Expr, form: &Form) -> Option<Run> {
     let mut state = 0x9E37_79B9_7F4A_7C15;
     (0..4_000)
@@ -602,7 +601,8 @@ fn counterexample(original: &Expr, form: &Form) -> Option<Run> {
         .find(|run| deviates(run.holds(original)[0], run, form))
 }
 
-/// Whether a form does not compare as it says with a formula that holds on a run, or does not.
+/// Returns whether a form does not compare as claimed with a formula whose value on a run is
+/// `wanted`.
 fn deviates(wanted: bool, run: &Run, form: &Form) -> bool {
     let found = run.keeps(form);
     match form.strength {

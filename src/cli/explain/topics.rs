@@ -1,0 +1,161 @@
+//! What can be explained besides findings: the constructs of the language, whose pages are sections
+//! of the language reference, and the commands.
+
+use clap::Command;
+use include_dir::{Dir, include_dir};
+use schemars::JsonSchema;
+use serde::Serialize;
+
+static REFERENCE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/reference/language");
+
+/// A construct or a command.
+#[derive(Debug, JsonSchema, Serialize)]
+pub struct Topic {
+    /// What it is called: a heading of the reference, or a command as it is typed.
+    name: String,
+    /// Whether it is a construct or a command.
+    kind: Kind,
+    /// The names under which it is found.
+    #[serde(skip)]
+    keys: Vec<String>,
+    /// Its page: Markdown for a construct, the help for a command.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub page: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    Construct,
+    Command,
+}
+
+impl Topic {
+    /// The line that lists it.
+    pub fn line(&self) -> String {
+        let name = self.name.replace('`', "");
+        match self.kind {
+            Kind::Construct => format!("construct  {name}"),
+            Kind::Command => format!("command    {name}"),
+        }
+    }
+
+    /// Leaves its page out.
+    #[must_use]
+    pub fn without_page(self) -> Self {
+        Self {
+            page: String::new(),
+            ..self
+        }
+    }
+}
+
+/// All constructs in the order of the reference, then all commands.
+pub fn all(program: &Command) -> Vec<Topic> {
+    let mut files: Vec<_> = REFERENCE.files().collect();
+    files.sort_by_key(|file| file.path());
+    let texts = files.iter().filter_map(|file| file.contents_utf8());
+    let mut topics: Vec<Topic> = texts.flat_map(constructs).collect();
+    commands(program, "", &mut topics);
+    topics
+}
+
+/// The topics of a name: those that have exactly this name; or else the constructs with this word
+/// in a name, or with this keyword in their grammar.
+pub fn find(mut topics: Vec<Topic>, name: &str) -> Vec<Topic> {
+    let keyword = format!("k_{name}");
+    let is_name = |topic: &Topic| topic.keys.iter().any(|key| key == name);
+    let has_word = |topic: &Topic| {
+        let mut words = topic.keys.iter().flat_map(|key| key.split_whitespace());
+        let mut rules = topic.page.split(|c: char| !c.is_alphanumeric() && c != '_');
+        topic.kind == Kind::Construct
+            && (words.any(|word| word == name) || rules.any(|rule| rule == keyword))
+    };
+    let by_name = topics.iter().any(is_name);
+    topics.retain(|topic| {
+        if by_name {
+            is_name(topic)
+        } else {
+            has_word(topic)
+        }
+    });
+    topics
+}
+
+/// All names of topics, for suggestions.
+pub fn names(topics: &[Topic]) -> impl Iterator<Item = &str> {
+    let keys = topics.iter().flat_map(|topic| &topic.keys);
+    keys.map(String::as_str)
+}
+
+/// The sections of a page of the reference whose headings name a construct in code.
+fn constructs(page: &str) -> Vec<Topic> {
+    let mut sections: Vec<(&str, String)> = Vec::new();
+    let mut fenced = false;
+    for line in page.lines() {
+        fenced ^= line.starts_with("```");
+        if let (Some(heading), false) = (line.strip_prefix("## "), fenced) {
+            sections.push((heading, String::new()));
+        }
+        if let Some((_, text)) = sections.last_mut() {
+            text.push_str(line);
+            text.push('\n');
+        }
+    }
+    let topics = sections.into_iter().map(|(heading, text)| Topic {
+        name: heading.to_owned(),
+        kind: Kind::Construct,
+        keys: code_spans(heading),
+        page: format!("{}\n", text.trim_end()),
+    });
+    topics.filter(|topic| !topic.keys.is_empty()).collect()
+}
+
+/// What stands in backticks.
+fn code_spans(text: &str) -> Vec<String> {
+    let spans = text.split('`').skip(1).step_by(2);
+    spans.map(str::to_owned).collect()
+}
+
+/// The subcommands of a command, with theirs.
+fn commands(of: &Command, prefix: &str, topics: &mut Vec<Topic>) {
+    for command in of.get_subcommands().filter(|c| c.get_name() != "help") {
+        let name = format!("{prefix}{}", command.get_name());
+        let help = command
+            .clone()
+            .bin_name(format!("linewright {name}"))
+            .render_long_help();
+        topics.push(Topic {
+            name: name.clone(),
+            kind: Kind::Command,
+            keys: vec![name.clone()],
+            page: help.to_string(),
+        });
+        commands(command, &format!("{name} "), topics);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sections_are_found_by_the_code_in_their_headings() {
+        let page = "# Lines\n\n## In general\nx\n\n## `shift`\nHours.\n```text\n## `no`\n```\n\n\
+                    ## `failures mtbf ... mttr` of a station\nRepairs.\n";
+        let found = |name| {
+            let topics = find(constructs(page), name);
+            topics.into_iter().map(|t| t.page).collect::<Vec<_>>()
+        };
+        assert_eq!(
+            found("shift"),
+            ["## `shift`\nHours.\n```text\n## `no`\n```\n"]
+        );
+        assert_eq!(
+            found("mttr"),
+            ["## `failures mtbf ... mttr` of a station\nRepairs.\n"]
+        );
+        assert!(found("no").is_empty());
+        assert!(found("general").is_empty());
+    }
+}

@@ -1,0 +1,346 @@
+//! The book in `docs`: every page is in its table of contents, every link leads somewhere, every
+//! construct of the grammar has a section, and what is generated is up to date
+//! (`INSTA_UPDATE=always` writes it anew).
+
+use super::imports::files_below;
+use super::support;
+use clap::{Command, CommandFactory as _};
+use linewright::diagnostics::{codes, explanations};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The pages of the book, relative to `docs`.
+fn pages() -> BTreeSet<PathBuf> {
+    let docs = root().join("docs");
+    let files = files_below(&docs, &["md"]);
+    let relative = files.iter().filter_map(|f| f.strip_prefix(&docs).ok());
+    relative.map(Path::to_owned).collect()
+}
+
+/// The targets of links and images outside of code, with the number of their line.
+fn links(text: &str) -> Vec<(usize, &str)> {
+    let mut fenced = false;
+    let mut found = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        fenced ^= line.trim_start().starts_with("```");
+        if fenced {
+            continue;
+        }
+        let without_code = line.split('`').step_by(2);
+        for piece in without_code.flat_map(|text| text.split("](").skip(1)) {
+            found.extend(piece.split_once(')').map(|(target, _)| (number, target)));
+        }
+    }
+    found
+}
+
+/// The anchors of a page's headings, as the code host and mdBook make them.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let mut fenced = false;
+    let mut found = BTreeSet::new();
+    for line in text.lines() {
+        fenced ^= line.trim_start().starts_with("```");
+        let heading = line.trim_start_matches('#');
+        if fenced || heading.len() == line.len() {
+            continue;
+        }
+        let words = heading.trim().to_lowercase();
+        let kept = words.chars().filter_map(|c| match c {
+            ' ' => Some('-'),
+            c if c.is_alphanumeric() || c == '-' || c == '_' => Some(c),
+            _ => None,
+        });
+        found.insert(kept.collect());
+    }
+    found
+}
+
+#[test]
+fn the_table_of_contents_is_complete() {
+    let summary = read(&root().join("docs/SUMMARY.md"));
+    let listed: BTreeSet<PathBuf> = links(&summary)
+        .into_iter()
+        .map(|(_, target)| PathBuf::from(target))
+        .collect();
+    let mut pages = pages();
+    pages.remove(Path::new("SUMMARY.md"));
+    assert_eq!(listed, pages);
+}
+
+#[test]
+fn no_link_is_dead() {
+    let mut dead = String::new();
+    let mut texts = files_below(&root().join("docs"), &["md"]);
+    texts.extend(support::files_named("README.md"));
+    texts.extend(["ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(|f| root().join(f)));
+    for path in texts {
+        let text = read(&path);
+        for (line, target) in links(&text) {
+            if target.contains("://") || target.starts_with("mailto:") {
+                continue;
+            }
+            let (file, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let to = if file.is_empty() {
+                path.clone()
+            } else {
+                path.parent().expect("a folder").join(file)
+            };
+            let is_page = to.extension().is_some_and(|e| e == "md");
+            let lives = to.exists()
+                && (anchor.is_empty() || !is_page || anchors(&read(&to)).contains(anchor));
+            if !lives {
+                let _ = writeln!(dead, "{}:{line}: {target}", path.display());
+            }
+        }
+    }
+    assert!(dead.is_empty(), "{dead}");
+}
+
+/// Compares a generated page, or writes it where `INSTA_UPDATE` says so.
+fn is_up_to_date(page: &str, text: &str) {
+    let path = root().join("docs/reference").join(page);
+    if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
+        std::fs::write(&path, text).expect("the page can be written");
+    }
+    assert!(
+        read(&path) == text,
+        "docs/reference/{page} is not what is generated: run INSTA_UPDATE=always cargo test --test program -- book"
+    );
+}
+
+#[test]
+fn the_commands_are_up_to_date() {
+    fn page(command: &Command, name: &str, level: usize, text: &mut String) {
+        let mut shown = command
+            .clone()
+            .bin_name(name.to_owned())
+            .term_width(100)
+            .color(clap::ColorChoice::Never);
+        // What every command takes is said once.
+        for global in linewright::cli::Arguments::command().get_arguments() {
+            let id = global.get_id().clone();
+            if name != "linewright" && shown.get_arguments().any(|a| *a.get_id() == id) {
+                shown = shown.mut_arg(id, |argument| argument.hide(true));
+            }
+        }
+        let help = shown.render_long_help().to_string();
+        let lines: Vec<&str> = help.lines().map(str::trim_end).collect();
+        let help = lines.join("\n");
+        let marks = "#".repeat(level);
+        let _ = write!(
+            text,
+            "{marks} `{name}`\n\n```text\n{}\n```\n\n",
+            help.trim_end()
+        );
+        for subcommand in command.get_subcommands().filter(|c| c.get_name() != "help") {
+            let name = format!("{name} {}", subcommand.get_name());
+            page(subcommand, &name, 2, text);
+        }
+    }
+    let mut text = "# Commands\n\nGenerated from the program's help. Options that every command \
+                    takes are listed once, under `linewright`.\n\n"
+        .to_owned();
+    page(
+        &linewright::cli::Arguments::command(),
+        "linewright",
+        2,
+        &mut text,
+    );
+    is_up_to_date("commands.md", &format!("{}\n", text.trim_end()));
+}
+
+#[test]
+fn the_findings_are_up_to_date() {
+    let mut index =
+        "# Findings\n\nGenerated from the program. `linewright explain LW203` prints the \
+                     page of a finding in the terminal.\n"
+            .to_owned();
+    for group in codes::GROUPS {
+        let file = format!("findings/{}.md", group.pattern);
+        let _ = write!(index, "\n## {}: {}\n\n", group.pattern, group.title);
+        index.push_str("| code | finding |\n|---|---|\n");
+        let mut text = format!("# {}: {}\n", group.pattern, group.title);
+        for code in group.codes() {
+            let _ = writeln!(index, "| [{}]({file}) | {} |", code.id, code.title);
+            text.push('\n');
+            let mut fenced = false;
+            for line in explanations::page(code).expect("a page").lines() {
+                fenced ^= line.starts_with("```");
+                let mark = if line.starts_with('#') && !fenced {
+                    "#"
+                } else {
+                    ""
+                };
+                let _ = writeln!(text, "{mark}{line}");
+            }
+        }
+        is_up_to_date(&file, &text);
+    }
+    is_up_to_date("findings.md", &index);
+}
+
+/// The type of a schema in a few words.
+fn type_of(schema: &serde_json::Value) -> String {
+    let alternatives = schema["anyOf"].as_array().or(schema["oneOf"].as_array());
+    if let Some(reference) = schema["$ref"].as_str() {
+        let name = reference.rsplit('/').next().unwrap_or_default();
+        format!("`{name}`")
+    } else if let Some(value) = schema.get("const") {
+        format!("`{value}`")
+    } else if let Some(alternatives) = alternatives {
+        let types: BTreeSet<String> = alternatives.iter().map(type_of).collect();
+        types.into_iter().collect::<Vec<_>>().join(" or ")
+    } else if schema["type"] == "array" {
+        format!("array of {}", type_of(&schema["items"]))
+    } else if let Some(types) = schema["type"].as_array() {
+        let types: Vec<&str> = types.iter().filter_map(|t| t.as_str()).collect();
+        types.join(" or ")
+    } else {
+        schema["type"].as_str().unwrap_or("any value").to_owned()
+    }
+}
+
+#[test]
+fn the_documents_are_up_to_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let document = |arguments: &[&str]| -> serde_json::Value {
+        let output = support::linewright(folder.path(), arguments);
+        serde_json::from_slice(&output.stdout).expect("a document")
+    };
+    let mut text = "# JSON documents\n\nGenerated from the program. `linewright schema check` prints \
+                    the whole JSON Schema (draft 2020-12) of a document; here are the fields of its \
+                    outermost object.\n"
+        .to_owned();
+    let list = document(&["schema", "--format", "json"]);
+    for entry in list["schemas"].as_array().expect("schemas") {
+        let name = entry["name"].as_str().expect("a name");
+        let schema = document(&["schema", name]);
+        let _ = write!(
+            text,
+            "\n## `{name}`\n\n{}.\n",
+            entry["title"].as_str().expect("a title")
+        );
+        let single = [schema.clone()];
+        let forms = schema["anyOf"]
+            .as_array()
+            .map_or(&single[..], Vec::as_slice);
+        for form in forms {
+            let form = match form["$ref"].as_str() {
+                Some(reference) => schema.pointer(&reference[1..]).expect("a definition"),
+                None => form,
+            };
+            let Some(fields) = form["properties"].as_object() else {
+                continue;
+            };
+            text.push_str("\n| field | type | meaning |\n|---|---|---|\n");
+            for (field, schema) in fields {
+                let meaning = schema["description"].as_str().unwrap_or_default();
+                let meaning = meaning.replace('\n', " ").replace('|', "\\|");
+                let _ = writeln!(text, "| `{field}` | {} | {meaning} |", type_of(schema));
+            }
+        }
+    }
+    is_up_to_date("json.md", &text);
+}
+
+/// The rules of a grammar in pest, each as its text without blanks and comments.
+fn rules(grammar: &str) -> BTreeMap<String, String> {
+    let mut rules: Vec<(String, String)> = Vec::new();
+    for line in grammar.lines().filter(|l| !l.starts_with("//")) {
+        let head = line.split_once('=').map(|(name, _)| name.trim_end());
+        let begins = head.filter(|name| {
+            let mut chars = name.chars();
+            chars.all(|c| c.is_alphanumeric() || c == '_') && !name.is_empty()
+        });
+        if let Some(name) = begins {
+            rules.push((name.to_owned(), String::new()));
+        }
+        if let Some((_, text)) = rules.last_mut() {
+            text.extend(line.chars().filter(|c| !c.is_whitespace()));
+        }
+    }
+    rules.into_iter().collect()
+}
+
+/// Whether a rule only lays text out, reports mistakes, or reads a keyword or a mark.
+fn is_auxiliary(rule: &str) -> bool {
+    const HELPERS: &str = "WHITESPACE COMMENT end id_start id_rest blank blanks nested piece \
+        close_paren close_bracket close_brace open_brace open_bracket arrow dots colon equals \
+        comma ampersand item_head item_head_word skills_head item_word skills_word contract_word \
+        machine_word line_word component_word station_word";
+    ["k_", "bad_", "only_"].iter().any(|p| rule.starts_with(p))
+        || HELPERS.split_whitespace().any(|helper| helper == rule)
+}
+
+#[test]
+fn every_construct_has_a_section() {
+    let grammar = rules(&read(&root().join("crates/syntax/src/lw.pest")));
+    let mut wrong = String::new();
+    let mut shown = BTreeSet::new();
+    for path in files_below(&root().join("docs/reference/language"), &["md"]) {
+        let text = read(&path);
+        let blocks = text.split("```pest\n").skip(1);
+        let blocks = blocks.filter_map(|b| b.split_once("\n```").map(|(block, _)| block));
+        for (name, rule) in blocks.flat_map(rules) {
+            if grammar.get(&name) != Some(&rule) {
+                let _ = writeln!(wrong, "{}: {name} differs", path.display());
+            }
+            shown.insert(name);
+        }
+    }
+    for name in grammar.keys() {
+        if !shown.contains(name) && !is_auxiliary(name) {
+            let _ = writeln!(wrong, "{name} has no section");
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn everything_that_is_listed_is_explained() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |arguments: &[&str]| support::linewright(folder.path(), arguments);
+    let list = run(&["explain", "--list", "--format", "json"]);
+    let list: serde_json::Value = serde_json::from_slice(&list.stdout).expect("a document");
+    let mut names: Vec<String> = Vec::new();
+    for code in list["codes"].as_array().expect("codes") {
+        names.extend(code["code"].as_str().map(str::to_owned));
+    }
+    for topic in list["topics"].as_array().expect("topics") {
+        let name = topic["name"].as_str().expect("a name");
+        let spans: Vec<&str> = name.split('`').skip(1).step_by(2).collect();
+        names.extend(spans.iter().map(|s| (*s).to_owned()));
+        names.extend(spans.is_empty().then(|| name.to_owned()));
+    }
+    assert!(names.len() > 150, "{}", names.len());
+    for name in ["buffer", "shift", "LW408", "check", "order check", "mttr"] {
+        names.push(name.to_owned());
+    }
+    for name in names {
+        let output = run(&["explain", "--", &name]);
+        assert!(output.status.success(), "{name}");
+        assert!(output.stdout.len() > 100, "{name}");
+    }
+    let unknown = run(&["explain", "bufer"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&unknown.stderr);
+    assert!(text.contains("did you mean `buffer`?"), "{text}");
+}
+
+#[test]
+fn links_and_anchors_are_read() {
+    let text = "[a](b.md#c) `[no](code)`\n```\n[no](block)\n```\n![x](y.svg)\n";
+    assert_eq!(links(text), [(1, "b.md#c"), (5, "y.svg")]);
+    let anchors = anchors("# A `b`, c\n## D-e f\n```\n# no\n```\n");
+    let wanted = ["a-b-c", "d-e-f"].map(str::to_owned);
+    assert_eq!(anchors, BTreeSet::from(wanted));
+}
