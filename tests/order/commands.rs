@@ -833,10 +833,20 @@ fn a_time_limit_ends_every_search() {
             error(&output)
         );
         let said = error(&output);
+        assert!(said.contains("the time limit was reached"), "{said}");
         assert!(
-            said.contains("the time limit was reached; give it more time with --timeout SECONDS"),
+            said.contains("give it more time with --timeout SECONDS"),
             "{said}"
         );
+        let json = ["--timeout", "0.01", "--format", "json"];
+        let output = run(&[&["order", command[0], "many.lw"], &command[1..], &json].concat());
+        assert_eq!(output.status.code(), Some(3));
+        let found = document(&output);
+        assert_eq!(
+            found["schema"],
+            format!("linewright/order-{}/1", command[0])
+        );
+        assert_eq!(found["findings"][0]["code"], "LW204");
     }
 }
 

@@ -12,7 +12,7 @@ use linewright_algebra::system::FormulaRef;
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::gr1::{VarId, eval};
 use linewright_core::source::Span;
-use linewright_language::contract::machine::{Machine, Operation};
+use linewright_language::contract::machine::{Machine, Operation, Role};
 use linewright_solver::game::{Budget, Limit, Limits};
 use linewright_station::messages;
 use std::collections::BTreeSet;
@@ -193,24 +193,39 @@ fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnosti
         let action = operation.sequence.get(place);
         action.map_or("to be done".to_owned(), |i| name(machine, *i))
     };
+    let coordinated = (machine.components.iter()).any(|c| c.role == Role::Coordinator);
     let (before, does) = match active(closed, last) {
-        Some(action) if begun.checked_sub(1).map(named) != Some(action.clone()) => {
-            (begun.saturating_sub(1), format!("asks for {action}"))
-        }
-        _ => (begun, "says that it is done".to_owned()),
-    };
-    Diagnostic::error(
-        codes::OPERATION,
-        operation.span,
-        format!(
-            "after {} of `{}` the coordinator {does}, but the operation names {}",
-            messages::actions(before),
-            operation.name,
-            named(before)
+        Some(action) if begun.checked_sub(1).map(named) != Some(action.clone()) => (
+            begun.saturating_sub(1),
+            match coordinated {
+                true => format!("the coordinator asks for {action}"),
+                false => format!("{action} becomes active"),
+            },
         ),
-    )
-    .with_note(table(closed, steps) + &format!("step {} is the one", steps.len() - 1))
-    .with_help("make the operation's list and the coordinator's contract agree")
+        _ if coordinated => (begun, "the coordinator says that it is done".to_owned()),
+        _ => (begun, "`done` holds".to_owned()),
+    };
+    let message = format!(
+        "after {} of `{}` {does}, but the operation names {}",
+        messages::actions(before),
+        operation.name,
+        named(before)
+    );
+    let next = operation.sequence.get(before);
+    let next = next.map(|i| &machine.components[*i]);
+    let help = match next.filter(|c| c.active.is_none()) {
+        Some(action) => format!(
+            "`{}` is never active: say when it is, `action {}: {} when ...`",
+            action.name, action.name, action.contract
+        ),
+        None if coordinated => {
+            "make the operation's list and the coordinator's contract agree".to_owned()
+        }
+        None => "make the operation's list agree with `done` and with each `when`".to_owned(),
+    };
+    Diagnostic::error(codes::OPERATION, operation.span, message)
+        .with_note(table(closed, steps) + &format!("step {} is the one", steps.len() - 1))
+        .with_help(help)
 }
 
 fn name(machine: &Machine, component: usize) -> String {

@@ -821,6 +821,8 @@ pub enum StationItem {
         part: Name,
         /// Probability of the defect.
         probability: Expr,
+        /// Whether it says `one of`, which fits arrays only.
+        one_of: bool,
         /// Affected property.
         property: Name,
         /// New value.

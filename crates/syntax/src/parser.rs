@@ -149,7 +149,10 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     {
         return finding_of(file, start, text, &error);
     }
-    let operator = word_at(text);
+    if let Some(finding) = explain_operand(file, start, text) {
+        return finding;
+    }
+    let operator = operator_at(text);
     if operator == "=" {
         return Diagnostic::error(
             codes::SYNTAX,
@@ -165,6 +168,14 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
             format!("an operand is missing beside `{operator}`"),
         )
         .with_help("an operator stands between two expressions");
+    }
+    if text.starts_with(',') {
+        return Diagnostic::error(
+            codes::SYNTAX,
+            Span::new(file, start, start + 1),
+            "no comma stands between declarations",
+        )
+        .with_help("leave it out");
     }
     if text.starts_with('[') {
         return Diagnostic::error(
@@ -223,6 +234,41 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         format!("`{word}` does not begin anything that {place} can hold"),
     )
     .with_help(help)
+}
+
+/// Explains a piece that begins with an operator by what follows the operator. The expression
+/// before it is complete, so a name can stand in for it.
+fn explain_operand(file: FileId, start: usize, piece: &str) -> Option<Diagnostic> {
+    const BEFORE: &str = "guarantee always x ";
+    if !begins_with_operator(piece) || piece.starts_with([')', ']']) {
+        return None;
+    }
+    let text = format!("{BEFORE}{piece}");
+    let error = Grammar::parse(Rule::only_formula, &text).err()?;
+    let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = error.location;
+    let behind = BEFORE.len() + operator_at(piece).len();
+    let found = finding_of(file, 0, &text, &error);
+    let at_end = after_comments(text.get(at..)?).is_empty();
+    let lacks_operand = found.help.iter().any(|h| h.contains("an expression"));
+    if at < behind || at_end && lacks_operand {
+        return None;
+    }
+    let place = found.span?;
+    let shifted = |offset: u32| start + (offset as usize).saturating_sub(BEFORE.len());
+    let span = Span::new(file, shifted(place.start), shifted(place.end));
+    Some(Diagnostic {
+        span: Some(span),
+        ..found
+    })
+}
+
+/// Returns the operator or word at the beginning of a text.
+fn operator_at(text: &str) -> String {
+    let signs = [
+        "<->", "<=>", "->", "=>", "&&", "||", "==", "!=", "<=", ">=", "/\\", "\\/",
+    ];
+    let sign = signs.into_iter().find(|sign| text.starts_with(sign));
+    sign.map_or_else(|| word_at(text), str::to_owned)
 }
 
 /// Returns whether a piece continues with an operator, so that the expression before it is not what
@@ -361,14 +407,15 @@ fn finding_of(
     let (at, word) = if at == text.len() {
         (code_end(text), String::new())
     } else {
-        (at, word_at(&text[at..]))
+        (at, operator_at(&text[at..]))
     };
     let (expected, hint) = match &error.variant {
         ErrorVariant::ParsingError { positives, .. } => {
             let around = (&text[..at], &text[at + word.len()..]);
+            let hint = skills::hint(&word, around, positives);
             (
                 expectations(positives),
-                skills::hint(&word, around, positives),
+                hint.or_else(|| scope_hint(positives)),
             )
         }
         ErrorVariant::CustomError { message } => (message.clone(), None),
@@ -408,6 +455,16 @@ fn finding_of(
     } else {
         finding.with_help(format!("expected {expected}"))
     }
+}
+
+/// Returns how a scope is written. Only its first end is followed by `and` and by no other operator
+/// of its kind.
+fn scope_hint(expected: &[Rule]) -> Option<String> {
+    let in_scope = expected.contains(&Rule::and_op) && !expected.contains(&Rule::or_op);
+    in_scope.then(|| {
+        "a scope is written `between p and q`; put brackets around an end that is a formula"
+            .to_owned()
+    })
 }
 
 /// Returns the unit that an invalid unit word may stand for.

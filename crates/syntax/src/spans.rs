@@ -288,6 +288,7 @@ fn station(item: &mut StationItem) {
         StationItem::Defect {
             part,
             probability,
+            one_of: _,
             property,
             value,
         } => {

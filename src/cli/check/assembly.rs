@@ -112,7 +112,8 @@ impl Assembly<'_> {
                 }
                 all.extend(findings);
             }
-            if file.broken && file.declarations.iter().all(|d| d.kind != Kind::Contract) {
+            // Without a declaration, nothing else would show the file as invalid.
+            if file.broken && file.declarations.is_empty() {
                 document.contracts.push(nameless(file.name));
             }
         }

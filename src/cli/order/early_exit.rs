@@ -4,6 +4,8 @@
 use crate::automata::bound::BoundExceeded;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
+use crate::diagnostics::{Diagnostic, codes};
+use crate::source::SourceMap;
 
 /// Result of an `order` command.
 pub type Outcome = Result<ExitCode, EarlyExit>;
@@ -38,7 +40,7 @@ impl EarlyExit {
     }
 
     /// Prints what has not been printed yet and returns the exit code.
-    pub fn report(self, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
+    pub fn report(self, command: &str, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
         let (error, besides) = match self {
             Self::Reported(code) => return Ok(code),
             Self::Failed(error) => return Err(error),
@@ -50,9 +52,10 @@ impl EarlyExit {
             (_, Some(besides)) => format!("{fewer}, or {besides}, make it smaller"),
             (_, None) => format!("{fewer} make it smaller"),
         };
-        options
-            .console()
-            .remark(&format!("gave up: {error}; {advice}\n"))?;
+        let message = format!("it was not decided: {error}");
+        let finding = Diagnostic::error(codes::GAVE_UP, None, message).with_help(advice);
+        let console = options.console();
+        console.failed(command, &SourceMap::default(), &[finding])?;
         Ok(ExitCode::GaveUp)
     }
 }

@@ -426,6 +426,7 @@ impl<'n> Choices<'n> {
             _ => StationItem::Defect {
                 part: self.plain(),
                 probability: self.expr(),
+                one_of: self.pick(2) == 0,
                 property: self.plain(),
                 value: self.expr(),
             },

@@ -202,10 +202,10 @@ impl Builder {
                 _ => {
                     let part = self.name(&c.next());
                     let probability = self.expr(c.next());
-                    c.take(Rule::one_of);
                     StationItem::Defect {
                         part,
                         probability,
+                        one_of: c.take(Rule::one_of).is_some(),
                         property: self.name(&c.next()),
                         value: self.expr(c.next()),
                     }

@@ -203,6 +203,7 @@ impl Printer<'_> {
             StationItem::Defect {
                 part,
                 probability,
+                one_of,
                 property,
                 value,
             } => {
@@ -210,11 +211,7 @@ impl Printer<'_> {
                 self.name(part);
                 self.setting(" probability ", probability);
                 self.put(": ");
-                let words: Vec<&str> = self
-                    .words_between(probability.span.end, property.span.start)
-                    .collect();
-                if words.ends_with(&["one", "of"]) {
-                    // Optional and without effect; the tree does not record it.
+                if *one_of {
                     self.put("one of ");
                 }
                 self.name(property);

@@ -89,6 +89,22 @@ impl<'a> Builder<'a, '_> {
                             );
                             return None;
                         }
+                        if !rejects {
+                            self.e.findings.push(
+                                Diagnostic::warning(
+                                    codes::UNUSED,
+                                    r.span,
+                                    format!(
+                                        "`reorder` has no effect: the sink `{}` takes no rejects",
+                                        name.text
+                                    ),
+                                )
+                                .with_help(format!(
+                                    "write `sink {} rejects reorder {}`, or leave it out",
+                                    name.text, r.text
+                                )),
+                            );
+                        }
                         Some(node)
                     }
                 };
@@ -396,10 +412,11 @@ impl<'a> Builder<'a, '_> {
                 StationItem::Defect {
                     part,
                     probability,
+                    one_of,
                     property,
                     value,
                 } => {
-                    if let Some(defect) = self.defect(part, probability, property, value) {
+                    if let Some(defect) = self.defect(part, probability, *one_of, property, value) {
                         defects.push(defect);
                     }
                 }
@@ -467,15 +484,31 @@ impl<'a> Builder<'a, '_> {
                     p.kind == PropertyKind::Parameter && p.name == argument.name.text
                 });
                 let Some(i) = found else {
-                    self.e.findings.error_with(
-                        codes::ARGUMENT,
-                        argument.name.span,
-                        format!(
-                            "`{}` has no parameter `{}`",
-                            machine.name, argument.name.text
-                        ),
-                        "declare it in the machine: `parameter ...`",
-                    );
+                    let is_array = machine.properties.iter().any(|p| {
+                        p.kind == PropertyKind::Parameter
+                            && p.name != array_of(&p.name)
+                            && array_of(&p.name) == argument.name.text
+                    });
+                    let (message, help) = if is_array {
+                        (
+                            format!(
+                                "the parameter `{}` is an array, which a station cannot set",
+                                argument.name.text
+                            ),
+                            "use a parameter for each element that a station sets",
+                        )
+                    } else {
+                        (
+                            format!(
+                                "`{}` has no parameter `{}`",
+                                machine.name, argument.name.text
+                            ),
+                            "declare it in the machine: `parameter ...`",
+                        )
+                    };
+                    self.e
+                        .findings
+                        .error_with(codes::ARGUMENT, argument.name.span, message, help);
                     continue;
                 };
                 let ty = PropertyType {
@@ -547,6 +580,7 @@ impl<'a> Builder<'a, '_> {
         &mut self,
         part: &'a ast::Name,
         probability: &'a ast::Expr,
+        one_of: bool,
         property: &'a ast::Name,
         value: &'a ast::Expr,
     ) -> Option<Defect> {
@@ -578,6 +612,14 @@ impl<'a> Builder<'a, '_> {
             );
             return None;
         };
+        if one_of && ty.length.is_none() {
+            self.e.findings.error_with(
+                codes::TYPE_MISMATCH,
+                property.span,
+                format!("`{}` is not an array", property.text),
+                "leave out `one of`, which picks an element of an array",
+            );
+        }
         let element = PropertyType {
             length: None,
             ..ty.clone()

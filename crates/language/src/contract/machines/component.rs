@@ -130,10 +130,9 @@ pub(super) fn component<'a>(
         .as_ref()
         .and_then(|value| e.quantity(value, Dimension::Power))
         .map_or(RealExpr::Number(0.0), |t| t.to_real(properties));
-    if (decl.time.is_some() || decl.power.is_some())
-        && decl.when.is_none()
-        && !decl.is_coordinator()
-    {
+    if decl.is_coordinator() {
+        without_effect(&mut wires.findings, decl);
+    } else if (decl.time.is_some() || decl.power.is_some()) && decl.when.is_none() {
         wires.findings.error_with(
             codes::OPERATION,
             decl.name.span,
@@ -159,6 +158,21 @@ pub(super) fn component<'a>(
         watts,
         span: decl.name.span,
     })
+}
+
+/// Reports times and powers of a coordinator, which is never active itself.
+fn without_effect(findings: &mut Findings, coordinator: &ast::Component) {
+    let time = coordinator.time.as_ref().map(|(e, _)| ("time", e.span));
+    let power = coordinator.power.as_ref().map(|e| ("power", e.span));
+    for (word, span) in time.into_iter().chain(power) {
+        let message = format!(
+            "`{word}` of the coordinator `{}` has no effect",
+            coordinator.name.text
+        );
+        findings.push(Diagnostic::warning(codes::UNUSED, span, message).with_help(
+            "give it to an action, or give the machine a `step` time or a `power` of its own",
+        ));
+    }
 }
 
 /// Checks that every input is bound at most once, and that an index or member exists.

@@ -3,7 +3,7 @@
 use super::Parts;
 use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
-use crate::contract::machine::{Failures, Machine, RealExpr};
+use crate::contract::machine::{Failures, Machine, PropertyKind, RealExpr};
 use crate::contract::value::Dimension;
 use crate::contract::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -61,6 +61,15 @@ pub(super) fn settings<'a>(
                     );
                     continue;
                 };
+                if parts.properties[*first].0.kind == PropertyKind::Parameter {
+                    e.findings.error_with(
+                        codes::PROPERTY,
+                        name.span,
+                        format!("`{}` is a parameter, which no part carries", name.text),
+                        format!("write to a property: `property {}: ...`", name.text),
+                    );
+                    continue;
+                }
                 let element = PropertyType {
                     length: None,
                     ..ty.clone()
