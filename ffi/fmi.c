@@ -1,12 +1,14 @@
 /* A machine as a co-simulation unit of FMI: what its two versions have in common.
  *
- * `fmi2.c` and `fmi3.c` define `lw_fmi_host` (what an instance knows of its host) and `lw_fmi_log`, and include this file. An
- * instance is one of runtime.c: its handle is the pointer that the host holds, so a pointer that was never given, or whose
- * instance was freed, is recognized. What the unit adds lies in a table beside the slots.
+ * `fmi2.c` and `fmi3.c` define `lw_fmi_host` (what an instance knows of its host) and `lw_fmi_log`,
+ * and include this file. An instance is one of runtime.c: its handle is the pointer that the host
+ * holds, so a pointer that was never given, or whose instance was freed, is recognized. What the
+ * unit adds lies in a table beside the slots.
  *
- * A communication step is a whole number of the machine's steps. An operation begins in the first of them and after each that
- * ended one; only then are the properties looked at, as `lw_simulate` does. `enabled` stops the machine where it stands. The machine's
- * steps within one communication step are made on a copy, so that one that is refused changes nothing but the verdict.
+ * A communication step is a whole number of the machine's steps. An operation begins in the first
+ * of them and after each that ended one; only then are the properties looked at, as `lw_simulate`
+ * does. `enabled` stops the machine where it stands. The machine's steps within one communication
+ * step are made on a copy, so that one that is refused changes nothing but the verdict.
  *
  * Only the functions up to `lw_fmi_wire_value` look into step.c. */
 #include <stdlib.h>
@@ -42,10 +44,10 @@ typedef struct lw_fmi_unit {
     double end;
 } lw_fmi_unit;
 
-/* ---- The machine's steps ----------------------------------------------------------------------------------------- */
+/* ---- The machine's steps --------------------------------------------------------------------- */
 
-/* Begins an operation: what `lw_perform` does before its first step. A machine without operations is asked anew for each of
- * its steps, and keeps its account. */
+/* Begins an operation: what `lw_perform` does before its first step. A machine without operations
+ * is asked anew for each of its steps, and keeps its account. */
 static int32_t lw_fmi_begin(const lw_state *state, lw_fmi_unit *unit, lw_error *error)
 {
     int64_t value = 0;
@@ -78,7 +80,8 @@ static int32_t lw_fmi_finish(const lw_state *state, lw_fmi_unit *unit, lw_error 
     return code;
 }
 
-/* One step of the machine, or one in which it stands still. On an error both arguments hold nothing of use. */
+/* One step of the machine, or one in which it stands still. On an error both arguments hold nothing
+ * of use. */
 static int32_t lw_fmi_tick(lw_state *state, lw_fmi_unit *unit, lw_error *error)
 {
     lw_state before = *state;
@@ -124,7 +127,7 @@ static void lw_fmi_restart(lw_slot *slot, lw_fmi_unit *unit)
     memset(&unit->job, 0, sizeof unit->job);
 }
 
-/* So many of the machine's steps, all or none. */
+/* Runs this number of steps of the machine, all or none. */
 static int32_t lw_fmi_ticks(lw_slot *slot, lw_fmi_unit *unit, int64_t ticks)
 {
     lw_state state;
@@ -154,10 +157,11 @@ static int64_t lw_fmi_wire_value(const lw_slot *slot, int wire)
     return slot->state.started ? slot->state.values[value] : lw_fmi_wire_table[wire].before;
 }
 
-/* ---- Calls ------------------------------------------------------------------------------------------------------- */
+/* ---- Calls ----------------------------------------------------------------------------------- */
 
-/* The values that both versions of FMI share. A step that is refused is an Error, "could not be carried out at all": Discard would
- * promise that a part of it was, and hosts try a shorter one again and again. */
+/* The values that both versions of FMI share. A step that is refused is an Error, "could not be
+ * carried out at all": Discard would promise that a part of it was, and hosts try a shorter one
+ * again and again. */
 enum { LW_FMI_OK = 0, LW_FMI_ERROR = 3 };
 
 /* Where an instance is in its life. */
@@ -166,8 +170,8 @@ enum { LW_FMI_INSTANTIATED = 1, LW_FMI_INITIALIZING = 2, LW_FMI_STEPPING = 4, LW
 static lw_fmi_unit lw_fmi_units[LW_SLOTS];
 static lw_fmi_host lw_fmi_hosts[LW_SLOTS];
 
-/* A call on an instance, which is locked until `lw_fmi_leave`. A text is given to the host only after that: who is told
- * something may answer with a call. */
+/* A call on an instance, which is locked until `lw_fmi_leave`. A text is given to the host only
+ * after that: who is told something may answer with a call. */
 typedef struct lw_fmi_call {
     const char *function;
     lw_slot *slot;
@@ -271,7 +275,7 @@ static int lw_fmi_unsupported(const void *instance, const char *function)
     return lw_fmi_leave(&call);
 }
 
-/* ---- Life -------------------------------------------------------------------------------------------------------- */
+/* ---- Life ------------------------------------------------------------------------------------ */
 
 /* Everything as it is after the instantiation. */
 static void lw_fmi_initialize(lw_slot *slot, lw_fmi_unit *unit)
@@ -342,8 +346,8 @@ static double lw_fmi_now(const lw_fmi_unit *unit)
     return unit->began + (double)unit->ticks * LW_STEP_SECONDS;
 }
 
-/* A communication step. Points of time are the host's sums, so they are compared with half a step of tolerance; that a step is a
- * whole number of the machine's is checked to a millionth of one. */
+/* A communication step. Points of time are the host's sums, so they are compared with half a step
+ * of tolerance; that a step is a whole number of the machine's is checked to a millionth of one. */
 static void lw_fmi_step(lw_fmi_call *call, double at, double size)
 {
     double ticks = size / LW_STEP_SECONDS;
@@ -374,7 +378,7 @@ static void lw_fmi_step(lw_fmi_call *call, double at, double size)
     }
 }
 
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 /* A value in the machine's own numbers. */
 typedef struct lw_fmi_value {
@@ -590,9 +594,10 @@ static int64_t lw_fmi_counted(uint32_t reference, int64_t shown)
     return lw_fmi_type_of(reference) == LW_FMI_ENUMERATION && shown > INT64_MIN ? shown - 1 : shown;
 }
 
-/* ---- States ------------------------------------------------------------------------------------------------------ */
+/* ---- States ---------------------------------------------------------------------------------- */
 
-/* A saved state. Its bytes can be kept in a file, so they carry whose they are and a sum over all of them. */
+/* A saved state. Its bytes can be kept in a file, so they carry whose they are and a sum over all
+ * of them. */
 typedef struct lw_fmi_saved {
     char token[sizeof LW_FMI_TOKEN];
     uint64_t size;
@@ -689,7 +694,8 @@ static void lw_fmi_deserialize(lw_fmi_call *call, const void *bytes, size_t size
     }
     memcpy(saved, bytes, sizeof *saved);
     if (lw_fmi_is_saved(saved)) {
-        /* What the host's pointer held before is not looked at: the standard does not say that it means anything. */
+        /* What the host's pointer held before is not looked at: the standard does not say that it
+         * means anything. */
         *place = saved;
     } else {
         free(saved);

@@ -1,6 +1,8 @@
-/* What a generated machine file tells the FMI adapters: the kind of each variable, and how value references are given.
+/* What a generated machine file tells the FMI adapters: the kind of each variable, and how value
+ * references are given.
  *
- * A value reference is a group and an index in it, so that a variable keeps its reference when another group grows. */
+ * A value reference is a group and an index in it, so that a variable keeps its reference when
+ * another group grows. */
 #ifndef LW_FMI_H
 #define LW_FMI_H
 
@@ -18,7 +20,8 @@ enum {
     LW_FMI_GROUPS
 };
 
-/* The variables that every unit has; those from `LW_FMI_OPERATION` on only where the machine has operations. */
+/* The variables that every unit has; those from `LW_FMI_OPERATION` on only where the machine has
+ * operations. */
 enum {
     LW_FMI_TIME,    /* the independent variable */
     LW_FMI_ENABLED,
@@ -35,8 +38,8 @@ enum {
     LW_FMI_UNIT_VARIABLES
 };
 
-/* The types of variables. Enumerations count from 1, as those of Modelica do: a label's number is the machine's plus 1. FMI 2
- * knows no long integers; there they are real numbers. */
+/* The types of variables. Enumerations count from 1, as those of Modelica do: a label's number is
+ * the machine's plus 1. FMI 2 knows no long integers; there they are real numbers. */
 enum { LW_FMI_REAL, LW_FMI_INTEGER, LW_FMI_LONG, LW_FMI_BOOLEAN, LW_FMI_ENUMERATION };
 
 /* A wire: its type, and the value that it shows before the first step. */

@@ -1,7 +1,8 @@
 /* The FMI 2.0 co-simulation interface of a machine.
  *
- * Types, numbers and signatures are those of the standard; only what the functions below need is declared. Where several units
- * are linked into one program, `FMI2_FUNCTION_PREFIX` begins the functions' names. */
+ * Types, numbers and signatures are those of the standard; only what the functions below need is
+ * declared. Where several units are linked into one program, `FMI2_FUNCTION_PREFIX` begins the
+ * functions' names. */
 #include <stddef.h>
 
 typedef void *fmi2Component;
@@ -65,7 +66,7 @@ static void lw_fmi_log(const lw_fmi_host *host, int status, const char *text)
 #define LW_FMI2(name) name
 #endif
 
-/* ---- Life -------------------------------------------------------------------------------------------------------- */
+/* ---- Life ------------------------------------------------------------------------------------ */
 
 LW_FMI_EXPORT const char *LW_FMI2(fmi2GetTypesPlatform)(void)
 {
@@ -167,7 +168,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2Reset)(fmi2Component c)
     return (fmi2Status)lw_fmi_leave(&call);
 }
 
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 /* What a function for one type serves. Long integers are real numbers here. */
 #define LW_FMI2_REAL ((1U << LW_FMI_REAL) | (1U << LW_FMI_LONG))
@@ -315,7 +316,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetBoolean)(fmi2Component c, const fmi2Valu
     return lw_fmi2_set(c, references, count, values, LW_FMI2_BOOLEAN, "fmi2SetBoolean");
 }
 
-/* ---- States ------------------------------------------------------------------------------------------------------ */
+/* ---- States ---------------------------------------------------------------------------------- */
 
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *state)
 {
@@ -374,7 +375,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2DeSerializeFMUstate)(fmi2Component c, const
     return (fmi2Status)lw_fmi_leave(&call);
 }
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+/* ---- Steps ----------------------------------------------------------------------------------- */
 
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2DoStep)(fmi2Component c, fmi2Real at, fmi2Real size, fmi2Boolean final)
 {
@@ -451,7 +452,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetStringStatus)(fmi2Component c, const fmi
     return (fmi2Status)lw_fmi_leave(&call);
 }
 
-/* ---- What the unit does not offer -------------------------------------------------------------------------------- */
+/* ---- What the unit does not offer ------------------------------------------------------------ */
 
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
                                                                size_t unknown_count, const fmi2ValueReference knowns[],

@@ -1,8 +1,9 @@
 /* The FMI 3.0 co-simulation interface of a machine.
  *
- * Types, numbers and signatures are those of the standard; only what the functions below need is declared. The standard wants
- * every function of all three kinds of units to be there; those of the other kinds say that this unit does not offer them. Where
- * several units are linked into one program, `FMI3_FUNCTION_PREFIX` begins the functions' names. */
+ * Types, numbers and signatures are those of the standard; only what the functions below need is
+ * declared. The standard wants every function of all three kinds of units to be there; those of the
+ * other kinds say that this unit does not offer them. Where several units are linked into one
+ * program, `FMI3_FUNCTION_PREFIX` begins the functions' names. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -56,7 +57,7 @@ static void lw_fmi_log(const lw_fmi_host *host, int status, const char *text)
 #define LW_FMI3(name) name
 #endif
 
-/* ---- Life -------------------------------------------------------------------------------------------------------- */
+/* ---- Life ------------------------------------------------------------------------------------ */
 
 LW_FMI_EXPORT const char *LW_FMI3(fmi3GetVersion)(void)
 {
@@ -188,7 +189,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3Reset)(fmi3Instance instance)
     return (fmi3Status)lw_fmi_leave(&call);
 }
 
-/* ---- Values ------------------------------------------------------------------------------------------------------ */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 #define LW_FMI3_SETTABLE (LW_FMI_INSTANTIATED | LW_FMI_INITIALIZING | LW_FMI_STEPPING)
 
@@ -350,7 +351,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetClock)(fmi3Instance instance, const fmi3
     return lw_fmi3_none(instance, count, references, "fmi3SetClock");
 }
 
-/* ---- States ------------------------------------------------------------------------------------------------------ */
+/* ---- States ---------------------------------------------------------------------------------- */
 
 LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3GetFMUState)(fmi3Instance instance, fmi3FMUState *state)
 {
@@ -409,7 +410,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3DeserializeFMUState)(fmi3Instance instance,
     return (fmi3Status)lw_fmi_leave(&call);
 }
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+/* ---- Steps ----------------------------------------------------------------------------------- */
 
 LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 at, fmi3Float64 size, fmi3Boolean final,
                                              fmi3Boolean *events, fmi3Boolean *terminates, fmi3Boolean *early,
@@ -431,7 +432,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
     return (fmi3Status)lw_fmi_leave(&call);
 }
 
-/* ---- What the unit does not offer -------------------------------------------------------------------------------- */
+/* ---- What the unit does not offer ------------------------------------------------------------ */
 
 LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3EnterEventMode)(fmi3Instance instance)
 {

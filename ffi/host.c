@@ -1,9 +1,11 @@
-/* A complete host for a station library, in plain C: loads it, runs one operation, makes one step, lets go.
+/* A complete host for a station library, in plain C: loads it, runs one operation, makes one step,
+ * lets go.
  *
  *     cc -std=c99 host.c -o host          (older systems: add -ldl)
  *     ./host ./assembly_cell.so 0 90 1    operation 0 with the properties 90 and 1
  *
- * Its last line is HOST PASSED when everything went well; a failure of the machine is printed with its code and text. */
+ * Its last line is HOST PASSED when everything went well; a failure of the machine is printed with
+ * its code and text. */
 #if !defined(_WIN32) && !defined(_POSIX_C_SOURCE)
 #define _POSIX_C_SOURCE 200809L
 #endif
@@ -21,7 +23,8 @@
 
 #define MOST_PROPERTIES 256
 
-/* A function pointer of the library, copied into `function`; ends the program when there is none. */
+/* A function pointer of the library, copied into `function`; ends the program when there is none.
+ */
 static void find(void *library, const char *name, void *function, size_t size)
 {
 #if defined(_WIN32)

@@ -1,11 +1,12 @@
 /* What a generated machine file and the runtime share: the shape of the tables.
  *
- * A generated file defines the sizes below, includes this header, fills the tables, and includes `runtime.c` and the
- * adapter at its end. So a library is one translation unit, compiled by one run of the compiler, and all storage has a
- * fixed size.
+ * A generated file defines the sizes below, includes this header, fills the tables, and includes
+ * `runtime.c` and the adapter at its end. So a library is one translation unit, compiled by one run
+ * of the compiler, and all storage has a fixed size.
  *
- * Values.  Booleans are 0 and 1, labels are numbered from 0, integers are themselves. `lw_state.values` holds the
- * plant's inputs first, then every component's variables in the order of its contract, from `first_value` on. */
+ * Values.  Booleans are 0 and 1, labels are numbered from 0, integers are themselves.
+ * `lw_state.values` holds the plant's inputs first, then every component's variables in the order
+ * of its contract, from `first_value` on. */
 #ifndef LW_MACHINE_H
 #define LW_MACHINE_H
 
@@ -23,12 +24,12 @@
 #error "machine.h is included by a generated machine file, after the machine's sizes"
 #endif
 
-/* The smallest type that holds every value of every domain of this machine: tables and resting instances are small. What is
- * computed with is an int64_t. */
+/* The smallest type that holds every value of every domain of this machine: tables and resting
+ * instances are small. What is computed with is an int64_t. */
 typedef LW_NUMBER lw_number;
 
-/* A comparison of one of the component's variables, an input: whereto when it is at most `bound`, and when it is more. A way
- * is the number of a further split, or -1 - n for leaf n. */
+/* A comparison of one of the component's variables, an input: whereto when it is at most `bound`,
+ * and when it is more. A way is the number of a further split, or -1 - n for leaf n. */
 typedef struct lw_split {
     int variable;
     int at_most;
@@ -36,24 +37,25 @@ typedef struct lw_split {
     lw_number bound;
 } lw_split;
 
-/* What a step gives: a row of the table of outputs, and the place that follows; -1 where there is no transition. Place 0 is before step
- * 0, place s + 1 is state s. */
+/* What a step gives: a row of the table of outputs, and the place that follows; -1 where there is
+ * no transition. Place 0 is before step 0, place s + 1 is state s. */
 typedef struct lw_leaf {
     int answer;
     int to;
 } lw_leaf;
 
-/* A controller whose tables would be too large is functions of signals: of the bits of the values of the step before and of this
- * step. They are read where they are: bit `shift` of value number `value` of those that `from` says. */
+/* A controller whose tables would be too large is functions of signals: of the bits of the values
+ * of the step before and of this step. They are read where they are: bit `shift` of value number
+ * `value` of those that `from` says. */
 enum {
     LW_PREVIOUS, /* the component's values in the step before */
     LW_CURRENT,  /* its values in this step */
-    LW_SHIFTED,  /* the same of variables whose domain does not begin at 0, less where it begins: see lw_shifted */
+    LW_SHIFTED,  /* the current value minus the lowest one of the domain: see lw_shifted */
     LW_PUT       /* in a walk: LW_PUT + LW_CURRENT and LW_PUT + LW_SHIFTED are written */
 };
 
-/* A decision goes on with one edge or the other; edge 2n leads to node n - 1, edge 2n + 1 to its negation, 0 is false and 1 is
- * true. */
+/* A decision goes on with one edge or the other; edge 2n leads to node n - 1, edge 2n + 1 to its
+ * negation, 0 is false and 1 is true. */
 typedef struct lw_node {
     uint32_t high; /* when the signal is 1 */
     uint32_t low;
@@ -62,19 +64,21 @@ typedef struct lw_node {
     uint8_t shift;
 } lw_node;
 
-/* A variable whose domain does not begin at 0: number 2k of the shifted values is its value in the step before, less `low`, and
- * number 2k + 1 that in this step. */
+/* A variable whose domain does not begin at 0: number 2k of the shifted values is its value in the
+ * step before, less `low`, and number 2k + 1 that in this step. */
 typedef struct lw_shifted {
     int value;
     int computed; /* whether it is an output */
     int64_t low;
 } lw_shifted;
 
-/* The output bits of a step are decided in a few walks, one after the other; their places follow each other in a list, with 0 at its
- * end. Row n - 1 of the table of walks is place n, place 0 is the end of a walk. A row asks for a signal and goes on with place `high` or
- * `low`; or it writes: the bits of `low` are set, `shift` places up, and place `high` is next. */
+/* The output bits of a step are decided in a few walks, one after the other; their places follow
+ * each other in a list, with 0 at its end. Row n - 1 of the table of walks is place n, place 0 is
+ * the end of a walk. A row asks for a signal and goes on with place `high` or `low`; or it writes:
+ * the bits of `low` are set, `shift` places up, and place `high` is next. */
 
-/* A way of pursuing a goal: when it is taken, and the first of its walks. The last mode of a goal always holds. */
+/* A way of pursuing a goal: when it is taken, and the first of its walks. The last mode of a goal
+ * always holds. */
 typedef struct lw_mode {
     uint32_t when;
     uint32_t first;
@@ -86,7 +90,8 @@ typedef struct lw_goal {
     uint32_t reached;
 } lw_goal;
 
-/* All that is kept between two steps is the goal that is pursued: place 0 is before step 0, place g + 1 is goal g. */
+/* All that is kept between two steps is the goal that is pursued: place 0 is before step 0, place g
+ * + 1 is goal g. */
 typedef struct lw_functions {
     const lw_node *nodes;
     const lw_shifted *shifted;
@@ -120,8 +125,8 @@ typedef struct lw_side {
     lw_promise safety;
 } lw_side;
 
-/* The values of a property: whole numbers from `low` to `high`, where `whole` is not 0; with `labels`, these stand for the
- * numbers from 0 on. */
+/* The values of a property: whole numbers from `low` to `high`, where `whole` is not 0; with
+ * `labels`, these stand for the numbers from 0 on. */
 typedef struct lw_range {
     int whole;
     double low;
@@ -129,14 +134,16 @@ typedef struct lw_range {
     const char *const *labels;
 } lw_range;
 
-/* An output or internal variable as a host sees it: `turn_a.angle`. `labels` stand for the numbers from 0 on, or are null. */
+/* An output or internal variable as a host sees it: `turn_a.angle`. `labels` stand for the numbers
+ * from 0 on, or are null. */
 typedef struct lw_wire {
     const char *name;
     int value; /* counts all values */
     const char *const *labels;
 } lw_wire;
 
-/* An input of a component whose binding could leave its domain: `value` counts the component's variables. */
+/* An input of a component whose binding could leave its domain: `value` counts the component's
+ * variables. */
 typedef struct lw_input {
     const char *name;
     const char *domain;
@@ -169,7 +176,8 @@ typedef struct lw_component {
     void (*bind)(const int64_t *values, int64_t *current);
     lw_side assumptions;
     lw_side guarantees;
-    /* Justice assumptions: notes in `held` the step in which each one held. Null where there are none. */
+    /* Justice assumptions: notes in `held` the step in which each one held. Null where there are
+     * none. */
     void (*justice)(const int64_t *previous, const int64_t *current, int earlier, int64_t step, int64_t *held);
     int first_justice;
     /* Null for the coordinator. */
@@ -219,7 +227,8 @@ typedef struct lw_rest {
 #define LW_MAY_BE_UNUSED
 #endif
 
-/* A loop over a component's constant tables that becomes plain statements, where the compiler can do that. */
+/* A loop over a component's constant tables that becomes plain statements, where the compiler can
+ * do that. */
 #if defined(__clang__) && defined(__OPTIMIZE__)
 #define LW_UNROLL _Pragma("clang loop unroll(full)")
 #elif defined(__GNUC__) && defined(__OPTIMIZE__)
@@ -228,7 +237,8 @@ typedef struct lw_rest {
 #define LW_UNROLL
 #endif
 
-/* A function that is compiled anew for every component, with its tables as constants; where speed is asked for at all. */
+/* A function that is compiled anew for every component, with its tables as constants; where speed
+ * is asked for at all. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__)
 #define LW_INLINE LW_MAY_BE_UNUSED static inline __attribute__((always_inline))
 #elif defined(_MSC_VER) && !defined(__GNUC__)
@@ -237,8 +247,8 @@ typedef struct lw_rest {
 #define LW_INLINE LW_MAY_BE_UNUSED static
 #endif
 
-/* The contract language's integer operators that C lacks. No value leaves an int64_t, and no divisor is 0: both were
- * checked when the contract was read. */
+/* The contract language's integer operators that C lacks. No value leaves an int64_t, and no
+ * divisor is 0: both were checked when the contract was read. */
 LW_MAY_BE_UNUSED static int64_t lw_abs(int64_t a)
 {
     return a < 0 ? -a : a;

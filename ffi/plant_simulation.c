@@ -1,9 +1,10 @@
 /* The Plant Simulation adapter: the exports that SimTalk's callLibrary calls.
  *
- * Each has the signature `void name(UF_Value *ret, UF_Value *arg)` (Spellini et al. 2021, Listing 1). No count of arguments
- * is passed, so the arity of every export is fixed, and the tag of each argument is checked. Only scalars pass: SimTalk
- * reads the part's attributes, calls `simulate` with them, and writes the results back. The layout of the structure is
- * that of a profile: `uf_value.h`.
+ * Each has the signature `void name(UF_Value *ret, UF_Value *arg)` (Spellini et al. 2021, Listing
+ * 1). No count of arguments is passed, so the arity of every export is fixed, and the tag of each
+ * argument is checked. Only scalars pass: SimTalk reads the part's attributes, calls `simulate`
+ * with them, and writes the results back. The layout of the structure is that of a profile:
+ * `uf_value.h`.
  *
  *     instantiate()                          integer: a handle above 0, or a negative code
  *     simulate(handle, operation, values...) real: the duration in seconds, 0 or more; or a negative code. `operation` is an
@@ -27,12 +28,15 @@
  *                                            of the library
  *     station_describe()                     string: static JSON
  *
- * A string that is returned belongs to the library, since who owns it and when it is copied is not known of the host. Each instance has room
- * for one, which stays as it is until the next string that is returned for that instance. Several threads that read texts of one instance use
- * lw_last_error, which copies. What is returned without a valid handle never changes, so that threads may read it as they like.
+ * A string that is returned belongs to the library, since who owns it and when it is copied is not
+ * known of the host. Each instance has room for one, which stays as it is until the next string
+ * that is returned for that instance. Several threads that read texts of one instance use
+ * lw_last_error, which copies. What is returned without a valid handle never changes, so that
+ * threads may read it as they like.
  *
- * The codes are those of station.h. Listing 2 of the paper loads and frees the library at every entry, which loses all
- * state: load it once, when the model starts, and make one instance for each station. */
+ * The codes are those of station.h. Listing 2 of the paper loads and frees the library at every
+ * entry, which loses all state: load it once, when the model starts, and make one instance for each
+ * station. */
 #include "uf_value.h"
 
 static void lw_give_integer(UF_Value *ret, int32_t value)
@@ -57,7 +61,8 @@ static void lw_give_string(UF_Value *ret, const void *value)
     }
 }
 
-/* Whether the first argument can be a handle. Where integers are too narrow for one, it comes as a real number. */
+/* Whether the first argument can be a handle. Where integers are too narrow for one, it comes as a
+ * real number. */
 static int lw_is_handle(const UF_Value *arg)
 {
     enum lw_uf_kind kind = arg == NULL ? LW_UF_OTHER : lw_uf_kind_of(&arg[0]);

@@ -1,19 +1,22 @@
 /* The probe: finds out how the host lays out a UF_Value, without touching a field of one.
  *
- * Each export has the signature `void name(UF_Value *ret, UF_Value *arg)` and is called by the SimTalk text that comes with
- * it, with values that are known here. It appends the raw bytes at `arg` and `ret` to a dump, and what the addresses among
- * them point to; `linewright doctor --probe` reads the layout back from that. Nothing is written to `ret`: where would not be
- * known. In a second round the probe is built with the profile that was found; then it also returns values (the
- * lw_confirm_... exports), and gets them back as arguments.
+ * Each export has the signature `void name(UF_Value *ret, UF_Value *arg)` and is called by the
+ * SimTalk text that comes with it, with values that are known here. It appends the raw bytes at
+ * `arg` and `ret` to a dump, and what the addresses among them point to; `linewright doctor
+ * --probe` reads the layout back from that. Nothing is written to `ret`: where would not be known.
+ * In a second round the probe is built with the profile that was found; then it also returns values
+ * (the lw_confirm_... exports), and gets them back as arguments.
  *
- * How much can be read behind `arg` is not known, since no count of arguments is passed. So the system is asked to copy
- * the bytes, and refuses where there are none: on Windows ReadProcessMemory, page by page and only where VirtualQuery
- * says that a page may be read (a guard page must not be touched); elsewhere write() into a pipe, which any sandbox allows.
- * No more than LW_PROBE_ARGUMENT bytes for each argument and one more are read.
+ * How much can be read behind `arg` is not known, since no count of arguments is passed. So the
+ * system is asked to copy the bytes, and refuses where there are none: on Windows
+ * ReadProcessMemory, page by page and only where VirtualQuery says that a page may be read (a guard
+ * page must not be touched); elsewhere write() into a pipe, which any sandbox allows. No more than
+ * LW_PROBE_ARGUMENT bytes for each argument and one more are read.
  *
- * The dump is the file that the environment variable LINEWRIGHT_PROBE_DUMP names, else `....dump.txt` beside the library, else
- * `linewright_probe.dump.txt` in the folder for temporary files. Every call is appended as a whole and the file closed
- * again, so what was written stays when the host ends in the next call. The probe is not for several threads. */
+ * The dump is the file that the environment variable LINEWRIGHT_PROBE_DUMP names, else
+ * `....dump.txt` beside the library, else `linewright_probe.dump.txt` in the folder for temporary
+ * files. Every call is appended as a whole and the file closed again, so what was written stays
+ * when the host ends in the next call. The probe is not for several threads. */
 #if !defined(_WIN32) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE 1
 #endif
@@ -49,7 +52,7 @@
 #define LW_PROBE_TEXT 96U    /* bytes that are copied from where an address points */
 #define LW_PROBE_POINTERS 64 /* addresses that are followed in one call */
 
-/* ---- Reading what may not be there ------------------------------------------------------------------------------- */
+/* ---- Reading what may not be there ----------------------------------------------------------- */
 
 #if defined(_WIN32)
 
@@ -110,7 +113,7 @@ static size_t lw_probe_read(uintptr_t from, unsigned char *to, size_t size)
     return done;
 }
 
-/* ---- The dump ---------------------------------------------------------------------------------------------------- */
+/* ---- The dump -------------------------------------------------------------------------------- */
 
 static char lw_probe_block[32768];
 static size_t lw_probe_length;
@@ -302,7 +305,7 @@ static void lw_probe_record(const char *name, const char *expects, size_t count,
 
 LW_PROBE_CALLS(LW_PROBE_CALL)
 
-/* ---- The second round: what the host makes of values that are returned -------------------------------------------- */
+/* ---- The second round: what the host makes of values that are returned ----------------------- */
 
 #if defined(LW_PROBE_PROFILE)
 

@@ -1,7 +1,8 @@
 /* The runtime of a station library: its instances, and the exports of station.h.
  *
- * Instances live in a fixed array, so nothing is allocated and an old handle never points at freed memory. The table's
- * lock guards which places are taken; each place has a lock for its instance. */
+ * Instances live in a fixed array, so nothing is allocated and an old handle never points at freed
+ * memory. The table's lock guards which places are taken; each place has a lock for its instance.
+ */
 #include "step.c"
 
 #if defined(_WIN32)
@@ -25,7 +26,8 @@ static uint64_t lw_moment(void)
     FILETIME now;
     QueryPerformanceCounter(&ticks);
     GetSystemTimeAsFileTime(&now);
-    /* Both may tick alike: their sum changes with them, which the difference of their bits need not. */
+    /* Both may tick alike: their sum changes with them, which the difference of their bits need
+     * not. */
     return (uint64_t)ticks.QuadPart + ((uint64_t)now.dwHighDateTime << 32 | now.dwLowDateTime)
            + ((uint64_t)GetCurrentProcessId() << 44);
 }
@@ -59,12 +61,13 @@ static uint64_t lw_moment(void)
 #define lw_lock_give(lock) ((void)(lock))
 #endif
 
-/* ---- Instances --------------------------------------------------------------------------------------------------- */
+/* ---- Instances ------------------------------------------------------------------------------- */
 
-/* A handle: 10 bits of the machine's mark, 11 bits of generation, 10 bits of place. A place whose generations are used up is not given
- * again. A model that was saved with handles of another process, or that has kept those of a library that was unloaded since, must not end
- * instances with them. So both begin somewhere else each time that the library is loaded: of two million handles that an instance may get, it
- * is one that it had before by chance alone. */
+/* A handle: 10 bits of the machine's mark, 11 bits of generation, 10 bits of place. A place whose
+ * generations are used up is not given again. A model that was saved with handles of another
+ * process, or that has kept those of a library that was unloaded since, must not end instances with
+ * them. So both begin somewhere else each time that the library is loaded: of two million handles
+ * that an instance may get, it is one that it had before by chance alone. */
 #define LW_SLOTS 1024
 #define LW_GENERATIONS 2047
 
@@ -88,7 +91,8 @@ static lw_lock lw_table_lock = LW_LOCK_INITIALIZER;
 static int32_t lw_first_generation;
 static int lw_first_place;
 
-/* What can be wrong with a call that has no instance. Each text is a constant, so that one that was given to a host stays as it is. */
+/* What can be wrong with a call that has no instance. Each text is a constant, so that one that was
+ * given to a host stays as it is. */
 enum lw_alone { LW_ALONE_FINE, LW_ALONE_HANDLE, LW_ALONE_KIND, LW_ALONE_ROOM, LW_ALONE_COUNT };
 static const char *const lw_alone_texts[LW_ALONE_COUNT] = {
     "",
@@ -98,7 +102,8 @@ static const char *const lw_alone_texts[LW_ALONE_COUNT] = {
 };
 static enum lw_alone lw_last_alone;
 
-/* Bits that depend on all bits of a number: the finalizer of SplitMix64 (Steele, Lea and Flood 2014). */
+/* Bits that depend on all bits of a number: the finalizer of SplitMix64 (Steele, Lea and Flood
+ * 2014). */
 static uint64_t lw_mix(uint64_t number)
 {
     number += UINT64_C(0x9E3779B97F4A7C15);
@@ -107,7 +112,8 @@ static uint64_t lw_mix(uint64_t number)
     return number ^ number >> 31;
 }
 
-/* Chooses where handles begin. The addresses differ from process to process where a system lays memory out at random. */
+/* Chooses where handles begin. The addresses differ from process to process where a system lays
+ * memory out at random. */
 static void lw_begin_handles(void)
 {
     uint64_t chosen = lw_mix(lw_moment());
@@ -116,7 +122,8 @@ static void lw_begin_handles(void)
     lw_first_generation = (int32_t)(chosen / LW_SLOTS % LW_GENERATIONS) + 1;
 }
 
-/* The generation after another, and the one before the first: a place is used up when it comes to that one. */
+/* The generation after another, and the one before the first: a place is used up when it comes to
+ * that one. */
 static int32_t lw_after(int32_t generation)
 {
     return generation % LW_GENERATIONS + 1;
@@ -160,7 +167,8 @@ static int32_t lw_fail_alone(int32_t code, enum lw_alone what)
     return code;
 }
 
-/* Whether a handle may be one of this library's, and the place in its array then. Places are used from the first one on. */
+/* Whether a handle may be one of this library's, and the place in its array then. Places are used
+ * from the first one on. */
 static int lw_is_ours(lw_handle handle, int *place)
 {
     int used;

@@ -1,21 +1,24 @@
 /* What a machine does: one step, one operation, and what is said when something is wrong.
  *
- * Included at the end of a generated machine file, whose tables it interprets: `lw_component_table`, `lw_plant_table`,
- * `lw_operation_table`, `lw_justice_table`, `lw_property_names`, `lw_property_ranges`, `machine_done` and `machine_write`. What a step and an
- * operation mean, and in which order things are checked, is written down in `crates/station/src/interpret.rs`; the two are tested
- * against each other. Nothing here knows of instances, threads or the platform. */
+ * Included at the end of a generated machine file, whose tables it interprets:
+ * `lw_component_table`, `lw_plant_table`, `lw_operation_table`, `lw_justice_table`,
+ * `lw_property_names`, `lw_property_ranges`, `machine_done` and `machine_write`. What a step and an
+ * operation mean, and in which order things are checked, is written down in
+ * `crates/station/src/interpret.rs`; the two are tested against each other. Nothing here knows of
+ * instances, threads or the platform. */
 #include "machine.h"
 
 #include <string.h>
 
-/* ---- Errors ------------------------------------------------------------------------------------------------------ */
+/* ---- Errors ---------------------------------------------------------------------------------- */
 
 #define LW_TEXT_SIZE 1024
 #define LW_PIECES 8
 #define LW_NAME_SIZE 64
 
-/* An error is put into words when it is asked for. Until then it is a list of texts that the library has anyway, with at most one
- * integer, one real number and one name of the host's among them. */
+/* An error is put into words when it is asked for. Until then it is a list of texts that the
+ * library has anyway, with at most one integer, one real number and one name of the host's among
+ * them. */
 typedef struct lw_error {
     int pieces;
     const char *piece[LW_PIECES];
@@ -202,9 +205,10 @@ static void lw_put_into_words(const lw_error *error, lw_text *out)
     }
 }
 
-/* ---- One step ---------------------------------------------------------------------------------------------------- */
+/* ---- One step -------------------------------------------------------------------------------- */
 
-/* The formulas of one side, initial ones in step 0 or safety in a later one, then the invariants. */
+/* The formulas of one side, initial ones in step 0 or safety in a later one, then the invariants.
+ */
 LW_INLINE const lw_rule *lw_broken(const lw_side *side, int started, const int64_t *previous, const int64_t *current)
 {
     const lw_promise *first = started ? &side->safety : &side->initial;
@@ -410,7 +414,8 @@ LW_INLINE int32_t lw_begin(int index, const lw_state *before, lw_state *after, l
     const int64_t *previous = &before->values[component->first_value];
     int64_t *current = &after->values[component->first_value];
     if (!lw_respond_first(component, before->place[index], previous, current)) {
-        /* The table was verified: it has a row for all inputs that keep the assumptions, so none do. */
+        /* The table was verified: it has a row for all inputs that keep the assumptions, so none
+         * do. */
         return lw_fail_name(error, LW_ERROR_ASSUMPTION, "", component->name,
                             ": its assumptions contradict each other here: no inputs keep them");
     }
@@ -429,8 +434,9 @@ static int32_t lw_check_plant(const int64_t *plant, lw_error *error)
     return LW_OK;
 }
 
-/* One step, from `before` to `after`. `LW_EACH_MOORE` and `LW_EACH_MEALY` name the components by their numbers, so that the
- * compiler sees each one's tables as constants; `started` is one, too. */
+/* One step, from `before` to `after`. `LW_EACH_MOORE` and `LW_EACH_MEALY` name the components by
+ * their numbers, so that the compiler sees each one's tables as constants; `started` is one, too.
+ */
 LW_INLINE int32_t lw_make_step(int started, const lw_state *before, const int64_t *plant, lw_state *after,
                                lw_error *error)
 {
@@ -462,13 +468,13 @@ static int32_t lw_advance(const lw_state *before, const int64_t *plant, lw_state
                            : lw_make_step(0, before, plant, after, error);
 }
 
-/* ---- One operation ----------------------------------------------------------------------------------------------- */
+/* ---- One operation --------------------------------------------------------------------------- */
 
 /* What is summed up while an operation runs. */
 typedef struct lw_job {
     const double *properties;
     int running[LW_COMPONENTS + 1]; /* active in the step before */
-    int64_t held[LW_JUSTICE + 1];   /* the step, from 1, in which each justice assumption last held */
+    int64_t held[LW_JUSTICE + 1];   /* step, from 1, in which each justice assumption last held */
     lw_service service;
 } lw_job;
 
@@ -501,8 +507,9 @@ static int32_t lw_abstract(const lw_state *state, const double *properties, int6
     return LW_OK;
 }
 
-/* What one component adds to a step that was made: justice, power, and the time it takes. All work at the same time, so the step
- * takes as long as the slowest; `*seconds` is negative as long as none is active. */
+/* What one component adds to a step that was made: justice, power, and the time it takes. All work
+ * at the same time, so the step takes as long as the slowest; `*seconds` is negative as long as
+ * none is active. */
 LW_INLINE int32_t lw_charge_for(int index, lw_job *job, const lw_state *start, const lw_state *before,
                                 const lw_state *after, double *seconds, double *watts, lw_error *error)
 {
@@ -600,8 +607,8 @@ static int32_t lw_leave(const double *properties, const int64_t *values, double 
     return LW_OK;
 }
 
-/* Runs an operation from `state`, which is changed only at its end (or reset, at the step limit). `after` gets the
- * properties. */
+/* Runs an operation from `state`, which is changed only at its end (or reset, at the step limit).
+ * `after` gets the properties. */
 static int32_t lw_perform(lw_state *state, int32_t operation, const double *properties, double *after,
                           lw_service *service, lw_error *error)
 {

@@ -1,13 +1,15 @@
 /* UF_Value: what Plant Simulation passes to an exported function, and what it gets back.
  *
- * The vendor's header `cwinfunc.h` is not public, so the layout is a setting: `uf_profile.h`, which is emitted with every
- * package, says where tag and value lie, which tags there are, how wide an integer is, and how strings are written. Fields
- * are copied byte by byte out of a structure without alignment, so that every layout can be expressed and no access is ever
- * misaligned; compilers make one load or store of each copy.
+ * The vendor's header `cwinfunc.h` is not public, so the layout is a setting: `uf_profile.h`, which
+ * is emitted with every package, says where tag and value lie, which tags there are, how wide an
+ * integer is, and how strings are written. Fields are copied byte by byte out of a structure
+ * without alignment, so that every layout can be expressed and no access is ever misaligned;
+ * compilers make one load or store of each copy.
  *
- * With -DUF_USE_VENDOR_HEADER the vendor's own header is compiled instead. Known of it are the fields `.type` and
- * `.value.real` and the tag `UF_REAL`; the names of the others, where they differ from the ones below, are given as
- * LW_UF_TAG_... and LW_UF_FIELD_..., and the encoding of strings as LW_UF_ENCODING. */
+ * With -DUF_USE_VENDOR_HEADER the vendor's own header is compiled instead. Known of it are the
+ * fields `.type` and `.value.real` and the tag `UF_REAL`; the names of the others, where they
+ * differ from the ones below, are given as LW_UF_TAG_... and LW_UF_FIELD_..., and the encoding of
+ * strings as LW_UF_ENCODING. */
 #ifndef LW_UF_VALUE_H
 #define LW_UF_VALUE_H
 
@@ -196,10 +198,10 @@ LW_UF_MAY_BE_UNUSED static void lw_uf_give_integer(UF_Value *ret, int64_t number
     }
 }
 
-/* ---- Texts --------------------------------------------------------------------------------------------------------
+/* ---- Texts --------------------------------------------------------------------------------------
  *
- * Texts of a library are UTF-8. They are given to the host, and its texts are read, in the encoding of the profile; what an
- * encoding cannot hold becomes `?`. */
+ * Texts of a library are UTF-8. They are given to the host, and its texts are read, in the encoding
+ * of the profile; what an encoding cannot hold becomes `?`. */
 
 #if LW_UF_ENCODING == LW_UF_UTF_16
 typedef uint16_t lw_uf_unit;
@@ -299,8 +301,8 @@ LW_UF_MAY_BE_UNUSED static size_t lw_uf_put(uint32_t point, char *out, size_t ro
     return size;
 }
 
-/* Reads a text of the host as UTF-8, cut to `size` bytes with a 0 at the end; a null pointer is the empty text. Gives whether it
- * was a whole text. */
+/* Reads a text of the host as UTF-8, cut to `size` bytes with a 0 at the end; a null pointer is the
+ * empty text. Gives whether it was a whole text. */
 LW_UF_MAY_BE_UNUSED static int lw_uf_decode(const void *text, char *out, size_t size)
 {
     const unsigned char *at = (const unsigned char *)text;

@@ -30,6 +30,27 @@ fn wide_comments(text: &str) -> Vec<(usize, &str)> {
     wide
 }
 
+/// Lines of a C source with a comment that is too wide, with their numbers. Indented text is
+/// exempt.
+fn wide_c_comments(text: &str) -> Vec<(usize, &str)> {
+    let mut inside = false;
+    let mut wide = Vec::new();
+    for (number, line) in (1..).zip(text.lines()) {
+        let opens = line.contains("/*");
+        let as_it_is = inside && line.trim_start().starts_with("*    ");
+        if (opens || inside) && !as_it_is && line.chars().count() > WIDTH {
+            wide.push((number, line));
+        }
+        inside = match (line.rfind("/*"), line.rfind("*/")) {
+            (Some(open), Some(close)) => open > close,
+            (Some(_), None) => true,
+            (None, Some(_)) => false,
+            (None, None) => inside,
+        };
+    }
+    wide
+}
+
 #[test]
 fn comments_wrap() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -41,6 +62,13 @@ fn comments_wrap() {
                 let place = path.strip_prefix(root).unwrap_or(&path).display();
                 let _ = writeln!(wide, "{place}:{number}: {line}");
             }
+        }
+    }
+    for path in files_below(&root.join("ffi"), &["c", "h"]) {
+        let text = std::fs::read_to_string(&path).expect("sources can be read");
+        for (number, line) in wide_c_comments(&text) {
+            let place = path.strip_prefix(root).unwrap_or(&path).display();
+            let _ = writeln!(wide, "{place}:{number}: {line}");
         }
     }
     assert!(
@@ -100,4 +128,9 @@ fn wide_comments_are_found() {
     assert_eq!(found(&format!("/// | {long} |")), 0);
     assert_eq!(found(&format!("/// ```text\n/// {long}\n/// ```")), 0);
     assert_eq!(found(&format!("/// ```\n/// a\n/// ```\n/// {long}")), 1);
+
+    let found = |text: &str| wide_c_comments(text).len();
+    assert_eq!(found(&format!("/* {long} */\nint a; /* {long} */")), 2);
+    assert_eq!(found(&format!("/* a\n * {long}\n *     {long} */")), 1);
+    assert_eq!(found(&format!("/* a */\ncall(\"{long}\");")), 0);
 }
