@@ -7,6 +7,7 @@ mod corpus;
 mod explanations;
 mod format;
 mod forms;
+mod printed;
 #[path = "../fuzz/program.rs"]
 mod program;
 mod robustness;

@@ -15,16 +15,16 @@ enum Binds {
     Name,
 }
 
-/// Formats an expression. The text parses to an equal expression in a contract with the same
+/// Formats a truth value. The text parses to an equal expression in a contract with the same
 /// variables.
 pub fn text(specification: &Specification, expr: &Expr) -> String {
-    print(specification, expr, None).0
+    print(specification, expr, TRUTH).0
 }
 
-/// Formats an expression as an operand: in parentheses unless it is a name, a comparison or a
+/// Formats a truth value as an operand: in parentheses unless it is a name, a comparison or a
 /// negation.
 pub fn operand(specification: &Specification, expr: &Expr) -> String {
-    let (text, binds) = print(specification, expr, None);
+    let (text, binds) = print(specification, expr, TRUTH);
     if binds >= Binds::Not {
         text
     } else {
@@ -92,6 +92,11 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
             Binds::Name,
         ),
         Expr::If(c, a, b) => {
+            let own = || match truth(s, expr) {
+                true => TRUTH,
+                false => labels(s, expr),
+            };
+            let like = like.or_else(own);
             let c = part(c, Binds::Or, TRUTH);
             let (a, b) = (part(a, Binds::Or, like), part(b, Binds::Or, like));
             (format!("if {c} then {a} else {b}"), Binds::Implication)
@@ -109,7 +114,7 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
                 let (a, b) = (part(a, Binds::Or, TRUTH), part(b, Binds::Or, TRUTH));
                 (format!("{a} -> {b}"), Binds::Implication)
             }
-            B::Eq | B::Ne if truth(s, a) && truth(s, b) => {
+            B::Eq | B::Ne if compares_truth(s, a, b) => {
                 let word = if *op == B::Eq { "<->" } else { "xor" };
                 let (a, b) = (part(a, Binds::Not, TRUTH), part(b, Binds::Not, TRUTH));
                 (format!("{a} {word} {b}"), Binds::Implication)
@@ -166,6 +171,18 @@ fn labels<'s>(s: &'s Specification, expr: &Expr) -> Option<Like<'s>> {
     }
 }
 
+/// Returns whether two operands are truth values. A variable and a constant are compared like other
+/// values: `b = true`.
+fn compares_truth(s: &Specification, a: &Expr, b: &Expr) -> bool {
+    let plain = |e: &Expr| matches!(e, Expr::Var(..) | Expr::Const(_));
+    match (truth(s, a), truth(s, b)) {
+        (true, true) => true,
+        // Both have the same type.
+        (true, false) | (false, true) => !(plain(a) && plain(b)),
+        (false, false) => false,
+    }
+}
+
 /// Returns whether an expression is a truth value by its form.
 pub fn truth(s: &Specification, expr: &Expr) -> bool {
     use BinaryOp as B;
@@ -173,7 +190,8 @@ pub fn truth(s: &Specification, expr: &Expr) -> bool {
         Expr::Const(_) => false,
         Expr::Var(v, _) => s.variable(*v).domain == Domain::Bool,
         Expr::Unary(op, _) => *op == UnaryOp::Not,
-        Expr::If(_, a, b) => truth(s, a) && truth(s, b),
+        // Both have the same type; one of them may be a constant.
+        Expr::If(_, a, b) => truth(s, a) || truth(s, b),
         Expr::Binary(op, ..) => matches!(
             op,
             B::And | B::Or | B::Implies | B::Eq | B::Ne | B::Lt | B::Le | B::Gt | B::Ge
