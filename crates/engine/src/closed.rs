@@ -197,9 +197,10 @@ fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnosti
     let (before, does) = match active(closed, last) {
         Some(action) if begun.checked_sub(1).map(named) != Some(action.clone()) => (
             begun.saturating_sub(1),
-            match coordinated {
-                true => format!("the coordinator asks for {action}"),
-                false => format!("{action} becomes active"),
+            if coordinated {
+                format!("the coordinator asks for {action}")
+            } else {
+                format!("{action} becomes active")
             },
         ),
         _ if coordinated => (begun, "the coordinator says that it is done".to_owned()),

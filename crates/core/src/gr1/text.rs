@@ -92,11 +92,12 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
             Binds::Name,
         ),
         Expr::If(c, a, b) => {
-            let own = || match truth(s, expr) {
-                true => TRUTH,
-                false => labels(s, expr),
+            let own = if truth(s, expr) {
+                TRUTH
+            } else {
+                labels(s, expr)
             };
-            let like = like.or_else(own);
+            let like = like.or(own);
             let c = part(c, Binds::Or, TRUTH);
             let (a, b) = (part(a, Binds::Or, like), part(b, Binds::Or, like));
             (format!("if {c} then {a} else {b}"), Binds::Implication)
