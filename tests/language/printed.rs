@@ -4,6 +4,7 @@
 use linewright::contract::load;
 use linewright::diagnostics::Severity;
 use linewright::gr1::{BinaryOp, Expr, Specification, Time, UnaryOp, VarId, eval, text};
+use std::fmt::Write as _;
 
 /// Variables of all kinds of domains, and `r`, to which each formula is compared.
 const HEADER: &str = "\
@@ -124,7 +125,7 @@ fn printed_expressions_are_read_as_the_same() {
         let mut source = HEADER.to_owned();
         for (i, expr) in drawn.iter().enumerate() {
             let printed = text::text(&plain, expr);
-            source += &format!("    guarantee g{i}: always (({printed}) <-> r)\n");
+            let _ = writeln!(source, "    guarantee g{i}: always (({printed}) <-> r)");
         }
         source += "}\n";
         let again = read(&source);
