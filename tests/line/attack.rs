@@ -7,6 +7,7 @@ mod judge;
 mod lines;
 mod machines;
 mod runs;
+mod stocks;
 mod table;
 mod text;
 

@@ -31,7 +31,7 @@ const CALLS: Bounds = Bounds {
 pub enum LineVerdict {
     /// Proved.
     Proved,
-    /// Proved that parts cannot block one another; progress was not decided.
+    /// Proved that there is no global deadlock; whether every part goes on was not decided.
     Safe,
     /// Not proved, for the reasons in the findings.
     Open,
@@ -245,7 +245,7 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     let (abstraction, verdict) = match abstraction::examine(line, limits, MOST_VARIABLES) {
         Ok(decided) => decided,
         Err(why) => {
-            let what = format!("whether parts can block one another in {}", line.name);
+            let what = format!("whether parts can deadlock in {}", line.name);
             return Proof {
                 verdict: LineVerdict::GaveUp,
                 findings: vec![not_decided(line, &what, &why, A_RUN)],
@@ -272,7 +272,7 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
             None => "the line is too large".to_owned(),
         };
         let message = format!(
-            "parts cannot block one another in {}, but whether everything goes on was not decided ({reason}): {}",
+            "something can always move in {}, but whether every part goes on was not decided ({reason}): {}",
             line.name,
             undecided.join(", ")
         );

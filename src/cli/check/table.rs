@@ -140,7 +140,7 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
         cells[4] = match l.proof {
             Some(LineVerdict::Proved) if l.premises.is_empty() => "proved".to_owned(),
             Some(LineVerdict::Proved) => "proved, provided".to_owned(),
-            Some(LineVerdict::Safe) => "never stuck".to_owned(),
+            Some(LineVerdict::Safe) => "no global deadlock".to_owned(),
             Some(LineVerdict::Open) => "not proved".to_owned(),
             Some(LineVerdict::GaveUp) => "not decided".to_owned(),
             None => String::new(),

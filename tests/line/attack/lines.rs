@@ -67,7 +67,23 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch) -> String {
         }
     ));
     for (at, part) in types.iter().take(if two { 2 } else { 1 }).enumerate() {
-        text.line(&supply(chance, ["s", "t"][at], part));
+        let name = ["s", "t"][at];
+        if chance.percent(4) {
+            // A store that is filled from another one, in one instant.
+            text.line(&format!("store {name}0: {} {part}", 1 + chance.below(12)));
+            text.line(&format!("store {name}"));
+            draft
+                .routes
+                .push(format!("route {part}: {name}0 -> {name}"));
+        } else {
+            text.line(&supply(chance, name, part));
+        }
+    }
+    if chance.percent(6) {
+        // A part type of its own, which leaves in one instant.
+        text.line("part Z");
+        text.line(&supply(chance, "z", "Z"));
+        draft.routes.push("route Z: z -> k".to_owned());
     }
     if joined {
         let at = draft.places.len();

@@ -225,13 +225,34 @@ pub enum Supply {
     OnOrder,
 }
 
-impl Supply {
-    /// Returns whether the next part is always available as soon as the previous one has left.
-    pub fn is_endless(&self) -> bool {
-        match self {
-            Self::OnOrder => true,
-            Self::Every { seconds, limit, .. } => *seconds <= 0.0 && limit.is_none(),
+/// Number of parts that counts as endless if they move at one instant: a run takes a million
+/// movements at one instant for no progress, and a part may make several.
+const ENDLESS: u64 = 50_000;
+
+impl Line {
+    /// Returns whether a source, or the stock of a store, has another part of this type as soon as
+    /// the previous one has left, without end. An order raises the limit of a source, so it never
+    /// runs out if a sink orders from it again.
+    pub fn is_endless(&self, node: usize, part: usize) -> bool {
+        match &self.nodes[node].kind {
+            NodeKind::Source { supply, .. } => match *supply {
+                Supply::OnOrder => true,
+                Supply::Every { seconds, limit, .. } => {
+                    seconds <= 0.0 && (limit.is_none_or(|n| n >= ENDLESS) || self.reorders(node))
+                }
+            },
+            NodeKind::Store { stock } => {
+                let of_part = stock.iter().filter(|(p, _)| *p == part);
+                of_part.map(|(_, n)| *n).fold(0, u64::saturating_add) >= ENDLESS
+            }
+            _ => false,
         }
+    }
+
+    /// Whether a sink orders from this source again.
+    fn reorders(&self, source: usize) -> bool {
+        let mut nodes = self.nodes.iter();
+        nodes.any(|n| matches!(n.kind, NodeKind::Sink { reorder, .. } if reorder == Some(source)))
     }
 }
 

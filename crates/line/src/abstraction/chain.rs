@@ -4,6 +4,7 @@
 use super::Abstraction;
 use super::shape::PlaceKind;
 use super::vocabulary::{Phase, Queue};
+use super::words::an;
 use linewright_core::gr1::eval::{eval, holds};
 use linewright_core::gr1::{Expr, VarId};
 
@@ -106,7 +107,11 @@ impl View<'_> {
                 _ => "",
             };
             return Some(Reason {
-                text: format!("{name} has a {kind} that waits for {room}{}", self.name(to)),
+                text: format!(
+                    "{name} has {} that waits for {room}{}",
+                    an(kind),
+                    self.name(to)
+                ),
                 waiting: Some(part),
                 next: Some(to),
             });
@@ -141,7 +146,7 @@ impl View<'_> {
                     continue;
                 }
                 let part = tasks[task].bill[line].0;
-                let text = format!("{name} waits for a {}", shape.types[part]);
+                let text = format!("{name} waits for {}", an(&shape.types[part]));
                 // A queue that has such a part, but not in front, or a place that would bring it.
                 let mut from = shape.places[place].from.clone();
                 from.retain(|from| shape.between(*from, place).any(|p| p == part));

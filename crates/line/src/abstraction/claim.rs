@@ -13,7 +13,7 @@ use super::requirements::{
 };
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
-use super::words::{all, any, becomes, count, is, later, stays, sum};
+use super::words::{all, an, any, becomes, count, is, later, stays, sum};
 use linewright_algebra::proof::{Claim, Exports};
 use linewright_algebra::system::System;
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Side};
@@ -123,7 +123,10 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
             _ => None,
         });
     let product = &model.shape.types[model.shape.product];
-    let text = format!("a {product} is finished again and again, as long as more are ordered");
+    let text = format!(
+        "{} is finished again and again, as long as more are ordered",
+        an(product)
+    );
     let finished = any(finished);
     goal.justice
         .push(formula(line.span, ORDERS_ARE_FINISHED, &text, &finished));

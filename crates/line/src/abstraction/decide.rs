@@ -5,11 +5,13 @@
 //! these questions repeatedly with formulas left out.
 
 use super::Abstraction;
+use super::parts::formula;
 use crate::undecided::UndecidedReason;
 pub use linewright_algebra::proof::Open;
-use linewright_algebra::proof::{self, Claim, Refutation};
-use linewright_algebra::system::{FormulaRef, formulas, list, rule};
-use linewright_core::gr1::Side;
+use linewright_algebra::proof::{self, Claim, Exports, Refutation};
+use linewright_algebra::system::{FormulaRef, System, formulas, list, rule};
+use linewright_core::gr1::{Expr, Side};
+use linewright_core::source::Span;
 use linewright_language::contract::line::Line;
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 
@@ -81,9 +83,10 @@ pub fn examine(
     if verdict.open.is_empty() {
         return Ok((loose, verdict));
     }
-    let strict = Abstraction::at_once(line)?;
-    if strict.system.variables.len() <= most_variables.min(MOST_AT_ONCE)
+    if let Ok(strict) = Abstraction::at_once(line)
+        && strict.system.variables.len() <= most_variables.min(MOST_AT_ONCE)
         && let Ok(verdict) = asked(&strict)
+        && (!verdict.holds() || has_a_run(&strict, limits).is_ok_and(|has| has))
     {
         return Ok((strict, verdict));
     }
@@ -101,6 +104,33 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
         justice(abstraction, limits, &mut verdict);
     }
     Ok(verdict)
+}
+
+/// Whether some run keeps what all places guarantee and what is given. Otherwise these contradict
+/// each other, and everything would follow from them. Where parts move late the places cannot
+/// contradict each other: each of them can always wait.
+fn has_a_run(abstraction: &Abstraction, limits: &Limits) -> Result<bool, Limit> {
+    let never = formula(Span::default(), "never", "false", &Expr::FALSE);
+    let claim = Claim {
+        given: abstraction.claim.given.clone(),
+        goal: Side {
+            justice: vec![never],
+            ..Side::default()
+        },
+        exports: Exports::Never,
+        ..Claim::default()
+    };
+    let proof = proof::decide(&without_assumptions(&abstraction.system), &claim, limits)?;
+    Ok(!proof.open.is_empty())
+}
+
+/// The system with places that keep their guarantees whatever others do.
+fn without_assumptions(system: &System) -> System {
+    let mut alone = system.clone();
+    for part in &mut alone.parts {
+        part.assumptions = Side::default();
+    }
+    alone
 }
 
 /// The goals of justice.
@@ -138,11 +168,8 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
 /// only a few places.
 fn justice(abstraction: &Abstraction, limits: &Limits, verdict: &mut Verdict) {
     let claim = &abstraction.claim;
-    // Results of safety are known, and places keep their guarantees whatever others do.
-    let mut alone = abstraction.system.clone();
-    for part in &mut alone.parts {
-        part.assumptions = Side::default();
-    }
+    // Results of safety are known.
+    let alone = without_assumptions(&abstraction.system);
     let safety = claim
         .goals()
         .map(|(at, _)| at)

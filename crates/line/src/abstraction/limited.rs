@@ -20,7 +20,7 @@ use super::book::ClaimBuilder;
 use super::requirements::{COMPONENTS_GO_ON, GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST};
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
-use super::words::{all, count, is, later, sum};
+use super::words::{all, an, count, is, later, sum};
 use linewright_algebra::proof::Reach;
 use linewright_algebra::system::FormulaRef;
 use linewright_core::gr1::{BinaryOp, Expr, VarId};
@@ -379,7 +379,7 @@ impl<'a> LimitedSupply<'a> {
             );
             let text = match stage.at.bill {
                 Some(_) => format!("{name} has the {kind} that it joins, again and again"),
-                None => format!("a {kind} comes to {name}, again and again"),
+                None => format!("{} comes to {name}, again and again", an(kind)),
             };
             let reach = match stage.at.bill {
                 Some(_) => Reach::Near,

@@ -93,7 +93,10 @@ impl Abstraction {
 
     fn with(line: &Line, at_once: bool) -> Result<Self, UndecidedReason> {
         let shape = Shape::of(line)?;
-        shape.check_time(line)?;
+        shape.check_time()?;
+        if at_once {
+            shape.check_overdue()?;
+        }
         let vocabulary = Vocabulary::of(line, &shape)?;
         let model = Model {
             shape: &shape,

@@ -141,10 +141,13 @@ impl Writer<'_> {
         }
     }
 
-    /// Events that take time happen only when nothing moves at once any more.
+    /// Events that take time happen only when nothing moves at once any more. A supply whose next
+    /// part is overdue, or has just been brought, has it at once.
     fn in_time(&mut self, settled: &Expr) {
         let (model, place) = (self.model, self.place);
-        if !model.takes_time(place) {
+        let is_supply = matches!(model.shape.places[place].kind, PlaceKind::Supply { .. });
+        let may_be_overdue = is_supply && !model.shape.leads_to_ends_only(place);
+        if may_be_overdue || !model.takes_time(place) {
             return;
         }
         let vars = model.vars(place);

@@ -161,7 +161,26 @@ impl Shape {
             contents: Self::contents(line),
         };
         shape.connect(line, &intake, &before)?;
+        shape.slow_down(line);
         Ok(shape)
+    }
+
+    /// Lets time pass between the parts that a store gives only to sinks and stores. These are never
+    /// full, so it makes no difference to anything else when such a part leaves.
+    fn slow_down(&mut self, line: &Line) {
+        let to_ends: Vec<bool> = (0..self.places.len())
+            .map(|place| self.leads_to_ends_only(place))
+            .collect();
+        for (place, to_ends) in self.places.iter_mut().zip(to_ends) {
+            let of_store = matches!(line.nodes[place.node].kind, NodeKind::Store { .. });
+            if let PlaceKind::Supply { always, part, .. } = &mut place.kind
+                && of_store
+                && to_ends
+                && !line.is_endless(place.node, *part)
+            {
+                *always = false;
+            }
+        }
     }
 
     /// Determines which parts can be where, starting from the supplies.
@@ -230,8 +249,8 @@ impl Shape {
     /// Checks that time passes somewhere on the way of every part; otherwise everything else waits
     /// for ever for parts that move at once. Here work always takes time; work without duration is
     /// found with the values of parts ([`crate::calls`]).
-    pub(super) fn check_time(&self, line: &Line) -> Result<(), UndecidedReason> {
-        let Some((from, to)) = self.timeless(line) else {
+    pub(super) fn check_time(&self) -> Result<(), UndecidedReason> {
+        let Some((from, to)) = self.timeless() else {
             return Ok(());
         };
         Err(UndecidedReason::because(format!(
@@ -241,44 +260,81 @@ impl Shape {
     }
 
     /// Two places between which parts can move for ever without time passing: on a circle, or from
-    /// an endless source to a sink or a store, which are never full.
-    fn timeless(&self, line: &Line) -> Option<(usize, usize)> {
-        for (start, declared) in self.places.iter().enumerate() {
-            let endless = endless(line, declared);
-            let (PlaceKind::Room { .. } | PlaceKind::Supply { .. }) = declared.kind else {
-                continue;
-            };
+    /// an endless source or a stock to a sink or a store, which are never full.
+    fn timeless(&self) -> Option<(usize, usize)> {
+        let starts = self.places.iter().enumerate();
+        starts.into_iter().find_map(|(start, declared)| {
+            let to = self.at_once_from(start, endless(declared))?;
+            Some((start, to))
+        })
+    }
+
+    /// A place that parts from here reach without time passing: this place again or, with
+    /// `to_ends`, a sink or a store.
+    fn at_once_from(&self, start: usize, to_ends: bool) -> Option<usize> {
+        let moves_at_once = |place: usize| {
+            matches!(
+                self.places[place].kind,
+                PlaceKind::Room { .. } | PlaceKind::Supply { .. }
+            )
+        };
+        if !moves_at_once(start) {
+            return None;
+        }
+        for first in self.places[start].ways.iter().map(|ways| ways.part) {
             let mut seen = BTreeSet::new();
-            let mut open: Vec<usize> = self.onward(start).into_iter().collect();
-            while let Some(place) = open.pop() {
-                let timeless = match &self.places[place].kind {
-                    PlaceKind::End { .. } => endless,
-                    PlaceKind::Room { .. } | PlaceKind::Supply { .. } => place == start,
-                    _ => continue,
-                };
-                if timeless {
-                    return Some((start, place));
+            let mut open = self.onward(start, first);
+            while let Some((place, part)) = open.pop() {
+                let is_end = matches!(self.places[place].kind, PlaceKind::End { .. });
+                if is_end && to_ends || (place, part) == (start, first) {
+                    return Some(place);
                 }
-                if seen.insert(place) {
-                    open.extend(self.onward(place));
+                if (is_end || moves_at_once(place)) && seen.insert((place, part)) {
+                    open.extend(self.onward(place, part));
                 }
             }
         }
         None
     }
 
-    /// Places where parts may be next. A store may give out again what it takes in.
-    fn onward(&self, place: usize) -> BTreeSet<usize> {
-        let mut next = self.after(place);
+    /// Places where a part of this type may be next. A store may give out again what it takes in.
+    fn onward(&self, place: usize, part: usize) -> Vec<(usize, usize)> {
+        let to = self.to(place, part).iter().map(|to| (*to, part));
+        let mut next: Vec<(usize, usize)> = to.collect();
         if let PlaceKind::End { .. } = self.places[place].kind {
-            let (node, comes) = (self.places[place].node, self.comes(place));
+            let node = self.places[place].node;
             let given_out = self.places.iter().enumerate().filter(|(_, other)| {
                 other.node == node
-                    && matches!(other.kind, PlaceKind::Supply { part, .. } if comes.contains(&part))
+                    && matches!(other.kind, PlaceKind::Supply { part: of, .. } if of == part)
             });
-            next.extend(given_out.map(|(other, _)| other));
+            next.extend(given_out.map(|(other, _)| (other, part)));
         }
         next
+    }
+
+    /// Whether parts leave this place only for sinks and stores, which are never full.
+    pub(super) fn leads_to_ends_only(&self, place: usize) -> bool {
+        let is_end = |to: &usize| matches!(self.places[*to].kind, PlaceKind::End { .. });
+        let mut ways = self.places[place].ways.iter();
+        ways.all(|ways| ways.to.iter().all(is_end))
+    }
+
+    /// Checks that the next part of every source that takes its time may come at once, as it does
+    /// if it is overdue: there must be no way without time from there to a place that is never
+    /// full, but for the direct one, on which it makes no difference to anything else.
+    pub(super) fn check_overdue(&self) -> Result<(), UndecidedReason> {
+        for (start, declared) in self.places.iter().enumerate() {
+            if matches!(declared.kind, PlaceKind::Supply { always: false, .. })
+                && !self.leads_to_ends_only(start)
+                && let Some(to) = self.at_once_from(start, true)
+            {
+                return Err(UndecidedReason::because(format!(
+                    "parts go from {} to {}, and no time passes",
+                    declared.name, self.places[to].name
+                )));
+            }
+        }
+        Ok(())
     }
 
     /// A limit of work in process counts a type; rejects lines in which that count would be
@@ -450,19 +506,19 @@ fn stock(line: &Line, node: usize, part: usize) -> PlaceKind {
     }
 }
 
-/// Whether a source always has another part at once, however many it has supplied. The stock of a
-/// store is finite.
-fn endless(line: &Line, place: &Place) -> bool {
+/// Whether there is always another part at once, however many were supplied. A stock counts as one
+/// that does not run out: if all of it moved in one instant, no other event would ever come, and
+/// what the places guarantee would contradict itself.
+fn endless(place: &Place) -> bool {
     matches!(place.kind, PlaceKind::Supply { always: true, .. })
-        && matches!(line.nodes[place.node].kind, NodeKind::Source { .. })
 }
 
 fn kind(line: &Line, node: usize) -> PlaceKind {
     let leaves_again = |part: usize| line.routes.iter().any(|r| r.from == node && r.part == part);
     match &line.nodes[node].kind {
-        NodeKind::Source { part, supply, most } => PlaceKind::Supply {
+        NodeKind::Source { part, most, .. } => PlaceKind::Supply {
             part: *part,
-            always: supply.is_endless(),
+            always: line.is_endless(node, *part),
             most: *most,
         },
         NodeKind::Sink { reject, .. } => PlaceKind::End {

@@ -2,6 +2,12 @@
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, VarId};
 
+/// A name with its indefinite article: `an Axle`, `a Plate`.
+pub(crate) fn an(name: &str) -> String {
+    let vowel = name.starts_with(['A', 'E', 'I', 'O', 'a', 'e', 'i', 'o']);
+    format!("{} {name}", if vowel { "an" } else { "a" })
+}
+
 /// The variable has this value now.
 pub(crate) fn is(variable: VarId, value: usize) -> Expr {
     Expr::now(variable).equals(Expr::Const(value as i64))

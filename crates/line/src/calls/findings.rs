@@ -3,6 +3,7 @@
 use super::desk::Refusal;
 use super::walk::{Choice, RangeViolation, Stage, Vertex, Walk};
 use super::{Calls, machine_of};
+use crate::abstraction::words::an;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Formula;
 use linewright_language::contract::line::{Line, NodeKind};
@@ -137,11 +138,11 @@ impl Writer<'_> {
                 Diagnostic::warning(codes::LINE_ASKS, node.span, message)
             }
             None if of_order || !self.certain[refused.at] => {
-                let message = format!("{} may refuse a {kind}: {}", node.name, error.message);
+                let message = format!("{} may refuse {}: {}", node.name, an(kind), error.message);
                 Diagnostic::warning(codes::LINE_REFUSED, node.span, message)
             }
             None => {
-                let message = format!("{} refuses a {kind}: {}", node.name, error.message);
+                let message = format!("{} refuses {}: {}", node.name, an(kind), error.message);
                 Diagnostic::error(codes::LINE_REFUSED, node.span, message)
             }
         };
@@ -277,7 +278,8 @@ impl Writer<'_> {
                 &self.line().parts[vertex.part].name,
             );
             let message = format!(
-                "a {kind} has no way onward from {}: none of the conditions of its routes holds",
+                "{} has no way onward from {}: none of the conditions of its routes holds",
+                an(kind),
                 node.name
             );
             let finding = if self.certain[*at] {
@@ -386,7 +388,7 @@ impl Writer<'_> {
                 None => told.push(format!("made at {node}{}", with(&all))),
                 Some(before) if before.part != vertex.part => {
                     let kind = &self.line().parts[vertex.part].name;
-                    told.push(format!("joined to a {kind} at {node}{}", with(&all)));
+                    told.push(format!("joined to {} at {node}{}", an(kind), with(&all)));
                 }
                 Some(before) => {
                     let changed = self.values(vertex, Some(before));

@@ -2,6 +2,7 @@
 
 use super::Calls;
 use crate::abstraction::Shape;
+use crate::abstraction::words::an;
 use linewright_language::contract::line::{Line, NodeKind, Supply};
 
 /// A premise of a proof that the line itself does not establish.
@@ -112,7 +113,8 @@ fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Prem
     Some(Premise {
         name: format!("more_orders_for_{name}"),
         text: format!(
-            "{name} gets further orders: for a {kind} that ends at {to} nothing is ordered again from {name}"
+            "{name} gets further orders: for {} that ends at {to} nothing is ordered again from {name}",
+            an(kind)
         ),
     })
 }

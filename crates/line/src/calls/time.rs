@@ -6,8 +6,8 @@
 //!
 //! - on a circle of such ways, or
 //! - where a source that always has another part leads to a sink or a store by such ways alone,
-//!   since neither is ever full. The stock of a store is finite. A joined part comes as often as
-//!   the slowest of its components.
+//!   since neither is ever full. The stock of a store is finite, but a very large one counts as
+//!   endless. A joined part comes as often as the slowest of its components.
 
 use super::attractor::attractor;
 use super::walk::{Stage, Vertex, Walk};
@@ -172,12 +172,10 @@ impl Timed<'_> {
         Some((from?, to, births.iter().any(|at| caught[*at])))
     }
 
-    /// Whether a source has another part at once, however many it has given.
+    /// Whether a source or a store has another part at once, however many it has given.
     fn is_endless(&self, birth: usize) -> bool {
-        match &self.walk.line.nodes[self.vertex(birth).node].kind {
-            NodeKind::Source { supply, .. } => supply.is_endless(),
-            _ => false,
-        }
+        let born = self.vertex(birth);
+        self.walk.line.is_endless(born.node, born.part)
     }
 
     /// Whether all components of a joined part have come.
