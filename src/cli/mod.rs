@@ -163,8 +163,9 @@ impl Arguments {
 
 /// Finding for a command that was terminated during its work.
 fn overdue(command: &str, late: StopReason) -> Diagnostic {
-    let message =
-        format!("`{command}` has no result: {late} while it was reading or writing large files");
+    let message = format!(
+        "`{command}` has no result: {late} while it was reading or writing large files, or waiting for another program"
+    );
     Diagnostic::error(codes::GAVE_UP, None, message).with_help(late.remedy())
 }
 

@@ -105,7 +105,7 @@ fn begins_skills(text: &str, end: usize, depth: usize) -> bool {
 
 /// Whether only `moore` precedes this place in its line.
 fn begins_line(text: &str, at: usize) -> bool {
-    let line = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    let line = text[..at].rfind(['\n', '\r']).map_or(0, |end| end + 1);
     matches!(text[line..at].trim(), "" | "moore")
 }
 
@@ -127,13 +127,13 @@ fn tokens(text: &str) -> Vec<(usize, &str)> {
     while let Some(c) = text[at..].chars().next() {
         let rest = &text[at..];
         let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
+            rest.find(['\n', '\r']).unwrap_or(rest.len())
         } else if rest.starts_with("/*") {
             rest.get(2..)
                 .and_then(|inner| inner.find("*/"))
                 .map_or(rest.len(), |end| end + 4)
         } else if c == '"' {
-            let line = rest.find('\n').unwrap_or(rest.len());
+            let line = rest.find(['\n', '\r']).unwrap_or(rest.len());
             rest[1..line].find('"').map_or(line, |end| end + 2)
         } else if is_name(rest) {
             let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_');
@@ -199,6 +199,25 @@ mod tests {
         let set = "skills U { component c { G } }";
         let found = outline(set);
         assert_eq!((found[0].1.as_str(), found[0].2.as_str()), ("U", set));
+    }
+
+    /// As in the grammar, a carriage return alone ends a line, too.
+    #[test]
+    fn a_comment_ends_with_its_line() {
+        for end in ["\n", "\r", "\r\n"] {
+            let text = [
+                "// one",
+                "contract A { output x: bool }",
+                "/// two",
+                "moore contract B { output \"y: bool }",
+                "// three {",
+                "line C {",
+                "machine D {}",
+            ];
+            let found = outline(&text.join(end));
+            let names: Vec<&str> = found.iter().map(|d| d.1.as_str()).collect();
+            assert_eq!(names, ["A", "B", "C", "D"], "{end:?}");
+        }
     }
 
     #[test]

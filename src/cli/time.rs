@@ -1,6 +1,7 @@
-//! TIME on the command line: `3600`, `90m`, `8h`, `1d`, `1h30m`.
+//! TIME on the command line: `3600`, `90m`, `90min`, `8h`, `1d`, `1h30m`.
 
-/// Parses seconds: a number, or numbers each with one of the units `d h m s` in descending order.
+/// Parses seconds: a number, or numbers each with one of the units `d h m s` in descending order;
+/// `min` is `m`.
 pub fn seconds(text: &str) -> Result<f64, String> {
     parse(text.trim()).ok_or_else(|| {
         format!("`{text}` is not a valid duration: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
@@ -19,10 +20,14 @@ fn parse(text: &str) -> Option<f64> {
     let (mut rest, mut total, mut last) = (text, 0.0, f64::INFINITY);
     while !rest.is_empty() {
         let end = rest.find(|c: char| c.is_ascii_alphabetic())?;
-        let unit = match rest.get(end..=end)? {
+        let word = &rest[end..];
+        let word = &word[..word
+            .find(|c: char| !c.is_ascii_alphabetic())
+            .unwrap_or(word.len())];
+        let unit = match word {
             "d" => 86_400.0,
             "h" => 3_600.0,
-            "m" => 60.0,
+            "m" | "min" => 60.0,
             "s" => 1.0,
             _ => return None,
         };
@@ -31,7 +36,7 @@ fn parse(text: &str) -> Option<f64> {
         }
         total += number(&rest[..end])? * unit;
         last = unit;
-        rest = &rest[end + 1..];
+        rest = &rest[end + word.len()..];
     }
     (total > 0.0 && total.is_finite()).then_some(total)
 }
@@ -46,6 +51,8 @@ mod tests {
             ("3600", 3600.0),
             ("0.5", 0.5),
             ("90m", 5400.0),
+            ("90min", 5400.0),
+            ("1h30min5s", 5405.0),
             ("8h", 28_800.0),
             ("1d", 86_400.0),
             ("1h30m", 5400.0),

@@ -442,6 +442,34 @@ fn a_proof_of_a_large_line_ends_by_itself() {
     }
 }
 
+/// After 4e9 s the clock does not resolve a microsecond.
+#[test]
+fn no_run_goes_on_when_times_are_no_longer_exact() {
+    let session = Session::new();
+    let line = "line L {
+    part P
+    source s: P every 1e9 s
+    sink k
+    conveyor c places 1 pitch 0.0001 m speed 1 m/s
+    route P: s -> c -> k
+}
+";
+    std::fs::write(session.path("clock.lw"), line).expect("a file");
+    let printed = session.run("run clock.lw --until 2000000h");
+    assert_eq!(printed.code, 2, "{}", printed.err);
+    assert!(
+        printed.err.contains("at most 4e9 s, after which"),
+        "{}",
+        printed.err
+    );
+    let printed = session.run("run clock.lw --parts 9");
+    assert_eq!(printed.code, 3, "{}{}", printed.out, printed.err);
+    let said = printed.out + &printed.err;
+    assert!(said.contains("the run was not over at 4e9 s"), "{said}");
+    assert_eq!(session.run("run clock.lw --until 1000000h").code, 0);
+    assert_eq!(session.run("run clock.lw --parts 4").code, 0);
+}
+
 /// A small budget ends a proof: no operation on diagrams continues for ever because its cache is
 /// small.
 #[test]

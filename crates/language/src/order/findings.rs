@@ -162,11 +162,19 @@ impl OrderExamination<'_> {
             [] => "no skill changes anything at the start: declare another initial situation"
                 .to_owned(),
             _ => format!(
-                "at the start the unit is {}: let one of the skills be called there, or declare another initial situation",
-                self.skills.situation(&self.initial())
+                "{}let one of the skills be called there, or declare another initial situation",
+                self.unit_is("at the start", &self.initial())
             ),
         };
         Ok(Some(self.labelled(finding, &core).with_help(help)))
+    }
+
+    /// `there the unit is left, up: `; nothing if no component has situations.
+    fn unit_is(&self, place: &str, situation: &[usize]) -> String {
+        match self.skills.situation(situation).as_str() {
+            "" => String::new(),
+            situation => format!("{place} the unit is {situation}: "),
+        }
     }
 
     /// Finds rules that together leave nothing to be called, although each of them alone would.
@@ -191,8 +199,8 @@ impl OrderExamination<'_> {
                 ),
             );
             return Ok(Some(self.labelled(finding, &core).with_help(format!(
-                "there the unit is {}: let one of the rules allow a way out, or forbid what leads there",
-                self.skills.situation(&self.situation(&word))
+                "{}let one of the rules allow a way out, or forbid what leads there",
+                self.unit_is("there", &self.situation(&word))
             ))));
         }
         Ok(None)

@@ -32,7 +32,7 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::line::{Limit, Line, NodeKind, Shift};
 use linewright_station::Controller;
 use part::{PartIndex, Parts};
-use progress::Progress;
+use progress::{LATEST_SECONDS, Progress};
 use queue::{Agenda, Queues};
 use station::Station;
 use std::collections::{BTreeMap, VecDeque};
@@ -152,7 +152,7 @@ impl Plant {
                 .with_help("Give --parts N or --until TIME, or a limit in the line's file."),
             );
         }
-        if horizon.is_some_and(|seconds| !(seconds.is_finite() && seconds >= 0.0)) {
+        if horizon.is_some_and(|seconds| !(0.0..=LATEST_SECONDS).contains(&seconds)) {
             findings.push(
                 Diagnostic::error(
                     codes::LINE_LIMIT,
@@ -162,7 +162,9 @@ impl Plant {
                         line.name
                     ),
                 )
-                .with_help("Give a time such as 3600, 90m or 8h."),
+                .with_help(format!(
+                    "Give a time such as 3600, 90m or 8h, and at most {LATEST_SECONDS:e} s, after which times are no longer exact."
+                )),
             );
         }
         if !findings.is_empty() {

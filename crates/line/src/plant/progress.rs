@@ -5,6 +5,8 @@ use super::Run;
 use crate::trace::End;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
+/// Latest instant of a run, in seconds: later, the clock does not resolve a microsecond.
+pub(super) const LATEST_SECONDS: f64 = 4e9;
 /// Maximum number of movements and events at one instant, beyond which the run counts as standing
 /// still.
 const MAX_AT_ONE_INSTANT: u64 = 1_000_000;
@@ -74,7 +76,17 @@ impl Run<'_> {
         if self.end.is_some() {
             return;
         }
-        if self.progress.stands_still() {
+        if self.now > LATEST_SECONDS {
+            self.end = Some(End::GaveUp);
+            let message = format!(
+                "the run was not over at {LATEST_SECONDS:e} s, after which times are no longer exact: it has made {} products",
+                self.counters.products
+            );
+            self.journal.findings.push(
+                Diagnostic::error(codes::GAVE_UP, self.line.span, message)
+                    .with_help("End it earlier with --parts or --until."),
+            );
+        } else if self.progress.stands_still() {
             self.end = Some(End::Blocked);
             let message = format!(
                 "the line makes no progress: at {} parts move on and on, and no time passes",

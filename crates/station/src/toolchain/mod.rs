@@ -27,7 +27,7 @@ mod work;
 use super::package::{Package, create_folder, write};
 use super::{Error, disk, emit};
 pub use compiler::{Compiler, CrossCompiler, Platform};
-use linewright_core::deadline::Deadline;
+use linewright_core::deadline::{Deadline, StopReason};
 pub(super) use manifest::Manifest;
 pub use manifest::schema as manifest_schema;
 use rayon::prelude::*;
@@ -303,8 +303,11 @@ impl Toolchain {
             stderr,
         };
         if !output.status.success() {
-            // Ctrl-C on a terminal ends the compiler as well.
+            // Ctrl-C on a terminal ends the compiler as well, perhaps before it is noticed here.
             self.deadline.check().map_err(given_up)?;
+            if trial::was_interrupted(output.status) {
+                return Err(given_up(StopReason::Interrupt));
+            }
             // Microsoft's compiler reports errors on its standard output.
             let text = [output.stdout, output.stderr].concat();
             return Err(failed(format!("{}\n({})", text.trim_end(), output.status)));

@@ -72,6 +72,20 @@ pub(super) fn answer_until(
     }))
 }
 
+/// Whether Ctrl-C ended a program.
+pub fn was_interrupted(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        const SIGINT: i32 = 2;
+        std::os::unix::process::ExitStatusExt::signal(&status) == Some(SIGINT)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
+    }
+}
+
 /// Tries to compile a line; an error explains why that fails.
 pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
     let (source, object) = ("trial.c", work.join("trial.o"));
