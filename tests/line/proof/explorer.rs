@@ -337,16 +337,26 @@ impl<'a> Explorer<'a> {
                         found.push(opened);
                     }
                 }
-                (NodeKind::Source { part, supply, most }, _) => {
-                    let timed = matches!(supply, Supply::Every { seconds, .. } if *seconds > 0.0);
-                    let may = most.is_none_or(|most| state.in_line[*part] < most);
-                    if timed && may && state.offers[outlet].is_none() {
-                        let mut made = state.clone();
-                        made.in_line[*part] += 1;
-                        found.extend(self.offer(&made, outlet, *part));
-                    }
-                }
                 _ => {}
+            }
+        }
+        found.extend(self.due(state));
+        found
+    }
+
+    /// The next parts of sources that take their time. A part that is overdue, because the one
+    /// before it had to wait, comes at once, while other parts move.
+    fn due(&self, state: &State) -> Vec<State> {
+        let mut found = Vec::new();
+        for (outlet, (node, _)) in self.outlets.iter().enumerate() {
+            if let NodeKind::Source { part, supply, most } = &self.line.nodes[*node].kind {
+                let timed = matches!(supply, Supply::Every { seconds, .. } if *seconds > 0.0);
+                let may = most.is_none_or(|most| state.in_line[*part] < most);
+                if timed && may && state.offers[outlet].is_none() {
+                    let mut made = state.clone();
+                    made.in_line[*part] += 1;
+                    found.extend(self.offer(&made, outlet, *part));
+                }
             }
         }
         found
@@ -390,6 +400,8 @@ impl<'a> Explorer<'a> {
             if next.is_empty() {
                 next = self.in_time(&state);
                 explored.stuck |= next.is_empty();
+            } else {
+                next.extend(self.due(&state));
             }
             for state in next.into_iter().map(bare) {
                 if seen.insert(state.clone()) {

@@ -202,7 +202,7 @@ fn a_deadline_of_the_real_clock_ends_a_run() {
         .scrap("scrap", Some("printer"))
         .route("Part", &["printer", "cell", "scrap"]);
     let options = Options {
-        until: Some(1e12),
+        until: Some(4e9),
         deadline: Deadline::in_time(Duration::ZERO),
         ..Options::default()
     };
