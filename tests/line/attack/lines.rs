@@ -82,7 +82,12 @@ pub fn line(chance: &mut Chance, name: &str, batch: &Batch) -> String {
     if chance.percent(6) {
         // A part type of its own, which leaves in one instant.
         text.line("part Z");
-        text.line(&supply(chance, "z", "Z"));
+        text.line(chance.pick(&[
+            "store z: 3 Z",
+            "store z: 12 Z",
+            "source z: Z every 60 s",
+            "source z: Z every 0 s limit 5",
+        ]));
         draft.routes.push("route Z: z -> k".to_owned());
     }
     if joined {

@@ -165,8 +165,8 @@ impl Shape {
         Ok(shape)
     }
 
-    /// Lets time pass between the parts that a store gives only to sinks and stores. These are never
-    /// full, so it makes no difference to anything else when such a part leaves.
+    /// Lets time pass between the parts that a store gives only to sinks and stores. These are
+    /// never full, so it makes no difference to anything else when such a part leaves.
     fn slow_down(&mut self, line: &Line) {
         let to_ends: Vec<bool> = (0..self.places.len())
             .map(|place| self.leads_to_ends_only(place))
