@@ -35,7 +35,7 @@ pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(),
         replace(path, text.as_bytes(), None)
     };
     written.map_err(|e| {
-        let help = "choose a folder that may be written with --out DIR";
+        let help = "name another place, or make this one writable";
         Box::new(unwritable(path, &e, help))
     })
 }

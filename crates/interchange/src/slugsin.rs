@@ -73,6 +73,13 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
             }
         }
     }
+    if names.specification().variables.is_empty() && names.findings.is_empty() {
+        names.syntax(
+            0..0,
+            "no variable is declared",
+            "name at least one under `[INPUT]` or `[OUTPUT]`",
+        );
+    }
     // Formulas may stand before the declarations.
     for (section, line) in formulas {
         let infix = dialect == Dialect::Structured && !prefix::fits(names, line.clone());

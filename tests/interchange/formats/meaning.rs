@@ -488,7 +488,9 @@ fn what_another_game_asks_for_is_refused() {
         ["LW202"]
     );
     assert_eq!(codes(Format::Spc, ""), ["LW002"]);
-    assert_eq!(codes(Format::Slugsin, ""), [""; 0]);
+    // What an export that failed leaves is no specification.
+    assert_eq!(codes(Format::Slugsin, ""), ["LW002"]);
+    assert_eq!(codes(Format::StructuredSlugs, "# nothing\n"), ["LW002"]);
     assert_eq!(
         codes(Format::Slugsin, "\u{feff}[INPUT]\r\na\r\n[OUTPUT]\r\nb\r\n"),
         [""; 0]

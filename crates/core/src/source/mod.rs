@@ -145,6 +145,8 @@ impl SourceMap {
         let line = file.line_starts.partition_point(|&s| s <= offset).max(1);
         let start = file.line_starts[line - 1] as usize;
         let prefix = file.text.get(start..offset as usize).unwrap_or("");
+        // A byte order mark is no character of the first line.
+        let prefix = prefix.strip_prefix('\u{feff}').unwrap_or(prefix);
         Position {
             line,
             column: prefix.chars().count() + 1,
@@ -155,6 +157,15 @@ impl SourceMap {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_byte_order_mark_has_no_column() {
+        let mut map = SourceMap::new();
+        let file = map.add("a.lw", "\u{feff}type T");
+        let span = Span::new(file, 8, 9);
+        assert_eq!(map.text(span), "T");
+        assert_eq!(map.start(span), Position { line: 1, column: 6 });
+    }
 
     #[test]
     fn columns_count_characters() {
