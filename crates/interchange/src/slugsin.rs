@@ -73,11 +73,11 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
             }
         }
     }
-    if names.specification().variables.is_empty() && names.findings.is_empty() {
+    if head.is_none() && !orphan {
         names.syntax(
             0..0,
-            "no variable is declared",
-            "name at least one under `[INPUT]` or `[OUTPUT]`",
+            "there is no section",
+            "begin with a section: `[INPUT]` or `[OUTPUT]`",
         );
     }
     // Formulas may stand before the declarations.
