@@ -153,37 +153,32 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return finding;
     }
     let operator = operator_at(text);
-    if operator == "=" {
-        return Diagnostic::error(
-            codes::SYNTAX,
-            Span::new(file, start, start + 1),
-            "no value stands behind this `=`, or nothing before it that could have one",
-        )
-        .with_help("write `name = value`");
-    }
-    if begins_with_operator(text) && !text.starts_with([')', ']']) {
-        return Diagnostic::error(
-            codes::SYNTAX,
-            Span::new(file, start, start + operator.len()),
+    let about_operator = if operator == "=" {
+        Some((
+            "no value stands behind this `=`, or nothing before it that could have one".to_owned(),
+            "write `name = value`",
+        ))
+    } else if begins_with_operator(text) && !text.starts_with([')', ']']) {
+        Some((
             format!("an operand is missing beside `{operator}`"),
-        )
-        .with_help("an operator stands between two expressions");
-    }
-    if text.starts_with(',') {
-        return Diagnostic::error(
-            codes::SYNTAX,
-            Span::new(file, start, start + 1),
-            "no comma stands between declarations",
-        )
-        .with_help("leave it out");
-    }
-    if text.starts_with('[') {
-        return Diagnostic::error(
-            codes::SYNTAX,
-            Span::new(file, start, start + 1),
-            "an index or length does not belong here",
-        )
-        .with_help("an array's type is written `array[3] of bool`");
+            "an operator stands between two expressions",
+        ))
+    } else if operator == "," {
+        Some((
+            "no comma stands between declarations".to_owned(),
+            "leave it out",
+        ))
+    } else if operator == "[" {
+        Some((
+            "an index or length does not belong here".to_owned(),
+            "an array's type is written `array[3] of bool`",
+        ))
+    } else {
+        None
+    };
+    if let Some((message, help)) = about_operator {
+        let span = Span::new(file, start, start + operator.len());
+        return Diagnostic::error(codes::SYNTAX, span, message).with_help(help);
     }
     let code = after_comments(text);
     let at = start + text.len() - code.len();

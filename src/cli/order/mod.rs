@@ -112,16 +112,16 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     if !matches!(arguments.command, Command::Check(_)) {
         options.refuse_sarif("the result")?;
     }
-    let (command, outcome) = match &arguments.command {
-        Command::Check(a) => ("order-check", check::run(a, options)),
-        Command::Monitor(a) => ("order-monitor", monitor::run(a, options)),
-        Command::Fsm(a) => ("order-fsm", fsm::run(a, options)),
-        Command::Regex(a) => ("order-regex", regex::run(a, options)),
-        Command::Diff(a) => ("order-diff", diff::run(a, options)),
-        Command::Complete(a) => ("order-complete", complete::run(a, options)),
-        Command::Strongest(a) => ("order-strongest", strongest::run(a, options)),
+    let (document, outcome) = match &arguments.command {
+        Command::Check(a) => (check::DOCUMENT, check::run(a, options)),
+        Command::Monitor(a) => (monitor::DOCUMENT, monitor::run(a, options)),
+        Command::Fsm(a) => (fsm::DOCUMENT, fsm::run(a, options)),
+        Command::Regex(a) => (regex::DOCUMENT, regex::run(a, options)),
+        Command::Diff(a) => (diff::DOCUMENT, diff::run(a, options)),
+        Command::Complete(a) => (complete::DOCUMENT, complete::run(a, options)),
+        Command::Strongest(a) => (strongest::DOCUMENT, strongest::run(a, options)),
     };
-    outcome.or_else(|early| early.report(command, options))
+    outcome.or_else(|early| early.report(document.name, options))
 }
 
 /// The documents of its commands, including the one that reports an internal error.

@@ -107,9 +107,12 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
 }
 
 /// Whether some run keeps what all places guarantee and what is given. Otherwise these contradict
-/// each other, and everything would follow from them. Where parts move late the places cannot
-/// contradict each other: each of them can always wait.
-fn has_a_run(abstraction: &Abstraction, limits: &Limits) -> Result<bool, Limit> {
+/// each other, and everything would follow from them. [`examine`] asks this where parts move at
+/// once; where they may move late, tests do.
+///
+/// # Errors
+/// Returns the limit that was reached.
+pub fn has_a_run(abstraction: &Abstraction, limits: &Limits) -> Result<bool, Limit> {
     let never = formula(Span::default(), "never", "false", &Expr::FALSE);
     let claim = Claim {
         given: abstraction.claim.given.clone(),

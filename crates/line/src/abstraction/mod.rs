@@ -14,8 +14,11 @@
 //!
 //! [`decide`] first examines an abstraction in which a part that can move eventually does. Only if
 //! that has a counterexample, which may never occur in the runner, it examines one in which nothing
-//! that takes time ends before every part that can move has moved. Both order parts by how long
-//! they have waited.
+//! that takes time ends before every part that can move has moved; only a part that is overdue at a
+//! source, or has just been brought to a store, may come before that. Both order parts by how long
+//! they have waited. In the second one an instant in which parts move for ever would contradict
+//! that anything takes time, and everything would follow: such lines are not decided, and what is
+//! proved counts only if the abstraction [has a run](has_a_run).
 //!
 //! # What is left out, and what that means
 //!
@@ -47,7 +50,7 @@ mod shape;
 mod vocabulary;
 pub(crate) mod words;
 
-pub use decide::{Open, Verdict, decide, examine};
+pub use decide::{Open, Verdict, decide, examine, has_a_run};
 pub use findings::findings;
 pub use requirements::{GOES_ON, NO_CIRCULAR_WAIT, NO_OVERFLOW, NO_PART_LOST, ORDERS_ARE_FINISHED};
 pub use shape::{Place, PlaceKind, Shape, Ways, Work};

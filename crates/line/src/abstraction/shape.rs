@@ -262,8 +262,8 @@ impl Shape {
     /// Two places between which parts can move for ever without time passing: on a circle, or from
     /// an endless source or a stock to a sink or a store, which are never full.
     fn timeless(&self) -> Option<(usize, usize)> {
-        let starts = self.places.iter().enumerate();
-        starts.into_iter().find_map(|(start, declared)| {
+        let mut starts = self.places.iter().enumerate();
+        starts.find_map(|(start, declared)| {
             let to = self.at_once_from(start, endless(declared))?;
             Some((start, to))
         })

@@ -108,3 +108,22 @@ pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
     }
     Ok(())
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_ctrl_c_interrupts() {
+        let status = |script: &str| {
+            let mut command = Command::new("sh");
+            command.args(["-c", script]);
+            let answer = answer_until(&mut command, Deadline::NONE).expect("it starts");
+            was_interrupted(answer.expect("no deadline").status)
+        };
+        assert!(status("kill -INT $$"));
+        assert!(!status("kill -TERM $$"));
+        assert!(!status("exit 2"));
+        assert!(!status("exit 0"));
+    }
+}
