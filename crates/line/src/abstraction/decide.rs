@@ -108,7 +108,7 @@ pub fn decide(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Lim
 
 /// Whether some run keeps what all places guarantee and what is given. Otherwise these contradict
 /// each other, and everything would follow from them. [`examine`] asks this where parts move at
-/// once; where they may move late, tests do.
+/// once.
 ///
 /// # Errors
 /// Returns the limit that was reached.
