@@ -125,6 +125,7 @@ fn a_program_is_text_or_a_table() {
     for (name, program) in [
         ("p.txt", "Right & Grip // at once\nDown\n"),
         ("p.txt", "\u{feff}Right&Grip\r\nDown\r\n"),
+        ("p.txt", "Right & Grip\rDown\r"),
         ("p.csv", "Right,Grip\nDown,\n"),
         ("p.csv", "skill;comment\nRight & Grip;both\nDown;then\n"),
         ("p.csv", "step,skill\n1,Right\n1,Grip\n\n2,Down\n"),
@@ -136,6 +137,7 @@ fn a_program_is_text_or_a_table() {
             "p.CSV",
             "Step\tCalls\r\n10\tRight\r\n10\tGrip\r\n20\tDown\r\n",
         ),
+        ("p.csv", "step;skill\r1;Right\r1;Grip\r2;Down\r"),
     ] {
         let (document, output) = checked(name, program, &[]);
         assert_eq!(output.status.code(), Some(0), "{program}: {document}");

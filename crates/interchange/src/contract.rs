@@ -12,7 +12,8 @@ use super::{Format, labels};
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp,
 };
-use linewright_syntax::is_reserved;
+use linewright_core::source::FileId;
+use linewright_syntax::{format, is_reserved, parse};
 use std::fmt::Write as _;
 
 /// Maximum operands per chain; the language's parser has a bound of its own.
@@ -134,7 +135,16 @@ pub fn write(specification: &Specification, origin: &str) -> String {
     }
     text.push_str(&body);
     text.push_str("}\n");
-    text
+    formatted(text)
+}
+
+/// The text as `fmt` lays it out; unchanged if it is nested too deeply to be read again.
+fn formatted(text: String) -> String {
+    let (file, findings) = parse(FileId::default(), &text);
+    if !findings.is_empty() {
+        return text;
+    }
+    format::checked(&file, &text).unwrap_or(text)
 }
 
 /// The line that says where a contract comes from.

@@ -96,7 +96,7 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
 fn lines(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = 0;
-    for line in text.split_inclusive('\n') {
+    for line in text.split_inclusive(['\n', '\r']) {
         // Some editors put a mark in front of a file.
         let blank = |c: char| c.is_whitespace() || c == '\u{feff}';
         let trimmed = line.trim_matches(blank);

@@ -54,7 +54,7 @@ const fn of_command(name: &'static str, title: &'static str) -> Described {
     $ linewright refine cell.lw::Whole 'compose(cell.lw::Left, cell.lw::Right)'
 
 NEW refines OLD if it can be used wherever OLD was used: it assumes no more than OLD and \
-guarantees no less. For two folders, contracts with the same name are compared; a removed \
+guarantees no less. Whether a controller can keep NEW is a question for `check`. For two folders, contracts with the same name are compared; a removed \
 contract counts as broken.
 
 A contract is a file, FILE::NAME where it declares several, a library name such as std.handling.turn, or \
@@ -88,7 +88,8 @@ pub struct Common {
 Variables of the same name are one wire. For each assumption the proof names what discharges \
 it: guarantees of the others step by step, their justice in an order without circles, or the \
 environment. Assumptions about inputs from outside become assumptions of the composition. An \
-assumption that is not discharged is shown with a run that breaks it.")]
+assumption that is not discharged is shown with a run that breaks it. The proof assumes \
+that each component keeps its guarantees; whether a controller can is a question for `check`.")]
 pub struct ComposeArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]

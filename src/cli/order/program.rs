@@ -153,7 +153,7 @@ impl Program {
 
     fn read_text(&mut self, text: &str, file: FileId, skills: &Skills) {
         let mut at = 0;
-        for line in text.split_inclusive('\n') {
+        for line in text.split_inclusive(['\n', '\r']) {
             let code = line
                 .split('#')
                 .next()

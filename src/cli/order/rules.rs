@@ -138,7 +138,7 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
             None
         };
         // Only a quick filter: the file is fully parsed afterwards.
-        if text.is_some_and(|t| t.lines().any(|l| l.starts_with("skills "))) {
+        if text.is_some_and(|t| t.split(['\n', '\r']).any(|l| l.starts_with("skills "))) {
             found.push(path.to_string_lossy().into_owned());
         }
     }

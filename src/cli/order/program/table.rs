@@ -56,7 +56,7 @@ struct Reader<'a> {
 
 impl Program {
     pub(super) fn read_table(&mut self, text: &str, file: FileId, skills: &Skills) {
-        let mut lines = text.trim_start_matches('\u{feff}').lines();
+        let mut lines = text.trim_start_matches('\u{feff}').split(['\n', '\r']);
         let known = [';', '\t', ','];
         let first = lines.find(|l| l.contains(known)).unwrap_or_default();
         let delimiter = known
@@ -91,7 +91,7 @@ impl Program {
             let start = row.position().map_or(0, |p| p.byte() as usize);
             // The position is after the previous row: blank lines come before this one.
             let start = start + blank(&text[start.min(text.len())..]);
-            let line = text[start.min(text.len())..].lines().next();
+            let line = text[start.min(text.len())..].split(['\n', '\r']).next();
             let length = line.unwrap_or_default().trim_end().len();
             let span = Span::new(file, start, start + length);
             if row.iter().all(str::is_empty) {
