@@ -496,7 +496,10 @@ fn what_another_game_asks_for_is_refused() {
         [""; 0]
     );
     assert_eq!(
-        codes(Format::Slugsin, "[INPUT]\ra\r[OUTPUT]\rg\r[SYS_TRANS]\r| ! a g\r"),
+        codes(
+            Format::Slugsin,
+            "[INPUT]\ra\r[OUTPUT]\rg\r[SYS_TRANS]\r| ! a g\r"
+        ),
         [""; 0]
     );
     assert_eq!(
