@@ -352,7 +352,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
     }
     assert!(
         outside > 25,
-        "only {outside} speak of what comes from outside"
+        "only {outside} refer to what comes from outside"
     );
 }
 

@@ -17,7 +17,7 @@ fn words_of(rule: &str) -> BTreeSet<&'static str> {
 fn the_table_holds_what_the_grammar_reserves() {
     let table: BTreeSet<&str> = reserved().collect();
     assert_eq!(table, words_of("reserved"));
-    assert_eq!(table.len(), reserved().count(), "a word stands there twice");
+    assert_eq!(table.len(), reserved().count(), "a word appears there twice");
 }
 
 /// Among skills, the letters of temporal operators are names, and the other words are not.

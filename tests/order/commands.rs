@@ -678,18 +678,18 @@ fn cells_that_do_not_fit_are_told() {
     for (table, said) in [
         (
             "step,skill\n1;Down\n2;Left\n",
-            "no skill stands in this row",
+            "this row names no skill",
         ),
         ("step;skill;skill\n1;Right;Down\n", "say the same"),
         (
             "step;skill\n1;Grip;Down\n",
-            "`Down` stands in no column of the header",
+            "`Down` is in no column of the header",
         ),
         (
             "skill\nRight,Down\n",
-            "`Down` stands in no column of the header",
+            "`Down` is in no column of the header",
         ),
-        ("step;skill\n1;\n", "no skill stands in this row"),
+        ("step;skill\n1;\n", "this row names no skill"),
         ("step;skill\n1;Right\n1.0;Down\n", "not written as step 1"),
         (
             "step;skill\n1;\"Right\n",

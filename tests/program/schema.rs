@@ -361,7 +361,7 @@ fn a_monitor_answers_as_its_schema_says() {
     assert!(!faults_by("linewright/order-monitor/1", &other).is_empty());
 }
 
-/// The layout that `doctor --probe` writes, in TOML: of each line, what stands before a comment is
+/// The layout that `doctor --probe` writes, in TOML: of each line, what comes before a comment is
 /// a key and a value that JSON has too.
 #[test]
 fn a_profile_is_as_its_schema_says() {

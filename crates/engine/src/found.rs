@@ -63,7 +63,7 @@ fn open(
     };
     let help = match open.what.part {
         Some(_) if rule_of(&formula.name).is_some() => {
-            "let what calls its skills keep the order. One that whoever asks for operations is to keep speaks of skills that are bound to `operation` alone, and not also to what happens while it runs"
+            "let what calls its skills keep the order. One that whoever asks for operations is to keep names skills that are bound to `operation` alone, and not also to what happens while it runs"
         }
         Some(_) => "let another contract guarantee it, or weaken the assumption to what it needs",
         None => "add a guarantee from which it follows, or promise less",

@@ -270,7 +270,7 @@ impl<'a> ProofPrinter<'a> {
             .collect();
         (
             format!("within one step {} wait for each other", list(&names)),
-            "make one of the contracts `moore`, so that it answers before it sees the others' answers, or let it speak of the step before"
+            "make one of the contracts `moore`, so that it answers before it sees the others' answers, or let it refer to the step before"
                 .to_owned(),
         )
     }

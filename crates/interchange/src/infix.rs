@@ -89,7 +89,7 @@ pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<To
     found
 }
 
-/// Signs that both formats have; of two that begin alike the longer one stands first.
+/// Signs that both formats have; of two that begin alike the longer one appears first.
 const COMMON: &[(&str, Word)] = &[
     ("<->", Word::Infix(Infix::Iff)),
     ("->", Word::Infix(Infix::Op(BinaryOp::Implies))),
@@ -181,7 +181,7 @@ struct Operand {
     mark: usize,
     /// Number of bits that slugs' translator holds it in.
     bits: u32,
-    /// What stands in parentheses, or is a single word.
+    /// What is written in parentheses, or is a single word.
     closed: bool,
 }
 
@@ -340,7 +340,7 @@ impl Yard<'_, '_> {
                 {
                     PERSISTENCE.to_owned()
                 } else {
-                    format!("the temporal operator `{text}` cannot stand here")
+                    format!("the temporal operator `{text}` is not allowed here")
                 };
                 self.names.error(codes::NOT_GR1, range, message, help);
             }
@@ -352,7 +352,7 @@ impl Yard<'_, '_> {
             _ if operand_wanted => self.names.syntax(
                 range,
                 format!("expected a variable or a formula, found `{text}`"),
-                "operators stand between two formulas, and each `(` has its `)`",
+                "an operator goes between two formulas, and each `(` has its `)`",
             ),
             _ => self.names.syntax(
                 range,

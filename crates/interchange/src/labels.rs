@@ -1,13 +1,13 @@
 //! Which enumerations keep their labels in a printed contract.
 //!
 //! In our language a label is compared, with a value of its own enumeration, and nothing else. A
-//! variable whose number a formula counts with, or whose labels cannot stand as names, is printed
+//! variable whose number a formula counts with, or whose labels cannot be names, is printed
 //! as a number.
 
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Specification, VarId};
 
 /// For every variable the labels that its values are printed with; none for one that is a number or
-/// a truth value, or has to be printed as a number. `is_free` tells whether a label can stand as a
+/// a truth value, or has to be printed as a number. `is_free` tells whether a label can appear as a
 /// name.
 pub(super) fn kept<'s>(
     specification: &'s Specification,
@@ -21,7 +21,7 @@ pub(super) fn kept<'s>(
             _ => None,
         })
         .collect();
-    // One label means one value, wherever it stands.
+    // One label means one value, wherever it appears.
     let all = kept.clone();
     let is_clear = |labels: &[String]| {
         labels.iter().all(|l| {

@@ -5,7 +5,7 @@
 //! way for the formats that a solver takes, and [`contract::write`] prints a specification as a
 //! contract of our own language. The formats differ in how a formula is written, hardly in what it
 //! means, so each reader has its own syntax and shares `terms` (operators, sharing, bounds on size
-//! and depth) and `names` (declarations, who may speak of what).
+//! and depth) and `names` (declarations, who may refer to what).
 //!
 //! The meaning follows each format's definition, not what its tool happens to do; where the two
 //! part, [`own_tool`] says what the tool would have answered. Sources: the documents

@@ -97,7 +97,7 @@ pub fn goals_of_states(specification: &Specification) -> Specification {
     result
 }
 
-/// Initial conditions of the machine that speak of inputs, as a condition on its first step.
+/// Initial conditions of the machine that refer to inputs, as a condition on its first step.
 ///
 /// Where the machine has started wrongly, the environment may do anything next, so that it surely
 /// has a move, and the machine has none. Without this freedom a machine could start wrongly

@@ -1,5 +1,5 @@
 //! What the formats have in common beside operators: variables that are declared once, and who may
-//! speak of what.
+//! refer to what.
 //!
 //! | section | environment | machine |
 //! |---|---|---|
@@ -189,12 +189,12 @@ impl<'t> Names<'t> {
         self.refused.contains(&var)
     }
 
-    /// Whether the formula at hand speaks of a number whose domain was refused.
+    /// Whether the formula at hand refers to a number whose domain was refused.
     pub fn speaks_of_refused(&self) -> bool {
         self.mentions.iter().any(|m| self.is_refused(m.var))
     }
 
-    /// Declares a helper of the machine that stands in no file, and gives it a name that nothing
+    /// Declares a helper of the machine that appears in no file, and gives it a name that nothing
     /// has yet.
     pub fn helper(&mut self, wanted: &str) -> VarId {
         let mut name = wanted.to_owned();
@@ -314,7 +314,7 @@ impl<'t> Names<'t> {
         self.terms.clear();
     }
 
-    /// Adds the formula at hand to a section's list, unless it could not be read or speaks of
+    /// Adds the formula at hand to a section's list, unless it could not be read or refers to
     /// something it may not, and ends it. `range` is its text. Names count refused formulas too, as
     /// the author does.
     pub fn formula(&mut self, section: Section, term: Option<Term>, range: Range<usize>) {
@@ -389,7 +389,7 @@ impl<'t> Names<'t> {
         Some(expr)
     }
 
-    /// Whether the formula at hand speaks of nothing that its section may not; reports it
+    /// Whether the formula at hand refers to nothing that its section may not; reports it
     /// otherwise.
     fn permitted(&mut self, section: Section) -> bool {
         let mut told: Vec<VarId> = Vec::new();
@@ -403,7 +403,7 @@ impl<'t> Names<'t> {
                 (Part::Initial, _) if next => Diagnostic::error(
                     codes::NOT_GR1,
                     span,
-                    format!("an initial condition speaks of the next value of `{name}`"),
+                    format!("an initial condition refers to the next value of `{name}`"),
                 )
                 .with_help("describe step 0 without primes, and what follows among the transitions"),
                 (Part::Initial, Owner::Environment) if outputs => Diagnostic::error(
@@ -411,14 +411,14 @@ impl<'t> Names<'t> {
                     span,
                     format!("this assumption constrains `{name}`, which the system chooses"),
                 )
-                .with_help("the environment chooses first: its initial condition speaks of its own variables only"),
+                .with_help("the environment chooses first: its initial condition refers to its own variables only"),
                 (Part::Transition, Owner::Environment) if outputs && next => Diagnostic::error(
                     codes::NEXT_OUTPUT_ASSUMED,
                     span,
-                    format!("this assumption speaks of the next value of `{name}`, which the system chooses after the environment has moved"),
+                    format!("this assumption refers to the next value of `{name}`, which the system chooses after the environment has moved"),
                 )
                 .with_help(format!(
-                    "the environment cannot keep such a promise: speak of `{name}` without the prime, a step later"
+                    "the environment cannot keep such a promise: refer to `{name}` without the prime, a step later"
                 )),
                 _ => continue,
             };

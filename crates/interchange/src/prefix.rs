@@ -1,10 +1,10 @@
-//! Formulas in slugs' prefix notation: operators stand before their operands, words are separated
+//! Formulas in slugs' prefix notation: operators come before their operands, words are separated
 //! by blanks.
 //!
 //! ```text
 //! ! a      & a b     | a b     ^ a b     0  1     a'
 //! $ 3 f0 f1 f2     a memory buffer: three formulas, its value is the last one's
-//! ? 0              within a buffer: the value of its formula 0, which stands before
+//! ? 0              within a buffer: the value of its formula 0, which comes before
 //! ```
 //!
 //! A line is read with a stack of what still wants operands, so nothing recurses. A formula that is
@@ -122,7 +122,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                         )
                     } else {
                         (
-                            "`?` stands outside of any memory buffer",
+                            "`?` is outside any memory buffer",
                             "a buffer begins with `$` and the number of its formulas",
                         )
                     };
@@ -136,7 +136,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 names.syntax(
                     range,
                     format!("`{}` belongs to infix notation; this line is read in prefix notation", quoted(name)),
-                    "operators stand before their operands, without parentheses: `& a b`, `| ! a b`; infix notation is for `.structuredslugs`",
+                    "operators come before their operands, without parentheses: `& a b`, `| ! a b`; infix notation is for `.structuredslugs`",
                 );
                 return None;
             }
@@ -155,7 +155,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                         names.syntax(
                             range.start..line.end,
                             message,
-                            "operators stand before their operands: `& a b`, `| ! a b`",
+                            "operators come before their operands: `& a b`, `| ! a b`",
                         );
                         return None;
                     }

@@ -11,7 +11,7 @@ pub(super) fn renamed<'a>(
 ) -> Vec<String> {
     let names: Vec<&str> = names.into_iter().collect();
     let mut used: BTreeSet<String> = BTreeSet::new();
-    // Who has a good name keeps it, wherever it stands; of two equal ones the first.
+    // Who has a good name keeps it, wherever it appears; of two equal ones the first.
     let mut result: Vec<Option<String>> = names
         .iter()
         .map(|name| (takes(name) && used.insert((*name).to_owned())).then(|| (*name).to_owned()))

@@ -66,7 +66,7 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
                 if !std::mem::replace(&mut orphan, true) {
                     names.syntax(
                         line,
-                        "this stands before the first section",
+                        "this comes before the first section",
                         "begin with a section: `[INPUT]` or `[OUTPUT]`",
                     );
                 }
@@ -80,7 +80,7 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
             "begin with a section: `[INPUT]` or `[OUTPUT]`",
         );
     }
-    // Formulas may stand before the declarations.
+    // Formulas may appear before the declarations.
     for (section, line) in formulas {
         let infix = dialect == Dialect::Structured && !prefix::fits(names, line.clone());
         let term = if infix {

@@ -13,7 +13,7 @@
 //!
 //! Every section may be left out or be empty, in any order. What this reader is more generous about
 //! than gr1c: a section may begin within a line, and `&` and the operator of the next formula may
-//! stand on different lines.
+//! appear on different lines.
 //!
 //! # Initial conditions
 //!
@@ -78,7 +78,7 @@ fn head(name: &str) -> Option<Head> {
 pub(super) fn read(names: &mut Names<'_>) -> bool {
     let tokens = infix::words(names.text, 0..names.text.len(), Dialect::Spc);
     let sections = sections(names, &tokens);
-    // Formulas may stand before the declarations.
+    // Formulas may appear before the declarations.
     for (head, _, body) in &sections {
         if let Head::Variables(owner) = head {
             variables(names, *owner, body);
@@ -164,7 +164,7 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
             names.syntax(
                 range.clone(),
                 format!("expected a variable, found `{found}`"),
-                "names are separated by spaces, a domain `[0,n]` stands behind its variable",
+                "names are separated by spaces, a domain `[0,n]` follows its variable",
             );
             // A domain that is written wrongly is said once.
             while body.get(i).is_some_and(|t| t.0 != Word::Name) {
@@ -366,7 +366,7 @@ impl Reader<'_, '_> {
                 self.names.error(
                     codes::NOT_GR1,
                     place,
-                    "what is to be reached is a state: it cannot speak of next values",
+                    "what is to be reached is a state: it cannot refer to next values",
                     "remember the transition in a variable, and reach that",
                 );
             } else if let Some(goal) = self.names.tree(term, &place) {
@@ -424,7 +424,7 @@ fn parts(body: &[Token]) -> Vec<&[Token]> {
     split(body, |i| temporal(body.get(i + 1)))
 }
 
-/// Cuts `p & q` into its parts, where nothing but `&` stands outside of parentheses.
+/// Cuts `p & q` into its parts, where nothing but `&` appears outside of parentheses.
 fn conjuncts(body: &[Token]) -> Vec<&[Token]> {
     let mut depth = 0usize;
     for (word, _) in body {

@@ -210,7 +210,7 @@ impl Terms {
         if !self.node(term).now {
             return term;
         }
-        // Nodes stand behind their operands, so copying them in order needs no recursion.
+        // Nodes follow their operands, so copying them in order needs no recursion.
         let (mut needed, mut open) = (BTreeSet::new(), vec![term.0]);
         while let Some(index) = open.pop() {
             if !needed.insert(index) {

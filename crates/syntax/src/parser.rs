@@ -155,17 +155,17 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     let operator = operator_at(text);
     let about_operator = if operator == "=" {
         Some((
-            "no value stands behind this `=`, or nothing before it that could have one".to_owned(),
+            "no value follows this `=`, or nothing precedes it that could have one".to_owned(),
             "write `name = value`",
         ))
     } else if begins_with_operator(text) && !text.starts_with([')', ']']) {
         Some((
             format!("an operand is missing beside `{operator}`"),
-            "an operator stands between two expressions",
+            "an operator goes between two expressions",
         ))
     } else if operator == "," {
         Some((
-            "no comma stands between declarations".to_owned(),
+            "declarations are not separated by commas".to_owned(),
             "leave it out",
         ))
     } else if operator == "[" {
@@ -191,7 +191,7 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
             "this describes nothing: no declaration follows",
         )
         .with_help(
-            "a doc comment `///` stands before what it describes; other comments begin with `//`",
+            "a doc comment `///` comes before what it describes; other comments begin with `//`",
         );
     }
     let span = Span::new(file, at, at + word.len());
@@ -462,7 +462,7 @@ fn scope_hint(expected: &[Rule]) -> Option<String> {
     })
 }
 
-/// Returns the unit that an invalid unit word may stand for.
+/// Returns the unit that an invalid unit word may mean.
 fn unit_meant(word: &str) -> Option<&'static str> {
     Some(match word.to_lowercase().as_str() {
         "sec" | "secs" | "second" | "seconds" => "s",

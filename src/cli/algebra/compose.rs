@@ -202,7 +202,7 @@ fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnosti
                 ),
             )
             .with_help(format!(
-                "let {parts} guarantee what is assumed of {variables}, or speak of the step before"
+                "let {parts} guarantee what is assumed of {variables}, or refer to the step before"
             )),
         );
     }

@@ -205,7 +205,7 @@ impl<'a> Members<'a> {
             let member = self.list.iter_mut().find(|m| m.name == rename.contract);
             let Some(member) = member else {
                 anyhow::bail!(
-                    "--rename speaks of `{}`, and the contracts here are {}",
+                    "--rename refers to `{}`, and the contracts here are {}",
                     rename.contract,
                     names.join(", ")
                 );

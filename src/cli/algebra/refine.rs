@@ -168,7 +168,7 @@ pub fn explain(
         text,
         "{}",
         if refinement.holds() {
-            format!("`{new}` refines `{old}`: it can stand wherever that was used.")
+            format!("`{new}` refines `{old}`: it can be used wherever that was used.")
         } else {
             format!("`{new}` does not refine `{old}`.")
         }

@@ -111,7 +111,7 @@ fn constructs(page: &str) -> Vec<Topic> {
     topics.filter(|topic| !topic.keys.is_empty()).collect()
 }
 
-/// What stands in backticks.
+/// What appears in backticks.
 fn code_spans(text: &str) -> Vec<String> {
     let spans = text.split('`').skip(1).step_by(2);
     spans.map(str::to_owned).collect()

@@ -51,7 +51,7 @@ pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<CallMistake>> {
             return Err(Box::new(CallMistake {
                 code: codes::SKILL,
                 place,
-                message: format!("`{name}` stands twice in one call"),
+                message: format!("`{name}` appears twice in one call"),
                 help: "a skill is called once at a time: write it on a line of its own".to_owned(),
                 is_guess: false,
             }));

@@ -1,4 +1,4 @@
-# Formulas, and who may speak of what.
+# Formulas, and who may refer to what.
 ENV: a b x [0,3];
 SYS: c y [0,3];
 ENVINIT: a & c & b';

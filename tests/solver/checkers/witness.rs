@@ -262,7 +262,7 @@ pub fn product(specification: &Specification, of: &Artefact, limits: &Limits) ->
     if edges.iter().all(|e| e.is_sorted_by(|a, b| a < b)) && each_once(&labels) {
         "accepted".to_owned()
     } else {
-        "something stands twice or out of order".to_owned()
+        "something appears twice or out of order".to_owned()
     }
 }
 

@@ -257,7 +257,7 @@ fn sets_of_states_do_not_speak_of_next_values() {
         let verdict = certified(&specification, &functions);
         assert_eq!(
             verdict,
-            Err("a set of states speaks of next values".to_owned()),
+            Err("a set of states refers to next values".to_owned()),
             "seed {seed}"
         );
         tried += 1;

@@ -92,7 +92,7 @@ impl Logic {
                 let (a, b) = (a.on(lassos), b.on(lassos));
                 each(&|i| until(&a, &b, i, length) | forall(&a, i))
             }
-            _ => panic!("{self:?} speaks of the past"),
+            _ => panic!("{self:?} refers to the past"),
         }
     }
 
@@ -140,7 +140,7 @@ impl Logic {
                     })
                 })
             }
-            _ => panic!("{self:?} speaks of the future"),
+            _ => panic!("{self:?} refers to the future"),
         }
     }
 }

@@ -45,7 +45,7 @@ fn lower(monitors: &mut Monitors, formula: &Logic) -> Expr {
             let (a, b) = (lower(monitors, a), lower(monitors, b));
             monitors.since(&a, &b, &origin)
         }
-        _ => panic!("{formula:?} speaks of the future"),
+        _ => panic!("{formula:?} refers to the future"),
     }
 }
 

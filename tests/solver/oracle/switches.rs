@@ -26,7 +26,7 @@ struct Counts {
     assumptions_decide: u64,
     /// Those where a justice formula of each side mentions an integer.
     integer_goals: u64,
-    /// Those with goals that speak of next values.
+    /// Those with goals that refer to next values.
     step_goals: u64,
     tried: Tried,
 }

@@ -3,7 +3,7 @@
     host.py validate UNIT...          prints what is wrong; nothing is good
     host.py play LIST                 LIST has a line for each tape: UNIT, TAPE, OUTPUT
 
-What a tape is stands in tape.rs. One process plays all tapes: starting Python costs more than a thousand steps.
+tape.rs defines the tape. One process plays all tapes: starting Python costs more than a thousand steps.
 """
 import io
 import struct

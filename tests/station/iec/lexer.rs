@@ -90,7 +90,7 @@ fn skipped(text: &str) -> Result<Option<usize>, String> {
             let end = text[2..].find(close).ok_or("a comment has no end")?;
             // Whether comments nest depends on the system, so nested ones are rejected.
             if text[2..2 + end].contains(open) {
-                return Err("a comment stands in a comment".to_owned());
+                return Err("a comment is nested in a comment".to_owned());
             }
             return Ok(Some(end + 4));
         }

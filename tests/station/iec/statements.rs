@@ -206,7 +206,7 @@ impl Compiler {
                 let first = constant(&label.first)?;
                 let last = label.last.as_ref().map_or(Ok(first), constant)?;
                 if ranges.iter().any(|(a, b, _)| *a <= last && first <= *b) {
-                    return self.wrong("a value of a CASE stands there twice");
+                    return self.wrong("a value of a CASE appears there twice");
                 }
                 ranges.push((first, last, bodies.len()));
             }

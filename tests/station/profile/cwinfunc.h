@@ -1,7 +1,7 @@
 /* A stand-in for the vendor's header, with a layout that is given on the compiler's command line: a mock of Plant Simulation.
  *
  *     MOCK_PACKING  MOCK_TAG  MOCK_INTEGER          #pragma pack, the types of tag and integer
- *     MOCK_VALUE_FIRST  MOCK_OWNER                  the value stands before the tag; a pointer stands before both
+ *     MOCK_VALUE_FIRST  MOCK_OWNER                  the value comes before the tag; a pointer comes before both
  *     MOCK_TAGS                                     the numbers of integer, real and string, with commas
  *     MOCK_BOOLEAN  MOCK_TIME                       the tags of truth values and times, where they have their own
  *     MOCK_ENCODING                                 1 UTF-8, 2 ISO 8859-1, 3 windows-1252, 4 UTF-16

@@ -183,7 +183,7 @@ static variable duration(double value)
 
 #define MOCK_MOST 16
 
-/* What stands in memory before a value is put there. */
+/* What is in memory before a value is put there. */
 static void mock_litter(void *place, size_t size)
 {
     static unsigned long state = 12345;

@@ -100,11 +100,11 @@ codes! {
     GAVE_UP = "LW204", "a limit was reached before there was a verdict";
     NOT_WELL_SEPARATED = "LW205", "the machine can win by breaking the assumptions";
     ENVIRONMENT_EMPTY = "LW206", "no environment keeps the assumptions";
-    NEXT_NESTED = "LW207", "next stands inside next";
+    NEXT_NESTED = "LW207", "next is nested in next";
     DOMAIN_LEFT = "LW208", "a next value can leave its domain";
-    NEXT_OUTPUT_ASSUMED = "LW209", "an assumption speaks of the machine's next values";
+    NEXT_OUTPUT_ASSUMED = "LW209", "an assumption refers to the machine's next values";
     PAST = "LW210", "an operator over other steps is out of place";
-    NEXT_BOTH_SIDES = "LW211", "next stands on both sides of an equation";
+    NEXT_BOTH_SIDES = "LW211", "next appears on both sides of an equation";
     UNBREAKABLE = "LW212", "nothing could break a guarantee";
     NEVER_ASKED = "LW213", "the condition of a formula never holds";
     UNCONSTRAINED = "LW214", "no guarantee restricts an output";
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn every_code_is_in_the_group_of_its_first_digit() {
         let grouped: Vec<Code> = GROUPS.iter().flat_map(Group::codes).collect();
-        assert_eq!(grouped, ALL, "also: codes stand in ascending order");
+        assert_eq!(grouped, ALL, "also: codes are in ascending order");
         assert!(GROUPS.iter().all(|g| g.codes().next().is_some()));
     }
 }

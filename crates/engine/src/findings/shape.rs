@@ -36,7 +36,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 codes::NEVER_ASKED,
                 formula.span,
                 format!(
-                    "`{}` never asks for anything: what stands before its `->` never holds, whatever the controller does",
+                    "`{}` never asks for anything: the condition before its `->` never holds, whatever the controller does",
                     formula.name
                 ),
             )
@@ -52,7 +52,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 codes::NEVER_ASKED,
                 formula.span,
                 format!(
-                    "`{}` never asks for anything of the plant: what stands before its `->` never holds, whatever the controller does",
+                    "`{}` never asks for anything of the plant: the condition before its `->` never holds, whatever the controller does",
                     formula.name
                 ),
             )

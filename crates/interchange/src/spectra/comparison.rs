@@ -11,7 +11,7 @@ use linewright_core::gr1::BinaryOp;
 use linewright_core::source::Span;
 
 impl Reader {
-    /// `=`, `!=`, `<->`, `xor` and what stands between them.
+    /// `=`, `!=`, `<->`, `xor` and what appears between them.
     pub fn equations(
         &mut self,
         values: Vec<Value>,

@@ -96,7 +96,7 @@ impl Reader {
                 self.error(
                     codes::NOT_GR1,
                     span,
-                    "a regular expression stands within a formula",
+                    "a regular expression appears within a formula",
                     "it may be all that `G` or `GF` holds: `gar G regexp(r);`; for what follows a match, write `gar trig r |=> e;`",
                 );
                 None
@@ -110,7 +110,7 @@ impl Reader {
             self.error(
                 codes::NEXT_NESTED,
                 span,
-                "`next` stands inside `next`, perhaps through a define or a predicate",
+                "`next` is nested in `next`, perhaps through a define or a predicate",
                 "GR(1) knows this step and the next one: remember a value in a variable to look further",
             );
             return None;
@@ -140,7 +140,7 @@ impl Reader {
             _ => Kind::Int,
         };
         for (value, span) in values.iter().zip(&spans) {
-            // `xor` stands among `|`.
+            // `xor` appears among `|`.
             self.expect_kind(value, &kind, *span)?;
         }
         if matches!(op, B::And | B::Or | B::Add) && rest.iter().all(|(o, _)| *o == op) {

@@ -6,7 +6,7 @@
 //! | | |
 //! |---|---|
 //! | `asm` of what the machine chooses | the environment keeps what it can: some values of the machine would do |
-//! | `next` | the formula holds in the first step, which speaks of the second |
+//! | `next` | the formula holds in the first step, which refers to the second |
 
 use super::reader::Reader;
 use super::value::{Kind, Value};
@@ -26,7 +26,7 @@ impl Reader {
         let finding = Diagnostic::warning(
             codes::NOTATION,
             origin.span,
-            "an initial condition speaks of the next step: it is kept from the first step to the second, and no longer",
+            "an initial condition refers to the next step: it is kept from the first step to the second, and no longer",
         )
         .with_help("write `G` before it if it is meant of all steps; else describe the first step alone");
         self.findings.push(finding);
@@ -34,7 +34,7 @@ impl Reader {
     }
 
     /// What an initial assumption leaves to the environment, if the machine's variables are in it
-    /// through definitions, monitors and counters only; nothing where it speaks of them itself, or
+    /// through definitions, monitors and counters only; nothing where it refers to them itself, or
     /// would become too large.
     pub fn left_to_environment(&mut self, expr: &Expr) -> Option<Expr> {
         let mut outputs = BTreeSet::new();
@@ -59,8 +59,8 @@ impl Reader {
         self.note(
             codes::OWN_TOOL,
             around,
-            format!("this assumption speaks of `{name}`, which the system chooses after the environment: what is assumed is that some values of the system's variables would keep it, as in Spectra's tool"),
-            "speak of the environment's variables only; what the system begins with is a guarantee",
+            format!("this assumption refers to `{name}`, which the system chooses after the environment: what is assumed is that some values of the system's variables would keep it, as in Spectra's tool"),
+            "refer to the environment's variables only; what the system begins with is a guarantee",
         );
         Some(left)
     }

@@ -20,7 +20,7 @@
 //! What counts weights (an energy objective) or asks for the existence of runs has no place in
 //! GR(1): the former is ignored with a note, the latter refused.
 //!
-//! Declarations may stand in any order, so a file is read in three passes: its words into
+//! Declarations may appear in any order, so a file is read in three passes: its words into
 //! declarations ([`parser`]), names and types, formulas. Imported files take part in the first two.
 
 mod array;

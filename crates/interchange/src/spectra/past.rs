@@ -8,8 +8,8 @@
 //! | `p SINCE q` | q in some step k up to t, and p in all steps after k up to t |
 //! | `p TRIGGERED q` | not (not p SINCE not q) |
 //!
-//! `PREV` may stand before what speaks of the next step: that is the step at hand. Where the
-//! formula also speaks of its own step, its variables are remembered one by one.
+//! `PREV` may appear before what refers to the next step: that is the step at hand. Where the
+//! formula also refers to its own step, its variables are remembered one by one.
 
 use super::reader::Reader;
 use super::syntax::{Node, Past, SinceOp};
@@ -34,7 +34,7 @@ impl Reader {
         Some(Value::of(expr, Kind::Bool))
     }
 
-    /// `PREV p`, where p speaks of two steps.
+    /// `PREV p`, where p refers to two steps.
     fn stepped_back(&mut self, expr: &Expr) -> Value {
         let origin = self.origin.clone();
         let started = self.monitors.previous(&Expr::TRUE, &origin);
@@ -96,8 +96,8 @@ impl Reader {
         self.error(
             codes::PAST,
             span,
-            "an operator over the past stands before what speaks of the next step, perhaps through a define",
-            "let it speak of the step at hand: `ONCE` of that, a step later, is the same",
+            "an operator over the past comes before what refers to the next step, perhaps through a define",
+            "let it refer to the step at hand: `ONCE` of that, a step later, is the same",
         );
         None
     }

@@ -1,6 +1,6 @@
 //! Predicates: `predicate free(Int(0..3) room): !occupied[room];`, used as `free(2)`.
 //!
-//! Arguments are put in by value. As a formula's value is an expression, `next(free(r))` speaks of
+//! Arguments are put in by value. As a formula's value is an expression, `next(free(r))` refers to
 //! next values within the argument too.
 
 use super::reader::{Binding, Reader};
@@ -22,7 +22,7 @@ impl Reader {
                 self.error(
                     codes::NOT_GR1,
                     span,
-                    format!("the pattern `{}` stands within a formula", name.text),
+                    format!("the pattern `{}` appears within a formula", name.text),
                     "a pattern is an assumption or a guarantee of its own: `gar p(a, b);`",
                 );
                 None

@@ -96,7 +96,7 @@ impl Reader {
                     codes::NOT_GR1,
                     *span,
                     "an existential guarantee asks that something can happen, which is a property of the machine's tree of runs and not of each run",
-                    "GR(1) speaks of runs: say what has to happen, with `GF` or a trigger, or leave it out",
+                    "GR(1) describes runs: say what has to happen, with `GF` or a trigger, or leave it out",
                 );
                 None
             }
@@ -261,14 +261,14 @@ impl Reader {
                 codes::NOT_CONTROLLED,
                 span,
                 format!("this assumption constrains `{name}`, which the system chooses"),
-                "the environment chooses first: its initial condition speaks of its own variables only",
+                "the environment chooses first: its initial condition refers to its own variables only",
             );
         } else {
             self.error(
                 codes::NEXT_OUTPUT_ASSUMED,
                 span,
-                format!("this assumption speaks of the next value of `{name}`, which the system chooses after the environment has moved"),
-                format!("the environment cannot keep such a promise: speak of `{name}` without `next`, a step later"),
+                format!("this assumption refers to the next value of `{name}`, which the system chooses after the environment has moved"),
+                format!("the environment cannot keep such a promise: refer to `{name}` without `next`, a step later"),
             );
         }
         false

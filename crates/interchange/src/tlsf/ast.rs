@@ -95,7 +95,7 @@ pub(super) struct Definition {
     pub place: Range<usize>,
     pub arguments: Vec<String>,
     pub cases: Vec<Tree>,
-    /// Whether it stands among the parameters.
+    /// Whether it appears among the parameters.
     pub parameter: bool,
 }
 
@@ -147,7 +147,7 @@ pub(super) enum Section {
 pub(super) struct Entry {
     pub section: Section,
     pub heading: String,
-    /// Where the section's name stands.
+    /// Where the section's name appears.
     pub place: Range<usize>,
     pub tree: Tree,
 }

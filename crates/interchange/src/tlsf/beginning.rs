@@ -31,9 +31,9 @@ impl Meaning<'_, '_, '_> {
                     let finding = Diagnostic::error(
                         codes::NOT_CONTROLLED,
                         found.origin.span,
-                        "this initial condition of the environment speaks of outputs, which the system chooses",
+                        "this initial condition of the environment refers to outputs, which the system chooses",
                     )
-                    .with_help("INITIALLY is about inputs; what outputs are at the beginning stands under PRESET");
+                    .with_help("INITIALLY is about inputs; initial values of outputs belong under PRESET");
                     self.report.push(finding);
                 }
                 _ => self.misplaced(found, "INITIALLY", "REQUIRE or ASSUME"),

@@ -12,7 +12,7 @@ use std::ops::Range;
 pub(super) struct Conjunct {
     pub section: Section,
     pub name: String,
-    /// Where the name of its section stands.
+    /// Where the name of its section appears.
     pub heading: Range<usize>,
     pub formula: FormulaId,
 }
@@ -22,7 +22,7 @@ pub(super) struct LocatedPiece {
     pub piece: Piece,
     pub at: FormulaId,
     pub origin: Origin,
-    /// Where the name of its section stands.
+    /// Where the name of its section appears.
     pub heading: Range<usize>,
 }
 

@@ -16,7 +16,7 @@ pub(super) enum Word {
     Sign,
 }
 
-/// A word and where it stands.
+/// A word and where it appears.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Token {
     pub word: Word,

@@ -68,7 +68,7 @@ struct BreakingStep {
 pub(super) struct Sides {
     pub assumptions: Side,
     pub guarantees: Side,
-    /// The assumptions that stand in the file as they are here. The others were moved by a step,
+    /// The assumptions that appear in the file as they are here. The others were moved by a step,
     /// made of what was kept so far, or of promises: what a solver finds odd about those is odd
     /// about this encoding.
     pub own: Side,

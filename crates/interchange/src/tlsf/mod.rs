@@ -137,7 +137,7 @@ fn lower_file(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
     }
     let moore = file.target.unwrap_or(semantics.moore);
     let wishes = target::moved(wishes, &mut formulas, semantics, moore, &variables);
-    // The variable for broken promises stands between signals and monitors.
+    // The variable for broken promises appears between signals and monitors.
     let broken = VarId(variables.len() as u32);
     let first = VarId(broken.0 + 1);
     let names = variables.iter().map(|v| v.name.clone());

@@ -53,7 +53,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         self.missing(&format!("`{word}`"))
     }
 
-    /// Where the next word stands, or the end of the text.
+    /// Where the next word appears, or the end of the text.
     pub(super) fn here(&self) -> Range<usize> {
         if let Some(token) = self.tokens.get(self.at) {
             return token.range.clone();
@@ -72,7 +72,7 @@ impl<'t, 'r> Parser<'t, 'r> {
             _ if what == "an expression" => {
                 "an operand is missing: a formula, a number or a set".to_owned()
             }
-            _ => "sections stand in braces, formulas are ended by `;`".to_owned(),
+            _ => "sections are written in braces, formulas are ended by `;`".to_owned(),
         };
         self.missing_with(what, help)
     }

@@ -4,7 +4,7 @@ use super::classify::{Classifier, Refusal};
 use super::ltl::{FormulaId, Formulas, Op};
 
 impl Classifier<'_> {
-    /// The smallest temporal formula in one that stands where none can.
+    /// The smallest temporal formula in one that appears where none can.
     pub fn nested(&self, f: FormulaId, within: &str) -> Refusal {
         let (mut at, mut within) = (f, within);
         loop {
@@ -64,7 +64,7 @@ impl Classifier<'_> {
         };
         Refusal {
             at,
-            why: format!("{word} stands within {within} so that it has no form in GR(1) here"),
+            why: format!("{word} appears within {within} so that it has no form in GR(1) here"),
             help: help.to_owned(),
         }
     }
@@ -74,7 +74,7 @@ impl Classifier<'_> {
         let at = self.inner_until(f, false, false)?;
         Some(Refusal {
             at,
-            why: "this `U` stands within another `U`: nested untils are outside what is turned into GR(1)".to_owned(),
+            why: "this `U` appears within another `U`: nested untils are outside what is turned into GR(1)".to_owned(),
             help: "let an output stand for the inner one, which may ask for more: `a U q` and `G (q -> (b U c))` for `a U (b U c)`".to_owned(),
         })
     }

@@ -75,7 +75,7 @@ impl Formulas {
         }
     }
 
-    /// Whether every variable that `chosen` chooses stands directly behind an `X`.
+    /// Whether every variable that `chosen` chooses appears directly behind an `X`.
     fn all_delayed(&self, f: FormulaId, chosen: &dyn Fn(VarId) -> bool) -> bool {
         match self.op(f) {
             Op::Atom(v) => !chosen(*v),

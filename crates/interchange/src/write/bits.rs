@@ -51,7 +51,7 @@ impl Gates {
     /// The same gate over bits.
     pub fn in_bits(&mut self, specification: &Specification, root: Gate) -> Gate {
         let mut done: BTreeMap<Gate, Gate> = BTreeMap::new();
-        // A gate stands behind what it uses.
+        // A gate follows what it uses.
         for gate in self.uses(root).into_keys() {
             let new = |g: Gate| done.get(&g).copied().unwrap_or(g);
             let made = match self.shape(gate) {

@@ -307,7 +307,7 @@ impl Gates {
 
     /// How many gates the formula has when each use of a gate is written out.
     pub fn tree_size(&self, root: Gate) -> u64 {
-        // A gate stands behind what it uses.
+        // A gate follows what it uses.
         let mut sizes: BTreeMap<Gate, u64> = BTreeMap::new();
         for gate in self.uses(root).into_keys() {
             let size = |g: Gate| sizes.get(&g).copied().unwrap_or(1);

@@ -130,7 +130,7 @@ fn about(variable: &Variable, name: &str, from_zero: bool) -> Option<String> {
         }
         _ => {}
     }
-    // Helpers stand in no file.
+    // Helpers are in no file.
     if variable.internal && variable.span == linewright_core::source::Span::default() {
         parts.push("a helper".to_owned());
     }

@@ -3,7 +3,7 @@
 //! A number `low..high` becomes `[0,high-low]`, comparisons move with it; enumerations are
 //! numbered. gr1c compares a variable with a number and has no arithmetic, so formulas are written
 //! out by [`gates`](super::gates). What the format has not: answering first, invariants, primed
-//! goals, initial conditions of the machine that speak of inputs; see [`lower`].
+//! goals, initial conditions of the machine that refer to inputs; see [`lower`].
 
 use super::super::lower;
 use super::gates::Shape;

@@ -1,7 +1,7 @@
 //! Writes `.tlsf`, for tools of LTL synthesis.
 //!
 //! The strict semantics of the format is that of a strict GR(1) game, section by section, if
-//! everything that is asked of a next step stands behind `X`: an invariant is asked of step 0 under
+//! everything that is asked of a next step follows `X`: an invariant is asked of step 0 under
 //! INITIALLY or PRESET, and of every next step under REQUIRE or ASSERT. A number is a bus that
 //! holds the distance from its smallest value; what its bits can hold beyond its domain is kept out
 //! like an invariant.

@@ -146,7 +146,7 @@ impl Reader<'_> {
                         format!("`{}` is not in the bundled library", import.path),
                     )
                     .with_help(
-                        "library names begin with `std.`; a file of your own stands in quotes",
+                        "library names begin with `std.`; a file of your own is written in quotes",
                     ),
                 );
                 return None;

@@ -338,7 +338,7 @@ pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
 
 /// Returns the finding about a second occurrence of a statement that is allowed only once.
 pub(super) fn stands_twice(word: &str, here: Span, first: Span, help: &str) -> Diagnostic {
-    Diagnostic::error(codes::NAME_DOUBLE, here, format!("`{word}` stands twice"))
+    Diagnostic::error(codes::NAME_DOUBLE, here, format!("`{word}` appears twice"))
         .with_label(first, "first here")
         .with_help(help)
 }

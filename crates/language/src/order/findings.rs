@@ -311,7 +311,7 @@ impl OrderExamination<'_> {
                 findings.push(finding.with_note(
                     "a call of several skills counts as each of them and as all of them at once, one after the other in every order",
                 ).with_help(format!(
-                    "speak of `{text}` or of its skills in one rule, not of both; or write `never {text}` if that is meant"
+                    "name either `{text}` or its skills in one rule, not both; or write `never {text}` if that is meant"
                 )));
             }
         }
@@ -389,7 +389,7 @@ impl OrderExamination<'_> {
                     format!("the rule `{}` excludes nothing: {beside}", rule.name),
                 );
                 findings.push(finding.with_help(
-                    "leave it out, or look whether it says what is meant: for `before`, `after` and `until` what stands at the start has been called",
+                    "leave it out, or look whether it says what is meant: for `before`, `after` and `until` what holds at the start has been called",
                 ));
             }
         }

@@ -138,7 +138,7 @@ impl Serial {
     ) -> Result<Result<Vec<Vec<u32>>, Refused>, BoundExceeded> {
         if letters.len() > MOST_AT_ONCE {
             return Err(BoundExceeded::Count {
-                what: "skills at once that one rule speaks of",
+                what: "skills at once that one rule refers to",
                 limit: MOST_AT_ONCE,
             });
         }

@@ -101,7 +101,7 @@ impl fmt::Display for Clause {
         f.write_str(match self {
             Self::Ports => "the functions are not those of this contract",
             Self::Diagram => "a diagram refers to what does not exist",
-            Self::SetOfStates => "a set of states speaks of next values",
+            Self::SetOfStates => "a set of states refers to next values",
             Self::LayerAssumption => "a layer waits for an assumption that does not exist",
             Self::OutputKnown => "an output asks for what is not known yet",
             Self::OutputTwice => "an output is computed twice",

@@ -114,7 +114,7 @@ impl<'a> Assumptions<'a> {
             .map(|v| comment(&self.specification.variable(*v).name))
             .collect();
         let about = format!(
-            "    /* The last step's values that assumptions speak of: {}. */",
+            "    /* The last step's values that assumptions refer to: {}. */",
             names.join(", ")
         );
         (!names.is_empty()).then(|| StoredStep {

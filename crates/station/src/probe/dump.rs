@@ -197,7 +197,7 @@ impl Reader {
         let Some((record, _)) = &mut self.open else {
             self.damaged(
                 place,
-                format!("`{}` stands outside of a call", shortened(word)),
+                format!("`{}` is outside any call", shortened(word)),
             );
             return;
         };

@@ -172,10 +172,10 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
             Confidence::Open
         },
         why: if certain {
-            "all numbers stand there, and the addresses of all texts".to_owned()
+            "all numbers are there, and the addresses of all texts".to_owned()
         } else {
             format!(
-                "all values also stand at offset {}; the second round decides",
+                "all values are also at offset {}; the second round decides",
                 left[1]
             )
         },
@@ -371,7 +371,7 @@ fn number(bytes: &[u8], offset: usize, width: usize) -> Option<u64> {
 /// Width of the tag that begins at `start` and takes at least `needed` bytes.
 #[expect(
     clippy::too_many_arguments,
-    reason = "one question, all of whose evidence stands here"
+    reason = "one question, all of whose evidence is here"
 )]
 fn wide(
     slots: &[Slot<'_>],
@@ -484,9 +484,9 @@ fn wide(
         found: shown,
         sure: Confidence::Certain,
         why: if optional {
-            "each stands in all values of its kind".to_owned()
+            "each is in all values of its kind".to_owned()
         } else {
-            "each stands in all values of its kind; truth values and times were not passed"
+            "each is in all values of its kind; truth values and times were not passed"
                 .to_owned()
         },
     });

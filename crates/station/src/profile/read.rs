@@ -270,8 +270,8 @@ impl Reader {
         }
         let packing = *layout.packing.get_ref();
         for (what, place, of, own) in [
-            ("the value stands at", layout.value.span(), value, width),
-            ("the tag stands at", tag.offset.span(), offset, bytes),
+            ("the value is at", layout.value.span(), value, width),
+            ("the tag is at", tag.offset.span(), offset, bytes),
             ("the whole takes", layout.size.span(), size, width),
         ] {
             let unit = packing.min(own);
@@ -371,7 +371,7 @@ impl Reader {
         if key == "name" && value.to_lowercase().contains("verified") {
             self.report(
                 text.span(),
-                format!("the name \"{value}\" speaks of being verified"),
+                format!("the name \"{value}\" claims to be verified"),
                 "that is what the key `verified` says; choose another name",
             );
         }

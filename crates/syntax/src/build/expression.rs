@@ -197,7 +197,7 @@ impl Builder {
         } else {
             let mut ops = ops.iter();
             operands.into_iter().reduce(|a, b| {
-                let op = ops.next().expect("one stands between two operands");
+                let op = ops.next().expect("one appears between two operands");
                 op.join(a, b)
             })
         };

@@ -110,7 +110,7 @@ impl Builder {
     /// Reports a second `word` in a component, since the tree has room for only one.
     fn once(&mut self, said: bool, word: &str, item: &Pair<'_, Rule>) {
         if said {
-            let message = format!("`{word}` stands twice");
+            let message = format!("`{word}` appears twice");
             self.findings.push(
                 Diagnostic::error(codes::NAME_DOUBLE, self.span(item), message)
                     .with_help("leave one of them out"),

@@ -46,7 +46,7 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
         return None;
     }
     Some(finding.with_help(
-        "a skill is written with the situation that it leads to: `Left -> left`; commas or new lines stand between skills",
+        "a skill is written with the situation that it leads to: `Left -> left`; skills are separated by commas or new lines",
     ))
 }
 
@@ -74,7 +74,7 @@ pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule])
             "between alternatives there is a `|`: `(Left | Right)`"
         }
         "and" | "then" if in_regex && behind_operand => {
-            "skills that follow each other stand side by side, `(Left Right)`; between skills that are called at once there is an `&`"
+            "skills that follow each other are written side by side, `(Left Right)`; between skills that are called at once there is an `&`"
         }
         "*" | "+" | "?" | "{" if expected.contains(&Rule::ampersand) && !list => {
             "put brackets around what is repeated: `(Left & Down)*`"

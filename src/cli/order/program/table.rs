@@ -146,7 +146,7 @@ impl Reader<'_> {
             let found: Vec<&str> = row.iter().filter(is_one).collect();
             if let [one, other, ..] = found.as_slice() {
                 let message = format!("the columns `{one}` and `{other}` say the same");
-                let help = "leave one of them: skills that are called at once stand in one cell, `A & B`, or in rows of the same step";
+                let help = "leave one of them: skills that are called at once are in one cell, `A & B`, or in rows of the same step";
                 self.finding(codes::SYNTAX, span, &message, help);
             }
         }
@@ -159,7 +159,7 @@ impl Reader<'_> {
             return;
         };
         if let Some(more) = row.iter().skip(self.width).find(|c| !c.is_empty()) {
-            let message = format!("`{more}` stands in no column of the header");
+            let message = format!("`{more}` is in no column of the header");
             let help = format!(
                 "write one row a skill, or `&` between skills that are called at once; the signs between columns are `{}`",
                 self.delimiter.escape_default()
@@ -172,7 +172,7 @@ impl Reader<'_> {
                 "name a skill in the column `skill`, or leave the row out; the signs between columns are `{}`",
                 self.delimiter.escape_default()
             );
-            self.finding(codes::SYNTAX, span, "no skill stands in this row", &help);
+            self.finding(codes::SYNTAX, span, "this row names no skill", &help);
             return;
         }
         match step.map(cell) {
@@ -212,7 +212,7 @@ impl Reader<'_> {
             let twice = last.calls & call.0;
             if let Some(skill) = Call(twice).skills().next() {
                 let message = format!(
-                    "`{}` stands twice in step {}",
+                    "`{}` appears twice in step {}",
                     self.skills.skills[skill].name,
                     last.step.text()
                 );
@@ -242,7 +242,7 @@ impl Reader<'_> {
             let message = format!("step {} comes again", step.text());
             let finding = Diagnostic::error(codes::SYNTAX, span, message)
                 .with_label(*first, "it was here before")
-                .with_help("rows of one call stand together: move this row there, or give it and those behind it steps of their own");
+                .with_help("rows of one call belong together: move this row there, or give it and those behind it steps of their own");
             self.program.findings.push(finding);
             return;
         }
@@ -275,7 +275,7 @@ impl Reader<'_> {
             if !self.numbered {
                 let message = format!("there is no skill `{number}`");
                 let help = format!(
-                    "where other columns stand beside the skills, the first line is a header: {header}, with `skill` over the skills, and `step` over what tells which rows are one call"
+                    "where there are other columns besides the skills, the first line is a header: {header}, with `skill` over the skills, and `step` over what tells which rows are one call"
                 );
                 self.finding(codes::NAME_UNKNOWN, span, &message, &help);
             }

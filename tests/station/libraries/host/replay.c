@@ -25,7 +25,7 @@ static void same_real(double expected, double seen, int number, const char *what
     }
 }
 
-/* The text and the rule of a refused call. A text of more than 1023 bytes is cut there, or before the character that stands there. */
+/* The text and the rule of a refused call. A text of more than 1023 bytes is cut there, or before the character that is there. */
 static void check_error(const library *lib, lw_handle handle, const line *line, int32_t seen)
 {
     char text[TEXT_ROOM];

@@ -25,7 +25,7 @@ enum Infix {
 }
 
 impl Parser<'_> {
-    /// A formula with everything that may stand in it.
+    /// A formula with everything that may appear in it.
     pub fn formula(&mut self) -> Parsed<Node> {
         self.deeper()?;
         let start = self.start();

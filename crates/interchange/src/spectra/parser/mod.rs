@@ -206,7 +206,7 @@ impl<'t> Parser<'t> {
     /// The word at hand is not what was expected.
     pub fn unexpected<T>(&mut self, expected: &str, help: &str) -> Parsed<T> {
         let (word, range) = self.token();
-        // In regular expressions this sign is read where it may stand.
+        // In regular expressions this sign is read where it may appear.
         if word == Word::Sign("?") {
             return self.report(
                 range,

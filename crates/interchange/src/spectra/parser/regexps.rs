@@ -99,7 +99,7 @@ impl Parser<'_> {
             }
             "" if self.take("[") => {
                 let node = self.formula()?;
-                self.expect("]", "a step's condition stands in brackets: `[p]`")?;
+                self.expect("]", "a step's condition is written in brackets: `[p]`")?;
                 RegexpShape::Step(Box::new(node))
             }
             "" if self.take("(") => {

@@ -16,7 +16,7 @@ impl Parser<'_> {
                 parameters = self.parameters()?;
                 self.expect(
                     "}",
-                    "parameters stand in braces: `gar name{Int(0..3) i}: ...`",
+                    "parameters are written in braces: `gar name{Int(0..3) i}: ...`",
                 )?;
             }
             self.expect(":", "a name is followed by `:`")?;
@@ -56,7 +56,7 @@ impl Parser<'_> {
     }
 
     pub fn clauses(&mut self, what: &str) -> Parsed<Vec<Clause>> {
-        self.expect("{", &format!("a {what}'s formulas stand in braces"))?;
+        self.expect("{", &format!("a {what}'s formulas are written in braces"))?;
         self.clauses_inside()
     }
 

@@ -22,7 +22,7 @@ pub(super) enum Word {
 /// A word and its place.
 pub(super) type Token = (Word, Range<usize>);
 
-/// Longer signs stand before their beginnings.
+/// Longer signs come before their beginnings.
 const SIGNS: [&str; 30] = [
     "<->", "|=>", ":=", "..", "->", "!=", "<=", ">=", "<", ">", "=", "(", ")", "{", "}", "[", "]",
     ",", ";", ":", ".", "&", "|", "!", "+", "-", "*", "/", "%", "~",

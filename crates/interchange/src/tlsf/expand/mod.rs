@@ -152,7 +152,7 @@ impl<'f, 'r> Expander<'f, 'r> {
                     &tree.range,
                     site,
                     "`_` stands for anything in a pattern, and for nothing elsewhere",
-                    "patterns stand behind `~`",
+                    "patterns follow `~`",
                 );
             }
             Kind::Name(name) => return self.name(name, tree, scope, site),

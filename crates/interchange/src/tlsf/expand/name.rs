@@ -19,7 +19,7 @@ impl<'f> Expander<'f, '_> {
         match ScopeBinding::find(scope, name) {
             Some(value) => Ok(value),
             None => match self.named(name, tree, site)? {
-                // A signal is read where it stands.
+                // A signal is read where it appears.
                 Value::Formula(f) if matches!(self.formulas.op(f), Op::Atom(_)) => {
                     let op = self.formulas.op(f).clone();
                     let place = Place::new(&tree.range, site);

@@ -214,11 +214,11 @@ impl<'f> Expander<'f, '_> {
                 &tree.range,
                 site,
                 if op == B::Colon {
-                    "a guard stands outside a definition here"
+                    "a guard appears outside a definition here"
                 } else {
-                    "a pattern stands outside a guard here"
+                    "a pattern appears outside a guard here"
                 },
-                "guards and patterns stand under DEFINITIONS: `f(x) = x ~ a U b : a  otherwise : x`",
+                "guards and patterns are declared under DEFINITIONS: `f(x) = x ~ a U b : a  otherwise : x`",
             ),
             B::And | B::Or | B::Implies | B::Equivalent | B::Weak | B::Until | B::Release => {
                 let (x, y) = (self.condition(a, scope, site)?, self.condition(b, scope, site)?);

@@ -51,7 +51,7 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     domain.span,
-                    "records, and arrays of arrays, stand in contracts only",
+                    "records, and arrays of arrays, appear in contracts only",
                     "declare each member by itself, or one array with `rows * columns` elements",
                 );
                 None

@@ -219,7 +219,7 @@ impl<'a> Elaborator<'a> {
             ExprKind::Index(base, index) => self.index(e.span, base, index, expected, time),
             ExprKind::Next(inner) => {
                 if let Some(word) = &self.dialect.looking_back {
-                    let message = format!("`next` stands within `{word}`");
+                    let message = format!("`next` is nested in `{word}`");
                     self.findings.error_with(
                         codes::NEXT_NESTED,
                         e.span,
@@ -233,7 +233,7 @@ impl<'a> Elaborator<'a> {
                         codes::NEXT_NESTED,
                         e.span,
                         "`next` has no meaning here",
-                        "next values stand under `always` in assumptions and guarantees only",
+                        "next values appear under `always` in assumptions and guarantees only",
                     );
                     return None;
                 }
@@ -241,7 +241,7 @@ impl<'a> Elaborator<'a> {
                     self.findings.error_with(
                         codes::NEXT_NESTED,
                         e.span,
-                        "`next` stands within `next`",
+                        "`next` is nested in `next`",
                         "GR(1) looks one step ahead; hold the value in an internal variable to look further",
                     );
                     return None;
@@ -373,14 +373,14 @@ impl<'a> Elaborator<'a> {
         };
         let (message, help) = match self.expansion.defining.last() {
             Some(name) => (
-                format!("{word} stands in the definition `{name}`, which is the condition of one step"),
+                format!("{word} appears in the definition `{name}`, which is the condition of one step"),
                 format!(
                     "write `{}` in the assumption or guarantee itself",
                     format::expression(e)
                 ),
             ),
             None => (
-                format!("{word} stands within a larger formula, which is outside GR(1)"),
+                format!("{word} appears within a larger formula, which is outside GR(1)"),
                 "give it an assumption or guarantee of its own, or look back with `once`, `since` and `previous`".to_owned(),
             ),
         };

@@ -131,7 +131,7 @@ impl<'a> Elaborator<'a> {
                 codes::PAST,
                 span,
                 "nothing can be remembered here",
-                "past operators, patterns and counters stand in a contract; a machine or line sees the outputs of its contracts",
+                "past operators, patterns and counters belong in a contract; a machine or line sees the outputs of its contracts",
             );
             return None;
         };

@@ -166,7 +166,7 @@ impl<'a> Elaborator<'a> {
             self.findings.error_with(
                 codes::NEXT_NESTED,
                 span,
-                "`next` stands within `next`",
+                "`next` is nested in `next`",
                 "GR(1) looks one step ahead; hold the value in an internal variable to look further",
             );
             return None;

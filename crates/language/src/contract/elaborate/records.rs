@@ -30,7 +30,7 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::NAME_DOUBLE,
                     name.span,
-                    format!("the member `{}` stands here twice", name.text),
+                    format!("the member `{}` appears twice here", name.text),
                     "leave one of the two out",
                 );
                 complete = false;

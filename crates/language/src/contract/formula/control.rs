@@ -47,15 +47,15 @@ pub(super) fn controls(
     let text = format::expression(whole);
     let help = match kind {
         _ if looks_back => format!(
-            "the plant gives its inputs before it sees `{first}` of the same step; speak of `previous {first}`, or write `guarantee {text}` if the machine is to see to it"
+            "the plant gives its inputs before it sees `{first}` of the same step; refer to `previous {first}`, or write `guarantee {text}` if the machine is to see to it"
         ),
         Kind::Initial => {
             format!(
-                "an initial assumption speaks of inputs only; write `guarantee {text}` to say how the machine starts"
+                "an initial assumption refers to inputs only; write `guarantee {text}` to say how the machine starts"
             )
         }
         Kind::Safety => format!(
-            "the plant chooses its next inputs without seeing `next {first}`; speak of `{first}` in the step before, or write `guarantee {text}` if the machine is to see to it"
+            "the plant chooses its next inputs without seeing `next {first}`; refer to `{first}` in the step before, or write `guarantee {text}` if the machine is to see to it"
         ),
         _ => format!(
             "write `guarantee {text}` if the machine is to see to it; what the plant does after it has seen `{first}` is `assume always ({first} ... -> next input ...)`"
@@ -93,10 +93,10 @@ fn inputs_only(known: &Names<'_>, whole: &ast::Expr, expr: &Expr, label: &Label<
         .filter(|_| !names.is_empty())
         .unwrap_or(demanded.span);
     let message = if names.is_empty() {
-        "this guarantee speaks of inputs only, which the machine does not control".to_owned()
+        "this guarantee refers to inputs only, which the machine does not control".to_owned()
     } else {
         format!(
-            "this guarantee speaks of inputs only: {}, which the machine does not control",
+            "this guarantee refers to inputs only: {}, which the machine does not control",
             listed(&names)
         )
     };

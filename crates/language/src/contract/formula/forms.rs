@@ -66,7 +66,7 @@ impl Form {
             (Strength::More, Some(_)) => "so that the machine says itself when that is",
             (Strength::More, None) => "which promises a little more",
             (Strength::Less, _) => "which asks less of the plant, and is often enough",
-            (Strength::Assumed, _) => "where what stands before the arrow is the plant's promise",
+            (Strength::Assumed, _) => "where the condition before the arrow is the plant's promise",
         };
         format!("{list}, {remark}")
     }

@@ -119,31 +119,31 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
             e.span,
             "`eventually always` (persistence) is outside GR(1)".to_owned(),
         ),
-        (ExprKind::Eventually(a), _) if temporal(a) => inner(a, "stands within `eventually`"),
+        (ExprKind::Eventually(a), _) if temporal(a) => inner(a, "appears within `eventually`"),
         (ExprKind::Always(a), Place::Justice) if temporal(a) => culprit(a, Place::Always),
         (ExprKind::Always(_), Place::Justice) => (
             e.span,
             "`eventually always` (persistence) is outside GR(1)".to_owned(),
         ),
         (ExprKind::Binary(BinaryOp::Implies, a, _), _) if temporal(a) => {
-            inner(a, "stands before `->`: a condition on the whole run")
+            inner(a, "comes before `->`: a condition on the whole run")
         }
         (ExprKind::Binary(BinaryOp::Implies, _, b), _) => match &b.kind {
             ExprKind::Until(..) => culprit(b, place),
             ExprKind::Eventually(x) if temporal(x) => culprit(b, place),
-            ExprKind::Eventually(_) => inner(b, "stands behind `->` without `always` before it"),
-            _ => inner(b, "stands behind `->`"),
+            ExprKind::Eventually(_) => inner(b, "follows `->` without `always` before it"),
+            _ => inner(b, "follows `->`"),
         },
         (ExprKind::Pattern(_), _) => (
             e.span,
-            "this pattern stands within a larger formula, which is outside GR(1)".to_owned(),
+            "this pattern appears within a larger formula, which is outside GR(1)".to_owned(),
         ),
-        (ExprKind::Binary(BinaryOp::Or, ..), _) => inner(e, "stands beside `or`"),
-        (ExprKind::Not(a), _) => inner(a, "stands behind `not`"),
-        (ExprKind::Next(a), _) => inner(a, "stands behind `next`"),
-        (ExprKind::If(..), _) => inner(e, "stands within `if`"),
+        (ExprKind::Binary(BinaryOp::Or, ..), _) => inner(e, "appears beside `or`"),
+        (ExprKind::Not(a), _) => inner(a, "follows `not`"),
+        (ExprKind::Next(a), _) => inner(a, "follows `next`"),
+        (ExprKind::If(..), _) => inner(e, "appears within `if`"),
         (ExprKind::Binary(op, ..), _) if *op != BinaryOp::And => {
-            inner(e, &format!("stands beside `{}`", op.sign()))
+            inner(e, &format!("appears beside `{}`", op.sign()))
         }
         (ExprKind::Quantifier(kind, ..), _) => {
             let outer = match kind {
@@ -151,10 +151,10 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
                 Quantifier::Forall => "forall",
                 _ => "a sum",
             };
-            inner(e, &format!("stands within `{outer}`"))
+            inner(e, &format!("appears within `{outer}`"))
         }
-        (_, Place::Justice) => inner(e, "stands within `eventually`"),
-        _ => inner(e, "stands within a larger formula"),
+        (_, Place::Justice) => inner(e, "appears within `eventually`"),
+        _ => inner(e, "appears within a larger formula"),
     }
 }
 

@@ -362,7 +362,7 @@ impl<'a> Builder<'a, '_> {
                     format!("`{word}` of the machine `{}` has no effect on a conveyor", machine.name),
                 )
                 .with_help(
-                    "a conveyor moves by one place every pitch/speed, draws the `power` that stands with the conveyor, and does not fail",
+                    "a conveyor moves by one place every pitch/speed, draws the `power` given for the conveyor, and does not fail",
                 ),
             );
         }

@@ -42,7 +42,7 @@ pub(super) fn orders<'a>(
                 Diagnostic::error(
                     codes::NAME_DOUBLE,
                     set.span,
-                    format!("the skills of `{}` stand twice", set.text),
+                    format!("the skills of `{}` appear twice", set.text),
                 )
                 .with_label(first, "first here")
                 .with_help("leave one of the two out"),

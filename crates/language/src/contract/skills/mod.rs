@@ -207,7 +207,7 @@ impl<'a> Resolver<'a> {
                 codes::DOMAIN_EMPTY,
                 span,
                 format!("`{}` has {count} skills, and a set has at most {MOST_SKILLS}", name.text),
-                "make two sets of it, each with the components that its orders speak of; a machine may call the skills of several",
+                "make two sets of it, each with the components that its orders refer to; a machine may call the skills of several",
             );
         }
     }

@@ -171,8 +171,8 @@ impl Resolver<'_> {
                 self.error(
                     codes::SKILL,
                     b.span,
-                    format!("`{}` stands twice in what is called at once", b.text),
-                    "leave one of the two out; `never ... twice in a row` speaks of calls one after the other",
+                    format!("`{}` appears twice in what is called at once", b.text),
+                    "leave one of the two out; `never ... twice in a row` refers to calls one after the other",
                 );
             } else {
                 let message = format!(

@@ -8,7 +8,7 @@
 use super::rule_encoder::Steps;
 use crate::symbolic::{Kernel, Limit};
 
-/// The fair states of `within`; justice may speak of next values.
+/// The fair states of `within`; justice may refer to next values.
 pub fn fair<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
