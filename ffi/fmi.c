@@ -1,35 +1,36 @@
-/* A machine as a co-simulation unit of FMI: what its two versions have in common.
+/* A machine as an FMI co-simulation unit: the code that FMI 2 and FMI 3 share.
  *
- * `fmi2.c` and `fmi3.c` define `lw_fmi_host` (what an instance knows of its host) and `lw_fmi_log`,
- * and include this file. An instance is one of runtime.c: its handle is the pointer that the host
- * holds, so a pointer that was never given, or whose instance was freed, is recognized. What the
- * unit adds lies in a table beside the slots.
+ * `fmi2.c` and `fmi3.c` define `lw_fmi_host` (an instance's data about its host) and `lw_fmi_log`,
+ * and include this file. An instance is one of runtime.c: the pointer that the host holds is its
+ * handle, so a pointer that was never issued, or whose instance was freed, is recognized. A table
+ * parallel to the slots holds the data that the unit adds.
  *
- * A communication step is a whole number of the machine's steps. An operation begins in the first
- * of them and after each that ended one; only then are the properties looked at, as `lw_simulate`
- * does. `enabled` stops the machine where it stands. The machine's steps within one communication
- * step are made on a copy, so that one that is refused changes nothing but the verdict.
+ * A communication step is an integer number of machine steps. An operation begins in the first
+ * machine step, and in the step after each one that ended an operation; only then are the
+ * properties read, as in `lw_simulate`. If `enabled` is false, the machine stays in its state. The
+ * machine steps of one communication step are made on a copy, so a failed communication step
+ * changes only the verdict.
  *
- * Only the functions up to `lw_fmi_wire_value` look into step.c. */
+ * Only the functions up to `lw_fmi_wire_value` use step.c directly. */
 #include <stdlib.h>
 
-/* What is saved, and set back: all but the host. */
+/* The data of an instance that a saved state contains: all except the host. */
 typedef struct lw_fmi_unit {
     int phase;
-    /* What the host has set. */
+    /* Values that the host set. */
     int enabled;
     int32_t operation;
     int64_t signals[LW_PLANT + 1];
     double given[LW_PROPERTIES + 1];
-    /* The operation that is under way, with what it began with. */
+    /* The operation in progress, and the values with which it began. */
     int running;
-    int done; /* the last step ended one */
+    int done; /* whether the last step ended an operation */
     int32_t performed;
     int64_t plant[LW_PLANT + 1];
     double held[LW_PROPERTIES + 1];
     lw_state start;
     lw_job job;
-    /* What there was so far, without the operation that is under way. */
+    /* Totals without the operation in progress. */
     double seconds;
     double joules;
     int64_t steps;
@@ -37,7 +38,7 @@ typedef struct lw_fmi_unit {
     int32_t verdict;
     lw_service last;
     double results[LW_PROPERTIES + 1];
-    /* Time: that of the beginning, the machine's steps since, and the end if there is one. */
+    /* Start time, number of machine steps since then, and stop time if there is one. */
     double began;
     int64_t ticks;
     int ends;
@@ -46,8 +47,8 @@ typedef struct lw_fmi_unit {
 
 /* ---- The machine's steps --------------------------------------------------------------------- */
 
-/* Begins an operation: what `lw_perform` does before its first step. A machine without operations
- * is asked anew for each of its steps, and keeps its account. */
+/* Begins an operation, like `lw_perform` before its first step. A machine without operations does
+ * this before each of its steps, and keeps its totals. */
 static int32_t lw_fmi_begin(const lw_state *state, lw_fmi_unit *unit, lw_error *error)
 {
     int64_t value = 0;
@@ -64,10 +65,10 @@ static int32_t lw_fmi_begin(const lw_state *state, lw_fmi_unit *unit, lw_error *
     return code;
 }
 
-/* Ends an operation: what `lw_perform` does after its last step. */
+/* Ends an operation, like `lw_perform` after its last step. */
 static int32_t lw_fmi_finish(const lw_state *state, lw_fmi_unit *unit, lw_error *error)
 {
-    int32_t code = lw_leave(unit->held, state->values, unit->results, error);
+    int32_t code = lw_write_properties(unit->held, state->values, unit->results, error);
     if (code == LW_OK) {
         unit->last = unit->job.service;
         unit->seconds += unit->last.seconds;
@@ -80,8 +81,8 @@ static int32_t lw_fmi_finish(const lw_state *state, lw_fmi_unit *unit, lw_error 
     return code;
 }
 
-/* One step of the machine, or one in which it stands still. On an error both arguments hold nothing
- * of use. */
+/* Makes one machine step; while the machine is disabled, only time and energy advance. After an
+ * error, the contents of `state` and `unit` are undefined. */
 static int32_t lw_fmi_tick(lw_state *state, lw_fmi_unit *unit, lw_error *error)
 {
     lw_state before = *state;
@@ -112,13 +113,13 @@ static int32_t lw_fmi_tick(lw_state *state, lw_fmi_unit *unit, lw_error *error)
         if (unit->done) {
             code = lw_fmi_finish(state, unit, error);
         } else if (unit->job.service.steps >= LW_STEP_LIMIT) {
-            code = lw_limit(&unit->job, lw_operation_table[unit->performed].name, error);
+            code = lw_fail_limit(&unit->job, lw_operation_table[unit->performed].name, error);
         }
     }
     return code;
 }
 
-/* The machine before its step 0, with no operation under way. */
+/* Resets the machine to its state before step 0, without an operation in progress. */
 static void lw_fmi_restart(lw_slot *slot, lw_fmi_unit *unit)
 {
     memset(&slot->state, 0, sizeof slot->state);
@@ -127,13 +128,13 @@ static void lw_fmi_restart(lw_slot *slot, lw_fmi_unit *unit)
     memset(&unit->job, 0, sizeof unit->job);
 }
 
-/* Runs this number of steps of the machine, all or none. */
+/* Makes `ticks` machine steps. If one fails, none has an effect. */
 static int32_t lw_fmi_ticks(lw_slot *slot, lw_fmi_unit *unit, int64_t ticks)
 {
     lw_state state;
     lw_fmi_unit after = *unit;
     memset(&state, 0, sizeof state);
-    lw_wake(slot, &state);
+    lw_load_state(slot, &state);
     for (int64_t i = 0; i < ticks; i++) {
         int32_t code = lw_fmi_tick(&state, &after, &slot->error);
         if (code != LW_OK) {
@@ -145,12 +146,12 @@ static int32_t lw_fmi_ticks(lw_slot *slot, lw_fmi_unit *unit, int64_t ticks)
         }
     }
     after.ticks += ticks;
-    lw_lay_down(slot, &state);
+    lw_store_state(slot, &state);
     *unit = after;
     return LW_OK;
 }
 
-/* What a wire shows. */
+/* Returns the value of a wire as the host sees it. */
 static int64_t lw_fmi_wire_value(const lw_slot *slot, int wire)
 {
     int value = wire < LW_PLANT ? wire : lw_output_table[wire - LW_PLANT].value;
@@ -159,19 +160,19 @@ static int64_t lw_fmi_wire_value(const lw_slot *slot, int wire)
 
 /* ---- Calls ----------------------------------------------------------------------------------- */
 
-/* The values that both versions of FMI share. A step that is refused is an Error, "could not be
- * carried out at all": Discard would promise that a part of it was, and hosts try a shorter one
- * again and again. */
+/* Status values that both versions of FMI share. A failed step returns Error, "could not be carried
+ * out at all": Discard would mean that a part of the step was carried out, and hosts would retry
+ * shorter steps repeatedly. */
 enum { LW_FMI_OK = 0, LW_FMI_ERROR = 3 };
 
-/* Where an instance is in its life. */
+/* Phases of an instance. */
 enum { LW_FMI_INSTANTIATED = 1, LW_FMI_INITIALIZING = 2, LW_FMI_STEPPING = 4, LW_FMI_TERMINATED = 8, LW_FMI_ANY = 15 };
 
 static lw_fmi_unit lw_fmi_units[LW_SLOTS];
 static lw_fmi_host lw_fmi_hosts[LW_SLOTS];
 
-/* A call on an instance, which is locked until `lw_fmi_leave`. A text is given to the host only
- * after that: who is told something may answer with a call. */
+/* A call on an instance, which stays locked until `lw_fmi_leave`. The host receives a text only
+ * after that, because its logger can itself call the unit. */
 typedef struct lw_fmi_call {
     const char *function;
     lw_slot *slot;
@@ -179,12 +180,12 @@ typedef struct lw_fmi_call {
     lw_fmi_host *host;
     lw_handle handle;
     int status;
-    int broken; /* the machine's own error is the text */
+    int broken; /* whether the text is the machine's own error */
     size_t length;
     char text[LW_TEXT_SIZE];
 } lw_fmi_call;
 
-static void lw_fmi_say(lw_fmi_call *call, const char *text)
+static void lw_fmi_append(lw_fmi_call *call, const char *text)
 {
     while (*text != '\0' && call->length + 1 < sizeof call->text) {
         call->text[call->length] = *text;
@@ -194,7 +195,7 @@ static void lw_fmi_say(lw_fmi_call *call, const char *text)
     call->text[call->length] = '\0';
 }
 
-static void lw_fmi_say_number(lw_fmi_call *call, uint64_t number)
+static void lw_fmi_append_number(lw_fmi_call *call, uint64_t number)
 {
     char digits[24];
     int at = (int)sizeof digits - 1;
@@ -204,20 +205,21 @@ static void lw_fmi_say_number(lw_fmi_call *call, uint64_t number)
         digits[at] = (char)('0' + (int)(number % 10U));
         number /= 10U;
     } while (number != 0);
-    lw_fmi_say(call, &digits[at]);
+    lw_fmi_append(call, &digits[at]);
 }
 
-/* Refuses a call. */
+/* Rejects a call with a text. */
 static void lw_fmi_refuse(lw_fmi_call *call, const char *text)
 {
     call->status = LW_FMI_ERROR;
     call->length = 0;
-    lw_fmi_say(call, call->function);
-    lw_fmi_say(call, ": ");
-    lw_fmi_say(call, text);
+    lw_fmi_append(call, call->function);
+    lw_fmi_append(call, ": ");
+    lw_fmi_append(call, text);
 }
 
-/* The instance of a pointer; 0 where there is none, or where the call comes at the wrong time. */
+/* Locks the instance of a pointer. Returns 0 if there is none, or if the call is not allowed in its
+ * phase. */
 static int lw_fmi_enter(lw_fmi_call *call, const void *instance, int phases, const char *function)
 {
     intptr_t number = (intptr_t)instance;
@@ -227,7 +229,7 @@ static int lw_fmi_enter(lw_fmi_call *call, const void *instance, int phases, con
     call->broken = 0;
     call->length = 0;
     call->text[0] = '\0';
-    call->slot = lw_enter_quietly(call->handle);
+    call->slot = lw_lock_instance(call->handle);
     if (call->slot == NULL) {
         return 0;
     }
@@ -236,7 +238,7 @@ static int lw_fmi_enter(lw_fmi_call *call, const void *instance, int phases, con
     if ((call->unit->phase & phases) == 0) {
         int phase = call->unit->phase;
         lw_fmi_refuse(call, "not allowed ");
-        lw_fmi_say(call, phase == LW_FMI_INSTANTIATED   ? "before the initialization"
+        lw_fmi_append(call, phase == LW_FMI_INSTANTIATED   ? "before the initialization"
                          : phase == LW_FMI_INITIALIZING ? "during the initialization"
                          : phase == LW_FMI_STEPPING     ? "after the initialization"
                                                         : "after the simulation was terminated");
@@ -246,7 +248,7 @@ static int lw_fmi_enter(lw_fmi_call *call, const void *instance, int phases, con
     return 1;
 }
 
-/* Gives the instance back, tells the host what was wrong, and gives the status. */
+/* Unlocks the instance, logs an error to the host, and returns the status. */
 static int lw_fmi_leave(lw_fmi_call *call)
 {
     if (call->slot == NULL) {
@@ -265,19 +267,19 @@ static int lw_fmi_leave(lw_fmi_call *call)
     return call->status;
 }
 
-/* A call that the unit does not offer. */
+/* Rejects a call that the unit does not support. */
 static int lw_fmi_unsupported(const void *instance, const char *function)
 {
     lw_fmi_call call;
     if (lw_fmi_enter(&call, instance, LW_FMI_ANY, function)) {
-        lw_fmi_refuse(&call, "this unit does not offer it");
+        lw_fmi_refuse(&call, "this unit does not support this function");
     }
     return lw_fmi_leave(&call);
 }
 
-/* ---- Life ------------------------------------------------------------------------------------ */
+/* ---- Creation and destruction ---------------------------------------------------------------- */
 
-/* Everything as it is after the instantiation. */
+/* Sets an instance to its state after instantiation. */
 static void lw_fmi_initialize(lw_slot *slot, lw_fmi_unit *unit)
 {
     memset(unit, 0, sizeof *unit);
@@ -296,23 +298,23 @@ static void lw_fmi_initialize(lw_slot *slot, lw_fmi_unit *unit)
     lw_fmi_restart(slot, unit);
 }
 
-/* A new instance for a host; null, with a word to the host, where there is none to be had. */
-static void *lw_fmi_instantiate(const lw_fmi_host *host, const char *token, const char *what)
+/* Creates an instance for a host. If that fails, logs an error to the host and returns null. */
+static void *lw_fmi_instantiate(const lw_fmi_host *host, const char *token, const char *function)
 {
     lw_fmi_call call;
     lw_handle handle;
-    call.function = what;
+    call.function = function;
     call.length = 0;
     if (token == NULL || strcmp(token, LW_FMI_TOKEN) != 0) {
-        lw_fmi_refuse(&call, "is not that of this binary, " LW_FMI_TOKEN
-                             ": modelDescription.xml and the binary are of different units");
+        lw_fmi_refuse(&call, "the guid or instantiation token differs from that of this binary, " LW_FMI_TOKEN
+                             ": modelDescription.xml and the binary belong to different units");
         lw_fmi_log(host, LW_FMI_ERROR, call.text);
         return NULL;
     }
     handle = lw_create();
-    call.slot = handle > 0 ? lw_enter_quietly(handle) : NULL;
+    call.slot = handle > 0 ? lw_lock_instance(handle) : NULL;
     if (call.slot == NULL) {
-        lw_fmi_log(host, LW_FMI_ERROR, "there is no room for another instance in this process");
+        lw_fmi_log(host, LW_FMI_ERROR, "all slots for instances in this process are in use");
         return NULL;
     }
     lw_fmi_hosts[call.slot - lw_slots] = *host;
@@ -329,11 +331,11 @@ static void lw_fmi_free(const void *instance)
     }
 }
 
-/* Start and end of the simulation. */
+/* Sets the start and stop time of the simulation. */
 static void lw_fmi_set_up(lw_fmi_call *call, double start, int ends, double end)
 {
     if (!isfinite(start) || (ends && !(isfinite(end) && end >= start))) {
-        lw_fmi_refuse(call, "the start time must be a number, and the stop time one that is not before it");
+        lw_fmi_refuse(call, "the start time must be a finite number, and the stop time a finite number that is not less");
         return;
     }
     call->unit->began = start;
@@ -346,29 +348,30 @@ static double lw_fmi_now(const lw_fmi_unit *unit)
     return unit->began + (double)unit->ticks * LW_STEP_SECONDS;
 }
 
-/* A communication step. Points of time are the host's sums, so they are compared with half a step
- * of tolerance; that a step is a whole number of the machine's is checked to a millionth of one. */
+/* Makes a communication step. The host sums up points in time, so they are compared with a
+ * tolerance of half a machine step. The communication step size must be an integer number of
+ * machine steps, within a millionth of a step. */
 static void lw_fmi_step(lw_fmi_call *call, double at, double size)
 {
     double ticks = size / LW_STEP_SECONDS;
     double now = lw_fmi_now(call->unit);
     int32_t code;
     if (!(isfinite(at) && fabs(at - now) <= 0.5 * LW_STEP_SECONDS)) {
-        lw_fmi_refuse(call, "the step does not begin where the one before has ended");
+        lw_fmi_refuse(call, "the step does not begin at the end of the previous step");
         return;
     }
     if (ticks > 1e9) {
-        lw_fmi_refuse(call, "the communication step is longer than a thousand million of the machine's own steps of " LW_FMI_STEP_TEXT
+        lw_fmi_refuse(call, "the communication step is longer than 1000000000 machine steps of " LW_FMI_STEP_TEXT
                             " s");
         return;
     }
     if (!(ticks >= 0.5 && fabs(ticks - round(ticks)) <= 1e-6)) {
-        lw_fmi_refuse(call, "the communication step size must be a whole multiple of " LW_FMI_STEP_TEXT
-                            " s, the machine's own step");
+        lw_fmi_refuse(call, "the communication step size must be an integer multiple of " LW_FMI_STEP_TEXT
+                            " s, the machine's step");
         return;
     }
     if (call->unit->ends && at + size > call->unit->end + 0.5 * LW_STEP_SECONDS) {
-        lw_fmi_refuse(call, "the step would go beyond the stop time that was set");
+        lw_fmi_refuse(call, "the step would end after the stop time");
         return;
     }
     code = lw_fmi_ticks(call->slot, call->unit, (int64_t)round(ticks));
@@ -380,13 +383,13 @@ static void lw_fmi_step(lw_fmi_call *call, double at, double size)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* A value in the machine's own numbers. */
+/* A value in the machine's numbers. */
 typedef struct lw_fmi_value {
-    double real;   /* of a real number */
-    int64_t whole; /* of all others */
+    double real;   /* the value of a real variable */
+    int64_t whole; /* the value of any other variable */
 } lw_fmi_value;
 
-/* The type of a variable; -1 where there is none of that reference. */
+/* Returns the type of a variable; -1 if no variable has that reference. */
 static int lw_fmi_type_of(uint32_t reference)
 {
     int index = (int)(reference % LW_FMI_GROUP);
@@ -425,7 +428,7 @@ static int lw_fmi_type_of(uint32_t reference)
     }
 }
 
-/* Whether a variable exists and has one of the types (a sum of powers of 2); says so where not. */
+/* Whether a variable exists and has one of the types (a bit mask); rejects the call if not. */
 static int lw_fmi_has_type(lw_fmi_call *call, uint32_t reference, unsigned types)
 {
     int type = lw_fmi_type_of(reference);
@@ -433,18 +436,18 @@ static int lw_fmi_has_type(lw_fmi_call *call, uint32_t reference, unsigned types
         return 1;
     }
     lw_fmi_refuse(call, type < 0 ? "there is no variable with the value reference "
-                                 : "another type is asked for than that of the variable with the value reference ");
-    lw_fmi_say_number(call, reference);
+                                 : "the function is for another type than that of the variable with the value reference ");
+    lw_fmi_append_number(call, reference);
     return 0;
 }
 
-/* Whether counts and pointers are in order; says so where not. */
+/* Whether counts and pointers are valid; rejects the call if not. */
 static int lw_fmi_has_room(lw_fmi_call *call, const void *references, size_t count, const void *values, size_t room)
 {
     if ((count == 0 || (references != NULL && values != NULL)) && room == count) {
         return 1;
     }
-    lw_fmi_refuse(call, "an array is missing, or there are not as many values as value references");
+    lw_fmi_refuse(call, "an array is missing, or the number of values differs from the number of value references");
     return 0;
 }
 
@@ -511,8 +514,8 @@ static lw_fmi_value lw_fmi_read(const lw_fmi_call *call, uint32_t reference)
     return value;
 }
 
-/* Whether a variable may be set to a value; says why where not. */
-static int lw_fmi_may_set(lw_fmi_call *call, uint32_t reference, lw_fmi_value value)
+/* Whether a variable can be set to a value; rejects the call if not. */
+static int lw_fmi_can_set(lw_fmi_call *call, uint32_t reference, lw_fmi_value value)
 {
     int index = (int)(reference % LW_FMI_GROUP);
     int good;
@@ -524,7 +527,7 @@ static int lw_fmi_may_set(lw_fmi_call *call, uint32_t reference, lw_fmi_value va
             good = value.whole >= 0 && value.whole < LW_OPERATIONS;
         } else {
             lw_fmi_refuse(call, "only inputs and parameters can be set, not the variable with the value reference ");
-            lw_fmi_say_number(call, reference);
+            lw_fmi_append_number(call, reference);
             return 0;
         }
         break;
@@ -539,30 +542,30 @@ static int lw_fmi_may_set(lw_fmi_call *call, uint32_t reference, lw_fmi_value va
         break;
     default:
         lw_fmi_refuse(call, "only inputs and parameters can be set, not the variable with the value reference ");
-        lw_fmi_say_number(call, reference);
+        lw_fmi_append_number(call, reference);
         return 0;
     }
     if (!good) {
         lw_fmi_refuse(call, "the value is outside the domain of `");
         switch (reference / LW_FMI_GROUP) {
         case LW_FMI_SIGNALS:
-            lw_fmi_say(call, lw_plant_table[index].name);
-            lw_fmi_say(call, "`, ");
-            lw_fmi_say(call, lw_plant_table[index].domain);
+            lw_fmi_append(call, lw_plant_table[index].name);
+            lw_fmi_append(call, "`, ");
+            lw_fmi_append(call, lw_plant_table[index].domain);
             break;
         case LW_FMI_GIVEN:
-            lw_fmi_say(call, lw_property_names[index]);
-            lw_fmi_say(call, "`, or is not a finite number");
+            lw_fmi_append(call, lw_property_names[index]);
+            lw_fmi_append(call, "`, or is not a finite number");
             break;
         default:
-            lw_fmi_say(call, index == LW_FMI_ENABLED ? "enabled`" : "operation`, which counts from 1");
+            lw_fmi_append(call, index == LW_FMI_ENABLED ? "enabled`" : "operation`, which counts from 1");
             break;
         }
     }
     return good;
 }
 
-/* Sets what `lw_fmi_may_set` has allowed. */
+/* Sets a variable to a value that `lw_fmi_can_set` has checked. */
 static void lw_fmi_write(lw_fmi_call *call, uint32_t reference, lw_fmi_value value)
 {
     int index = (int)(reference % LW_FMI_GROUP);
@@ -583,30 +586,32 @@ static void lw_fmi_write(lw_fmi_call *call, uint32_t reference, lw_fmi_value val
     }
 }
 
-/* A whole number as the host counts, and back. */
-static int64_t lw_fmi_shown(uint32_t reference, int64_t whole)
+/* Converts an integer from the machine's numbering to the host's: enumerations count from 1
+ * there. */
+static int64_t lw_fmi_to_host(uint32_t reference, int64_t whole)
 {
     return lw_fmi_type_of(reference) == LW_FMI_ENUMERATION ? whole + 1 : whole;
 }
 
-static int64_t lw_fmi_counted(uint32_t reference, int64_t shown)
+/* Converts an integer from the host's numbering to the machine's. */
+static int64_t lw_fmi_from_host(uint32_t reference, int64_t shown)
 {
     return lw_fmi_type_of(reference) == LW_FMI_ENUMERATION && shown > INT64_MIN ? shown - 1 : shown;
 }
 
 /* ---- States ---------------------------------------------------------------------------------- */
 
-/* A saved state. Its bytes can be kept in a file, so they carry whose they are and a sum over all
- * of them. */
+/* A saved state. A host can store its bytes in a file, so they contain the unit's token and a
+ * checksum. */
 typedef struct lw_fmi_saved {
     char token[sizeof LW_FMI_TOKEN];
     uint64_t size;
-    uint64_t sum; /* with 0 in its own place */
-    lw_rest state;
+    uint64_t sum; /* checksum, computed with 0 in this field */
+    lw_stored_state state;
     lw_fmi_unit unit;
 } lw_fmi_saved;
 
-/* FNV-1a, over bytes as they lie in memory. */
+/* Checksum of a saved state: FNV-1a over its bytes in memory. */
 static uint64_t lw_fmi_sum(const lw_fmi_saved *saved)
 {
     const unsigned char *bytes = (const unsigned char *)saved;
@@ -625,12 +630,12 @@ static int lw_fmi_is_saved(const lw_fmi_saved *saved)
            && saved->sum == lw_fmi_sum(saved);
 }
 
-/* Saves into `*place`, over the state that is there already. */
+/* Saves the state into `*place`; overwrites the state that is already there. */
 static void lw_fmi_get_state(lw_fmi_call *call, void **place)
 {
     lw_fmi_saved *saved;
     if (place == NULL) {
-        lw_fmi_refuse(call, "there is no place for the state");
+        lw_fmi_refuse(call, "the pointer for the state is missing");
         return;
     }
     if (*place == NULL) {
@@ -638,7 +643,7 @@ static void lw_fmi_get_state(lw_fmi_call *call, void **place)
     }
     saved = *place;
     if (saved == NULL) {
-        lw_fmi_refuse(call, "there is no memory for the state");
+        lw_fmi_refuse(call, "there is not enough memory for the state");
         return;
     }
     memset(saved, 0, sizeof *saved);
@@ -653,7 +658,7 @@ static void lw_fmi_set_state(lw_fmi_call *call, const void *state)
 {
     const lw_fmi_saved *saved = state;
     if (saved == NULL || !lw_fmi_is_saved(saved)) {
-        lw_fmi_refuse(call, "this is no state of this unit");
+        lw_fmi_refuse(call, "the state is damaged, or does not belong to this unit");
         return;
     }
     call->slot->state = saved->state;
@@ -672,9 +677,9 @@ static void lw_fmi_serialize(lw_fmi_call *call, const void *state, void *bytes, 
 {
     const lw_fmi_saved *saved = state;
     if (saved == NULL || !lw_fmi_is_saved(saved)) {
-        lw_fmi_refuse(call, "this is no state of this unit");
+        lw_fmi_refuse(call, "the state is damaged, or does not belong to this unit");
     } else if (bytes == NULL || size < sizeof *saved) {
-        lw_fmi_refuse(call, "there is too little room for the state");
+        lw_fmi_refuse(call, "the buffer is missing, or too small for the state");
     } else {
         memcpy(bytes, saved, sizeof *saved);
     }
@@ -684,21 +689,21 @@ static void lw_fmi_deserialize(lw_fmi_call *call, const void *bytes, size_t size
 {
     lw_fmi_saved *saved;
     if (bytes == NULL || place == NULL || size != sizeof *saved) {
-        lw_fmi_refuse(call, "these bytes are no state of this unit");
+        lw_fmi_refuse(call, "the bytes are missing, or do not have the size of a state of this unit");
         return;
     }
     saved = malloc(sizeof *saved);
     if (saved == NULL) {
-        lw_fmi_refuse(call, "there is no memory for the state");
+        lw_fmi_refuse(call, "there is not enough memory for the state");
         return;
     }
     memcpy(saved, bytes, sizeof *saved);
     if (lw_fmi_is_saved(saved)) {
-        /* What the host's pointer held before is not looked at: the standard does not say that it
-         * means anything. */
+        /* The previous value of the host's pointer is ignored, because the standard gives it no
+         * meaning. */
         *place = saved;
     } else {
         free(saved);
-        lw_fmi_refuse(call, "these bytes are no state of this unit, or are damaged");
+        lw_fmi_refuse(call, "the bytes are damaged, or do not belong to this unit");
     }
 }

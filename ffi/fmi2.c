@@ -1,8 +1,8 @@
 /* The FMI 2.0 co-simulation interface of a machine.
  *
- * Types, numbers and signatures are those of the standard; only what the functions below need is
- * declared. Where several units are linked into one program, `FMI2_FUNCTION_PREFIX` begins the
- * functions' names. */
+ * Types, constants and signatures are those of the standard; only those that the functions below
+ * use are declared. To link several units into one program, define `FMI2_FUNCTION_PREFIX`, a prefix
+ * of the functions' names. */
 #include <stddef.h>
 
 typedef void *fmi2Component;
@@ -30,14 +30,15 @@ typedef struct fmi2CallbackFunctions {
     fmi2ComponentEnvironment componentEnvironment;
 } fmi2CallbackFunctions;
 
-/* What an instance knows of its host. Its name is a copy, cut where it is long. */
+/* An instance's data about its host. `name` is a copy of the instance's name, cut if it is too
+ * long. */
 typedef struct lw_fmi_host {
     fmi2CallbackLogger *logger;
     fmi2ComponentEnvironment environment;
     char name[128];
 } lw_fmi_host;
 
-/* The message is a format to the host, so that a `%` in it is doubled. */
+/* Logs a text to the host. The host treats it as a format, so each `%` is doubled. */
 static void lw_fmi_log(const lw_fmi_host *host, int status, const char *text)
 {
     char format[2 * LW_TEXT_SIZE + 1];
@@ -66,7 +67,7 @@ static void lw_fmi_log(const lw_fmi_host *host, int status, const char *text)
 #define LW_FMI2(name) name
 #endif
 
-/* ---- Life ------------------------------------------------------------------------------------ */
+/* ---- Creation and destruction ---------------------------------------------------------------- */
 
 LW_FMI_EXPORT const char *LW_FMI2(fmi2GetTypesPlatform)(void)
 {
@@ -78,7 +79,7 @@ LW_FMI_EXPORT const char *LW_FMI2(fmi2GetVersion)(void)
     return "2.0";
 }
 
-/* There are no messages but those on refused calls, which are always given. */
+/* Has no effect on messages: only rejected calls are logged, and always. */
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean on, size_t count,
                                                       const fmi2String categories[])
 {
@@ -111,10 +112,10 @@ LW_FMI_EXPORT fmi2Component LW_FMI2(fmi2Instantiate)(fmi2String name, fmi2Type t
         host.name[i] = name[i];
     }
     if (type != fmi2CoSimulation) {
-        lw_fmi_log(&host, LW_FMI_ERROR, "fmi2Instantiate: this unit is for co-simulation only");
+        lw_fmi_log(&host, LW_FMI_ERROR, "fmi2Instantiate: this unit supports only co-simulation");
         return NULL;
     }
-    return lw_fmi_instantiate(&host, guid, "fmi2Instantiate: the guid");
+    return lw_fmi_instantiate(&host, guid, "fmi2Instantiate");
 }
 
 LW_FMI_EXPORT void LW_FMI2(fmi2FreeInstance)(fmi2Component c)
@@ -134,7 +135,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetupExperiment)(fmi2Component c, fmi2Boole
     return (fmi2Status)lw_fmi_leave(&call);
 }
 
-/* From one phase of an instance's life to another. */
+/* Moves an instance from one phase to another. */
 static fmi2Status lw_fmi2_go(fmi2Component c, int from, int to, const char *function)
 {
     lw_fmi_call call;
@@ -170,12 +171,12 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2Reset)(fmi2Component c)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-/* What a function for one type serves. Long integers are real numbers here. */
+/* The types of variables that each function accepts. Long integers are real numbers in FMI 2. */
 #define LW_FMI2_REAL ((1U << LW_FMI_REAL) | (1U << LW_FMI_LONG))
 #define LW_FMI2_INTEGER ((1U << LW_FMI_INTEGER) | (1U << LW_FMI_ENUMERATION))
 #define LW_FMI2_BOOLEAN (1U << LW_FMI_BOOLEAN)
 
-/* Whether all variables can be read. */
+/* Whether all variables exist and can be read as one of the types; rejects the call if not. */
 static int lw_fmi2_readable(lw_fmi_call *call, const fmi2ValueReference *references, size_t count, const void *values,
                             unsigned types)
 {
@@ -200,14 +201,14 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetReal)(fmi2Component c, const fmi2ValueRe
     return (fmi2Status)lw_fmi_leave(&call);
 }
 
-/* Whole numbers of one kind. */
+/* Reads variables of one integer type. */
 static fmi2Status lw_fmi2_get(fmi2Component c, const fmi2ValueReference *references, size_t count, int *values,
                               unsigned types, const char *function)
 {
     lw_fmi_call call;
     if (lw_fmi_enter(&call, c, LW_FMI_ANY, function) && lw_fmi2_readable(&call, references, count, values, types)) {
         for (size_t i = 0; i < count; i++) {
-            values[i] = (int)lw_fmi_shown(references[i], lw_fmi_read(&call, references[i]).whole);
+            values[i] = (int)lw_fmi_to_host(references[i], lw_fmi_read(&call, references[i]).whole);
         }
     }
     return (fmi2Status)lw_fmi_leave(&call);
@@ -225,7 +226,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetBoolean)(fmi2Component c, const fmi2Valu
     return lw_fmi2_get(c, references, count, values, LW_FMI2_BOOLEAN, "fmi2GetBoolean");
 }
 
-/* There are no variables of this type: only an empty list is in order. */
+/* No variable has this type: only an empty list is valid. */
 static fmi2Status lw_fmi2_none(fmi2Component c, size_t count, const fmi2ValueReference *references, const char *function)
 {
     lw_fmi_call call;
@@ -252,7 +253,8 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetString)(fmi2Component c, const fmi2Value
 
 #define LW_FMI2_SETTABLE (LW_FMI_INSTANTIATED | LW_FMI_INITIALIZING | LW_FMI_STEPPING)
 
-/* A real number as a value of the machine; a long integer must be one. */
+/* Converts a real number to a value of the machine; the value of a long integer must be
+ * integral. */
 static lw_fmi_value lw_fmi2_value(fmi2ValueReference reference, double real)
 {
     lw_fmi_value value = { real, 0 };
@@ -262,7 +264,7 @@ static lw_fmi_value lw_fmi2_value(fmi2ValueReference reference, double real)
     return value;
 }
 
-/* All values are looked at before the first is set, so that a refused call changes nothing. */
+/* Checks all values before the first is set, so that a rejected call changes nothing. */
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetReal)(fmi2Component c, const fmi2ValueReference references[], size_t count,
                                               const fmi2Real values[])
 {
@@ -270,7 +272,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetReal)(fmi2Component c, const fmi2ValueRe
     if (lw_fmi_enter(&call, c, LW_FMI2_SETTABLE, "fmi2SetReal")
         && lw_fmi2_readable(&call, references, count, values, LW_FMI2_REAL)) {
         size_t good = 0;
-        while (good < count && lw_fmi_may_set(&call, references[good], lw_fmi2_value(references[good], values[good]))) {
+        while (good < count && lw_fmi_can_set(&call, references[good], lw_fmi2_value(references[good], values[good]))) {
             good++;
         }
         for (size_t i = 0; i < count && good == count; i++) {
@@ -283,7 +285,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2SetReal)(fmi2Component c, const fmi2ValueRe
 static lw_fmi_value lw_fmi2_whole(fmi2ValueReference reference, int whole)
 {
     lw_fmi_value value = { 0.0, 0 };
-    value.whole = lw_fmi_counted(reference, whole);
+    value.whole = lw_fmi_from_host(reference, whole);
     return value;
 }
 
@@ -294,7 +296,7 @@ static fmi2Status lw_fmi2_set(fmi2Component c, const fmi2ValueReference *referen
     if (lw_fmi_enter(&call, c, LW_FMI2_SETTABLE, function)
         && lw_fmi2_readable(&call, references, count, values, types)) {
         size_t good = 0;
-        while (good < count && lw_fmi_may_set(&call, references[good], lw_fmi2_whole(references[good], values[good]))) {
+        while (good < count && lw_fmi_can_set(&call, references[good], lw_fmi2_whole(references[good], values[good]))) {
             good++;
         }
         for (size_t i = 0; i < count && good == count; i++) {
@@ -392,7 +394,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2CancelStep)(fmi2Component c)
     return (fmi2Status)lw_fmi_unsupported(c, "fmi2CancelStep");
 }
 
-/* No step is ever pending: a status is that of the last step, which has been given already. */
+/* No step is ever pending: the status is that of the last step, which was already returned. */
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
 {
     lw_fmi_call call;
@@ -400,7 +402,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetStatus)(fmi2Component c, const fmi2Statu
         if (kind == fmi2DoStepStatus) {
             *value = fmi2OK;
         } else {
-            lw_fmi_refuse(&call, "there is no status of this kind");
+            lw_fmi_refuse(&call, "this unit has no status of this kind");
         }
     }
     return (fmi2Status)lw_fmi_leave(&call);
@@ -413,7 +415,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetRealStatus)(fmi2Component c, const fmi2S
         if (kind == fmi2LastSuccessfulTime) {
             *value = lw_fmi_now(call.unit);
         } else {
-            lw_fmi_refuse(&call, "there is no status of this kind");
+            lw_fmi_refuse(&call, "this unit has no status of this kind");
         }
     }
     return (fmi2Status)lw_fmi_leave(&call);
@@ -433,7 +435,7 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetBooleanStatus)(fmi2Component c, const fm
         if (kind == fmi2Terminated) {
             *value = 0;
         } else {
-            lw_fmi_refuse(&call, "there is no status of this kind");
+            lw_fmi_refuse(&call, "this unit has no status of this kind");
         }
     }
     return (fmi2Status)lw_fmi_leave(&call);
@@ -446,13 +448,13 @@ LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetStringStatus)(fmi2Component c, const fmi
         if (kind == fmi2PendingStatus) {
             *value = "";
         } else {
-            lw_fmi_refuse(&call, "there is no status of this kind");
+            lw_fmi_refuse(&call, "this unit has no status of this kind");
         }
     }
     return (fmi2Status)lw_fmi_leave(&call);
 }
 
-/* ---- What the unit does not offer ------------------------------------------------------------ */
+/* ---- Unsupported functions ------------------------------------------------------------------- */
 
 LW_FMI_EXPORT fmi2Status LW_FMI2(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
                                                                size_t unknown_count, const fmi2ValueReference knowns[],

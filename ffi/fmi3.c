@@ -1,9 +1,9 @@
 /* The FMI 3.0 co-simulation interface of a machine.
  *
- * Types, numbers and signatures are those of the standard; only what the functions below need is
- * declared. The standard wants every function of all three kinds of units to be there; those of the
- * other kinds say that this unit does not offer them. Where several units are linked into one
- * program, `FMI3_FUNCTION_PREFIX` begins the functions' names. */
+ * Types, constants and signatures are those of the standard; only those that the functions below
+ * use are declared. The standard requires every function of all three kinds of units; those of the
+ * other kinds return an error. To link several units into one program, define
+ * `FMI3_FUNCTION_PREFIX`, a prefix of the functions' names. */
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -36,7 +36,7 @@ typedef void fmi3ClockUpdateCallback(fmi3InstanceEnvironment);
 typedef void fmi3LockPreemptionCallback(void);
 typedef void fmi3UnlockPreemptionCallback(void);
 
-/* What an instance knows of its host. */
+/* An instance's data about its host. */
 typedef struct lw_fmi_host {
     fmi3LogMessageCallback *logger;
     fmi3InstanceEnvironment environment;
@@ -57,14 +57,14 @@ static void lw_fmi_log(const lw_fmi_host *host, int status, const char *text)
 #define LW_FMI3(name) name
 #endif
 
-/* ---- Life ------------------------------------------------------------------------------------ */
+/* ---- Creation and destruction ---------------------------------------------------------------- */
 
 LW_FMI_EXPORT const char *LW_FMI3(fmi3GetVersion)(void)
 {
     return "3.0";
 }
 
-/* There are no messages but those on refused calls, which are always given. */
+/* Has no effect on messages: only rejected calls are logged, and always. */
 LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetDebugLogging)(fmi3Instance instance, fmi3Boolean on, size_t count,
                                                       const fmi3String categories[])
 {
@@ -96,10 +96,10 @@ LW_FMI_EXPORT fmi3Instance LW_FMI3(fmi3InstantiateCoSimulation)(
     }
     if (event_mode || intermediate_count != 0) {
         lw_fmi_log(&host, LW_FMI_ERROR,
-                   "fmi3InstantiateCoSimulation: this unit has no event mode and no intermediate values");
+                   "fmi3InstantiateCoSimulation: this unit does not support event mode or intermediate values");
         return NULL;
     }
-    return lw_fmi_instantiate(&host, token, "fmi3InstantiateCoSimulation: the instantiation token");
+    return lw_fmi_instantiate(&host, token, "fmi3InstantiateCoSimulation");
 }
 
 LW_FMI_EXPORT fmi3Instance LW_FMI3(fmi3InstantiateModelExchange)(fmi3String name, fmi3String token, fmi3String resources,
@@ -115,7 +115,7 @@ LW_FMI_EXPORT fmi3Instance LW_FMI3(fmi3InstantiateModelExchange)(fmi3String name
     (void)resources;
     (void)visible;
     (void)logging;
-    lw_fmi_log(&host, LW_FMI_ERROR, "fmi3InstantiateModelExchange: this unit is for co-simulation only");
+    lw_fmi_log(&host, LW_FMI_ERROR, "fmi3InstantiateModelExchange: this unit supports only co-simulation");
     return NULL;
 }
 
@@ -135,7 +135,7 @@ LW_FMI_EXPORT fmi3Instance LW_FMI3(fmi3InstantiateScheduledExecution)(
     (void)update;
     (void)lock;
     (void)unlock;
-    lw_fmi_log(&host, LW_FMI_ERROR, "fmi3InstantiateScheduledExecution: this unit is for co-simulation only");
+    lw_fmi_log(&host, LW_FMI_ERROR, "fmi3InstantiateScheduledExecution: this unit supports only co-simulation");
     return NULL;
 }
 
@@ -160,7 +160,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3EnterInitializationMode)(fmi3Instance insta
     return (fmi3Status)lw_fmi_leave(&call);
 }
 
-/* From one phase of an instance's life to another. */
+/* Moves an instance from one phase to another. */
 static fmi3Status lw_fmi3_go(fmi3Instance instance, int from, int to, const char *function)
 {
     lw_fmi_call call;
@@ -193,7 +193,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3Reset)(fmi3Instance instance)
 
 #define LW_FMI3_SETTABLE (LW_FMI_INSTANTIATED | LW_FMI_INITIALIZING | LW_FMI_STEPPING)
 
-/* Whether all variables can be read. */
+/* Whether all variables exist and can be read as one of the types; rejects the call if not. */
 static int lw_fmi3_readable(lw_fmi_call *call, const fmi3ValueReference *references, size_t count, const void *values,
                             size_t room, unsigned types)
 {
@@ -217,7 +217,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3GetFloat64)(fmi3Instance instance, const fm
     return (fmi3Status)lw_fmi_leave(&call);
 }
 
-/* All values are looked at before the first is set, so that a refused call changes nothing. */
+/* Checks all values before the first is set, so that a rejected call changes nothing. */
 LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetFloat64)(fmi3Instance instance, const fmi3ValueReference references[],
                                                  size_t count, const fmi3Float64 values[], size_t room)
 {
@@ -228,7 +228,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetFloat64)(fmi3Instance instance, const fm
         lw_fmi_value value = { 0.0, 0 };
         while (good < count) {
             value.real = values[good];
-            if (!lw_fmi_may_set(&call, references[good], value)) {
+            if (!lw_fmi_can_set(&call, references[good], value)) {
                 break;
             }
             good++;
@@ -241,7 +241,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetFloat64)(fmi3Instance instance, const fm
     return (fmi3Status)lw_fmi_leave(&call);
 }
 
-/* The three types of whole numbers differ in nothing but their width. */
+/* The three integer types differ only in their width. */
 #define LW_FMI3_WHOLE(Name, Type, kinds)                                                                                   \
     LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3Get##Name)(fmi3Instance instance, const fmi3ValueReference references[],          \
                                                     size_t count, Type values[], size_t room)                              \
@@ -250,7 +250,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetFloat64)(fmi3Instance instance, const fm
         if (lw_fmi_enter(&call, instance, LW_FMI_ANY, "fmi3Get" #Name)                                                     \
             && lw_fmi3_readable(&call, references, count, values, room, kinds)) {                                          \
             for (size_t i = 0; i < count; i++) {                                                                           \
-                values[i] = (Type)lw_fmi_shown(references[i], lw_fmi_read(&call, references[i]).whole);                    \
+                values[i] = (Type)lw_fmi_to_host(references[i], lw_fmi_read(&call, references[i]).whole);                    \
             }                                                                                                              \
         }                                                                                                                  \
         return (fmi3Status)lw_fmi_leave(&call);                                                                            \
@@ -264,14 +264,14 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3SetFloat64)(fmi3Instance instance, const fm
             size_t good = 0;                                                                                               \
             lw_fmi_value value = { 0.0, 0 };                                                                               \
             while (good < count) {                                                                                         \
-                value.whole = lw_fmi_counted(references[good], values[good]);                                              \
-                if (!lw_fmi_may_set(&call, references[good], value)) {                                                     \
+                value.whole = lw_fmi_from_host(references[good], values[good]);                                              \
+                if (!lw_fmi_can_set(&call, references[good], value)) {                                                     \
                     break;                                                                                                 \
                 }                                                                                                          \
                 good++;                                                                                                    \
             }                                                                                                              \
             for (size_t i = 0; i < count && good == count; i++) {                                                          \
-                value.whole = lw_fmi_counted(references[i], values[i]);                                                    \
+                value.whole = lw_fmi_from_host(references[i], values[i]);                                                    \
                 lw_fmi_write(&call, references[i], value);                                                                 \
             }                                                                                                              \
         }                                                                                                                  \
@@ -282,7 +282,7 @@ LW_FMI3_WHOLE(Int32, int32_t, 1U << LW_FMI_INTEGER)
 LW_FMI3_WHOLE(Int64, int64_t, (1U << LW_FMI_LONG) | (1U << LW_FMI_ENUMERATION))
 LW_FMI3_WHOLE(Boolean, fmi3Boolean, 1U << LW_FMI_BOOLEAN)
 
-/* There are no variables of this type: only an empty list is in order. */
+/* No variable has this type: only an empty list is valid. */
 static fmi3Status lw_fmi3_none(fmi3Instance instance, size_t count, const fmi3ValueReference *references,
                                const char *function)
 {
@@ -432,7 +432,7 @@ LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3DoStep)(fmi3Instance instance, fmi3Float64 
     return (fmi3Status)lw_fmi_leave(&call);
 }
 
-/* ---- What the unit does not offer ------------------------------------------------------------ */
+/* ---- Unsupported functions ------------------------------------------------------------------- */
 
 LW_FMI_EXPORT fmi3Status LW_FMI3(fmi3EnterEventMode)(fmi3Instance instance)
 {

@@ -1,11 +1,11 @@
-/* A complete host for a station library, in plain C: loads it, runs one operation, makes one step,
- * lets go.
+/* A complete host for a station library, in plain C: loads it, runs one operation, and destroys the
+ * instance.
  *
  *     cc -std=c99 host.c -o host          (older systems: add -ldl)
  *     ./host ./assembly_cell.so 0 90 1    operation 0 with the properties 90 and 1
  *
- * Its last line is HOST PASSED when everything went well; a failure of the machine is printed with
- * its code and text. */
+ * The last line of its output is HOST PASSED if everything succeeded; an error of the machine is
+ * printed with its code and text. */
 #if !defined(_WIN32) && !defined(_POSIX_C_SOURCE)
 #define _POSIX_C_SOURCE 200809L
 #endif
@@ -21,10 +21,10 @@
 #include <dlfcn.h>
 #endif
 
-#define MOST_PROPERTIES 256
+#define MAX_PROPERTIES 256
 
-/* A function pointer of the library, copied into `function`; ends the program when there is none.
- */
+/* Copies a pointer to a function of the library into `function`; ends the program if the library
+ * does not export the function. */
 static void find(void *library, const char *name, void *function, size_t size)
 {
 #if defined(_WIN32)
@@ -47,7 +47,7 @@ int main(int argc, char **argv)
     int32_t (*simulate)(lw_handle, int32_t, double *, size_t, lw_service *);
     int32_t (*last_error)(lw_handle, char *, size_t);
     const char *(*describe)(void);
-    double properties[MOST_PROPERTIES];
+    double properties[MAX_PROPERTIES];
     lw_service service = {0.0, 0.0, 0};
     char text[1024];
     int count;
@@ -74,7 +74,7 @@ int main(int argc, char **argv)
 
     printf("%s\n", describe());
     count = argc - 3;
-    if (count != property_count() || count > MOST_PROPERTIES) {
+    if (count != property_count() || count > MAX_PROPERTIES) {
         fprintf(stderr, "host: the machine has %d properties\n", (int)property_count());
         return 2;
     }
@@ -99,7 +99,7 @@ int main(int argc, char **argv)
         printf("property %d: %.6g\n", i, properties[i]);
     }
     if (destroy(handle) != LW_OK || destroy(handle) != LW_ERROR_HANDLE) {
-        fprintf(stderr, "host: the handle should have been valid once\n");
+        fprintf(stderr, "host: the handle must be valid until it is destroyed, and invalid afterwards\n");
         return 1;
     }
     printf("HOST PASSED\n");

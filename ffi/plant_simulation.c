@@ -1,42 +1,42 @@
 /* The Plant Simulation adapter: the exports that SimTalk's callLibrary calls.
  *
- * Each has the signature `void name(UF_Value *ret, UF_Value *arg)` (Spellini et al. 2021, Listing
- * 1). No count of arguments is passed, so the arity of every export is fixed, and the tag of each
- * argument is checked. Only scalars pass: SimTalk reads the part's attributes, calls `simulate`
- * with them, and writes the results back. The layout of the structure is that of a profile:
- * `uf_value.h`.
+ * Each export has the signature `void name(UF_Value *ret, UF_Value *arg)` (Spellini et al. 2021,
+ * Listing 1). The host does not pass the number of arguments, so every export has a fixed number of
+ * arguments and checks the tag of each one. Arguments and results are scalars: SimTalk reads the
+ * part's attributes, calls `simulate` with them, and writes the results back. A profile defines the
+ * layout of the structure: see `uf_value.h`.
  *
  *     instantiate()                          integer: a handle above 0, or a negative code
  *     simulate(handle, operation, values...) real: the duration in seconds, 0 or more; or a negative code. `operation` is an
  *                                            index from 0 or a name; `values` are all of the machine's properties in the
  *                                            order of `station_describe`, real or integer
  *     get_real(handle, name)                 real: a result as a number; integer: a negative code
- *     get_integer(handle, name)              integer: a result that is a whole number, or a negative code. Where results are below
- *                                            0 themselves, get_real tells the two apart
- *     get_string(handle, name)               string: a result in words; integer: a negative code
+ *     get_integer(handle, name)              integer: an integer result, or a negative code. If a result itself can be negative,
+ *                                            use get_real to distinguish it from a code
+ *     get_string(handle, name)               string: a result as text; integer: a negative code
  *
- *         "verdict"          0 or the code of the last operation; in words `ok`, or what was wrong (`assumption`)
- *         "rule"             in words only: the rule that was broken, `turn_a: gripped`
- *         "time", "energy"   of the last operation that ended, in s and J; "seconds" and "joules" are the same
- *         "steps"            of its controller
- *         a property's name  after that operation; "property.steps" where names clash. In words: its label
+ *         "verdict"          0 or the error code of the last operation; as text `ok`, or the kind of error (`assumption`)
+ *         "rule"             text only: the name of the broken rule, `turn_a: gripped`
+ *         "time", "energy"   duration in s and energy in J of the last completed operation; also "seconds" and "joules"
+ *         "steps"            number of its controller steps
+ *         a property's name  value after that operation; "property.steps" if names clash. As text: its label
  *         "output.NAME"      an output or internal variable after the last step, `output.turn_a.angle`
  *
  *     reset(handle)                          integer: 0 or a negative code
  *     deinstantiate(handle)                  integer: 0 or a negative code
- *     last_error(handle)                     string: the instance's last error; for a handle that is not valid (0, say) that
- *                                            of the library
+ *     last_error(handle)                     string: the instance's last error; for an invalid handle such as 0, the last
+ *                                            error of the library
  *     station_describe()                     string: static JSON
  *
- * A string that is returned belongs to the library, since who owns it and when it is copied is not
- * known of the host. Each instance has room for one, which stays as it is until the next string
- * that is returned for that instance. Several threads that read texts of one instance use
- * lw_last_error, which copies. What is returned without a valid handle never changes, so that
- * threads may read it as they like.
+ * The library owns every string that it returns, because it is unknown whether and when the host
+ * copies strings. Each instance has one string buffer, whose content stays valid until the next
+ * string is returned for that instance. If several threads read texts of one instance, they must
+ * use lw_last_error, which copies the text. Strings that are returned without a valid handle never
+ * change, so any thread can read them at any time.
  *
  * The codes are those of station.h. Listing 2 of the paper loads and frees the library at every
- * entry, which loses all state: load it once, when the model starts, and make one instance for each
- * station. */
+ * entry, which loses all state: load it once, when the model starts, and create one instance for
+ * each station. */
 #include "uf_value.h"
 
 static void lw_give_integer(UF_Value *ret, int32_t value)
@@ -53,7 +53,7 @@ static void lw_give_real(UF_Value *ret, double value)
     }
 }
 
-/* `value` is in the profile's encoding. */
+/* Returns a string; `value` is in the profile's encoding. */
 static void lw_give_string(UF_Value *ret, const void *value)
 {
     if (ret != NULL) {
@@ -61,15 +61,15 @@ static void lw_give_string(UF_Value *ret, const void *value)
     }
 }
 
-/* Whether the first argument can be a handle. Where integers are too narrow for one, it comes as a
- * real number. */
+/* Whether the first argument can be a handle: an integer, or a real number if the profile's
+ * integers are too narrow for a handle. */
 static int lw_is_handle(const UF_Value *arg)
 {
     enum lw_uf_kind kind = arg == NULL ? LW_UF_OTHER : lw_uf_kind_of(&arg[0]);
     return kind == LW_UF_IS_INTEGER || (kind == LW_UF_IS_REAL && sizeof(LW_UF_INTEGER) < sizeof(lw_handle));
 }
 
-/* The handle of the first argument; 0 where its number cannot be one. */
+/* Returns the handle in the first argument; 0 if the number is out of range. */
 static lw_handle lw_handle_of(const UF_Value *arg)
 {
     double number = 0.0;
@@ -77,15 +77,15 @@ static lw_handle lw_handle_of(const UF_Value *arg)
     return number > 0.0 && number <= (double)INT32_MAX ? (lw_handle)number : 0;
 }
 
-/* The instance of the first argument, locked; or null and a code. */
-static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
+/* Locks and returns the instance of the first argument; null and an error code if there is none. */
+static lw_slot *lw_instance_argument(const UF_Value *arg, int32_t *code)
 {
     lw_slot *slot;
     if (!lw_is_handle(arg)) {
-        *code = lw_fail_alone(LW_ERROR_ARGUMENT, LW_ALONE_KIND);
+        *code = lw_fail_library(LW_ERROR_ARGUMENT, LW_LIBRARY_ARGUMENT);
         return NULL;
     }
-    slot = lw_enter(lw_handle_of(arg));
+    slot = lw_require_instance(lw_handle_of(arg));
     *code = slot == NULL ? LW_ERROR_HANDLE : LW_OK;
     return slot;
 }
@@ -93,7 +93,7 @@ static lw_slot *lw_enter_value(const UF_Value *arg, int32_t *code)
 LW_EXPORT void instantiate(UF_Value *ret, UF_Value *arg)
 {
     (void)arg;
-    /* An instance whose handle nobody gets could never be ended. */
+    /* Without a place for its handle, an instance could never be destroyed. */
     if (ret != NULL) {
         lw_give_integer(ret, lw_create());
     }
@@ -102,7 +102,7 @@ LW_EXPORT void instantiate(UF_Value *ret, UF_Value *arg)
 LW_EXPORT void deinstantiate(UF_Value *ret, UF_Value *arg)
 {
     int32_t code;
-    lw_slot *slot = lw_enter_value(arg, &code);
+    lw_slot *slot = lw_instance_argument(arg, &code);
     if (slot != NULL) {
         lw_lock_give(&slot->lock);
         code = lw_destroy(lw_handle_of(arg));
@@ -113,7 +113,7 @@ LW_EXPORT void deinstantiate(UF_Value *ret, UF_Value *arg)
 LW_EXPORT void reset(UF_Value *ret, UF_Value *arg)
 {
     int32_t code;
-    lw_slot *slot = lw_enter_value(arg, &code);
+    lw_slot *slot = lw_instance_argument(arg, &code);
     if (slot != NULL) {
         memset(&slot->state, 0, sizeof slot->state);
         lw_lock_give(&slot->lock);
@@ -121,11 +121,11 @@ LW_EXPORT void reset(UF_Value *ret, UF_Value *arg)
     lw_give_integer(ret, code);
 }
 
-/* The text that was last shown for each instance, in the host's encoding. */
+/* The last string that was returned for each instance, in the host's encoding. */
 #define LW_SHOWN_SIZE 512
 static lw_uf_unit lw_shown[LW_SLOTS][LW_SHOWN_SIZE];
 
-/* Shows a text, cut where it is too long, for an instance. The caller holds its lock. */
+/* Returns a string for an instance, cut if it is too long. The caller holds the instance's lock. */
 static void lw_show(UF_Value *ret, const lw_slot *slot, const char *text)
 {
     lw_uf_unit *place = lw_shown[slot - lw_slots];
@@ -133,32 +133,34 @@ static void lw_show(UF_Value *ret, const lw_slot *slot, const char *text)
     lw_give_string(ret, place);
 }
 
-/* The texts about calls without an instance. Each is written once, before it is first shown. */
-static lw_uf_unit lw_shown_alone[LW_ALONE_COUNT][LW_SHOWN_SIZE];
+/* The texts about calls without a valid handle. Each is encoded once, before it is first
+ * returned. */
+static lw_uf_unit lw_shown_library[LW_LIBRARY_ERRORS][LW_SHOWN_SIZE];
 
-/* Shows the last of them. The caller holds the table's lock. */
-static void lw_show_alone(UF_Value *ret)
+/* Returns the text about the last call without a valid handle. The caller holds the table's
+ * lock. */
+static void lw_show_library(UF_Value *ret)
 {
-    lw_uf_unit *place = lw_shown_alone[lw_last_alone];
-    if (place[0] == 0 && lw_last_alone != LW_ALONE_FINE) {
-        lw_uf_encode(lw_alone_texts[lw_last_alone], place, LW_SHOWN_SIZE);
+    lw_uf_unit *place = lw_shown_library[lw_last_library_error];
+    if (place[0] == 0 && lw_last_library_error != LW_LIBRARY_OK) {
+        lw_uf_encode(lw_library_texts[lw_last_library_error], place, LW_SHOWN_SIZE);
     }
     lw_give_string(ret, place);
 }
 
-/* The text of the second argument, as UTF-8; 0 where it is none. */
+/* Reads the string in the second argument as UTF-8. Returns 0 if the argument is not a string. */
 static int lw_text_of(const UF_Value *arg, char *text)
 {
     const void *pointer = lw_uf_kind_of(&arg[1]) == LW_UF_IS_STRING ? lw_uf_pointer_of(&arg[1]) : NULL;
     if (pointer != NULL) {
-        /* One that is cut off is too long for any name. */
+        /* A string that has to be cut is longer than any name. */
         (void)lw_uf_decode(pointer, text, LW_TEXT_SIZE);
     }
     return pointer != NULL;
 }
 
-/* The operation of the second argument: its index, or a negative code. */
-static int32_t lw_which_operation(const UF_Value *arg, lw_error *error)
+/* Returns the index of the operation in the second argument, or a negative code. */
+static int32_t lw_operation_of(const UF_Value *arg, lw_error *error)
 {
     char name[LW_TEXT_SIZE];
     if (lw_uf_kind_of(&arg[1]) == LW_UF_IS_INTEGER) {
@@ -175,8 +177,8 @@ static int32_t lw_which_operation(const UF_Value *arg, lw_error *error)
             }
         }
         lw_fail(error, LW_ERROR_OPERATION, "there is no operation `");
-        lw_say_name(error, name);
-        lw_say(error, "`");
+        lw_append_name(error, name);
+        lw_append(error, "`");
         return LW_ERROR_OPERATION;
     }
     return lw_fail(error, LW_ERROR_ARGUMENT, "the operation must be an integer or a string");
@@ -187,12 +189,12 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     double properties[LW_PROPERTIES + 1];
     int32_t operation;
     int32_t code;
-    lw_slot *slot = lw_enter_value(arg, &code);
+    lw_slot *slot = lw_instance_argument(arg, &code);
     if (slot == NULL) {
         lw_give_real(ret, (double)code);
         return;
     }
-    operation = lw_which_operation(arg, &slot->error);
+    operation = lw_operation_of(arg, &slot->error);
     code = operation < 0 ? operation : LW_OK;
     for (int i = 0; i < LW_PROPERTIES && code == LW_OK; i++) {
         if (!lw_uf_number_of(&arg[2 + i], &properties[i])) {
@@ -208,12 +210,12 @@ LW_EXPORT void simulate(UF_Value *ret, UF_Value *arg)
     lw_lock_give(&slot->lock);
 }
 
-/* A result: its value, and what it is in words where that is more than a number. */
+/* A result as a number, and as text if the text is more than the number. */
 typedef struct lw_result {
     double value;
-    int whole;         /* a whole number of an int64_t, which is in `number` */
+    int whole;         /* whether it is an integer: then `number` holds it */
     int64_t number;
-    const char *words; /* or null */
+    const char *words; /* the text, or null */
 } lw_result;
 
 static const char *lw_label(const char *const *labels, int64_t number)
@@ -221,7 +223,7 @@ static const char *lw_label(const char *const *labels, int64_t number)
     return labels == NULL ? NULL : labels[number];
 }
 
-static lw_result lw_whole(int64_t number, const char *words)
+static lw_result lw_integer_result(int64_t number, const char *words)
 {
     lw_result result;
     result.value = (double)number;
@@ -231,31 +233,31 @@ static lw_result lw_whole(int64_t number, const char *words)
     return result;
 }
 
-static lw_result lw_measured(double value)
+static lw_result lw_real_result(double value)
 {
     lw_result result = {0.0, 0, 0, NULL};
     result.value = value;
     return result;
 }
 
-static const char *lw_verdict_words(int32_t verdict)
+static const char *lw_code_name(int32_t verdict)
 {
     static const char *const words[] = {"ok", "handle", "argument", "domain", "operation", "assumption", "guarantee", "limit", "memory",
                                         "internal", "order"};
     return verdict <= 0 && verdict >= LW_ERROR_ORDER ? words[-verdict] : "internal";
 }
 
-/* The result of a name. */
+/* Finds the result with this name. */
 static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result)
 {
     const char *property = strncmp(name, "property.", 9) == 0 ? name + 9 : name;
     if (strcmp(name, "verdict") == 0) {
-        *result = lw_whole(slot->verdict, lw_verdict_words(slot->verdict));
+        *result = lw_integer_result(slot->verdict, lw_code_name(slot->verdict));
         return LW_OK;
     }
     if (strcmp(name, "rule") == 0) {
         const char *rule = slot->verdict == LW_OK ? NULL : slot->error.rule;
-        *result = lw_whole(0, rule == NULL ? "" : rule);
+        *result = lw_integer_result(0, rule == NULL ? "" : rule);
         return LW_OK;
     }
     if (strncmp(name, "output.", 7) == 0) {
@@ -266,50 +268,51 @@ static int32_t lw_find_result(lw_slot *slot, const char *name, lw_result *result
                 if (!slot->state.started) {
                     return lw_fail(&slot->error, LW_ERROR_ARGUMENT, "no step has been made yet");
                 }
-                *result = lw_whole(number, lw_label(output->labels, number));
+                *result = lw_integer_result(number, lw_label(output->labels, number));
                 return LW_OK;
             }
         }
     }
-    if (!slot->ended) {
+    if (!slot->has_results) {
         return lw_fail(&slot->error, LW_ERROR_ARGUMENT, "no operation has ended yet");
     }
     if (strcmp(name, "time") == 0 || strcmp(name, "seconds") == 0) {
-        *result = lw_measured(slot->service.seconds);
+        *result = lw_real_result(slot->service.seconds);
         return LW_OK;
     }
     if (strcmp(name, "energy") == 0 || strcmp(name, "joules") == 0) {
-        *result = lw_measured(slot->service.joules);
+        *result = lw_real_result(slot->service.joules);
         return LW_OK;
     }
     if (strcmp(name, "steps") == 0) {
-        *result = lw_whole(slot->service.steps, NULL);
+        *result = lw_integer_result(slot->service.steps, NULL);
         return LW_OK;
     }
     for (int i = 0; i < LW_PROPERTIES; i++) {
         if (strcmp(property, lw_property_names[i]) == 0) {
             const lw_range *range = &lw_property_ranges[i];
             double value = slot->properties[i];
-            /* A property that no operation wrote is what the host gave, in its range or not. */
+            /* The host's value of a property that no operation wrote can be outside its range. */
             int inside = range->whole && value >= range->low && value <= range->high && floor(value) <= value
                          && floor(value) >= value;
-            *result = inside ? lw_whole((int64_t)value, lw_label(range->labels, (int64_t)value)) : lw_measured(value);
-            /* A zero keeps its sign. */
+            *result = inside ? lw_integer_result((int64_t)value, lw_label(range->labels, (int64_t)value)) : lw_real_result(value);
+            /* Keep the sign of a zero. */
             result->value = value;
             return LW_OK;
         }
     }
     lw_fail(&slot->error, LW_ERROR_ARGUMENT, "there is no result `");
-    lw_say_name(&slot->error, name);
-    lw_say(&slot->error, "`");
+    lw_append_name(&slot->error, name);
+    lw_append(&slot->error, "`");
     return LW_ERROR_ARGUMENT;
 }
 
-/* The result that the two arguments of a getter ask for; its instance, locked, or null. */
-static lw_slot *lw_get(const UF_Value *arg, lw_result *result, int32_t *code)
+/* Finds the result that the two arguments of a getter name. Locks and returns the instance; null if
+ * there is none. */
+static lw_slot *lw_get_result(const UF_Value *arg, lw_result *result, int32_t *code)
 {
     char name[LW_TEXT_SIZE];
-    lw_slot *slot = lw_enter_value(arg, code);
+    lw_slot *slot = lw_instance_argument(arg, code);
     if (slot == NULL) {
         return NULL;
     }
@@ -325,7 +328,7 @@ LW_EXPORT void get_real(UF_Value *ret, UF_Value *arg)
 {
     lw_result result;
     int32_t code;
-    lw_slot *slot = lw_get(arg, &result, &code);
+    lw_slot *slot = lw_get_result(arg, &result, &code);
     if (code == LW_OK) {
         lw_give_real(ret, result.value);
     } else {
@@ -340,11 +343,11 @@ LW_EXPORT void get_integer(UF_Value *ret, UF_Value *arg)
 {
     lw_result result;
     int32_t code;
-    lw_slot *slot = lw_get(arg, &result, &code);
+    lw_slot *slot = lw_get_result(arg, &result, &code);
     if (code == LW_OK && !result.whole) {
-        code = lw_fail(&slot->error, LW_ERROR_ARGUMENT, "the result is not a whole number: ask get_real for it");
+        code = lw_fail(&slot->error, LW_ERROR_ARGUMENT, "the result is not an integer: use get_real");
     } else if (code == LW_OK && (result.number < INT32_MIN || result.number > INT32_MAX)) {
-        code = lw_fail(&slot->error, LW_ERROR_DOMAIN, "the result does not fit 32 bits: ask get_real for it");
+        code = lw_fail(&slot->error, LW_ERROR_DOMAIN, "the result does not fit into 32 bits: use get_real");
     }
     lw_give_integer(ret, code == LW_OK ? (int32_t)result.number : code);
     if (slot != NULL) {
@@ -357,7 +360,7 @@ LW_EXPORT void get_string(UF_Value *ret, UF_Value *arg)
     lw_result result;
     lw_text text;
     int32_t code;
-    lw_slot *slot = lw_get(arg, &result, &code);
+    lw_slot *slot = lw_get_result(arg, &result, &code);
     if (code == LW_OK) {
         text.length = 0;
         text.text[0] = '\0';
@@ -382,14 +385,14 @@ LW_EXPORT void get_string(UF_Value *ret, UF_Value *arg)
 LW_EXPORT void last_error(UF_Value *ret, UF_Value *arg)
 {
     lw_text text;
-    lw_slot *slot = lw_is_handle(arg) ? lw_enter_quietly(lw_handle_of(arg)) : NULL;
+    lw_slot *slot = lw_is_handle(arg) ? lw_lock_instance(lw_handle_of(arg)) : NULL;
     if (slot == NULL) {
         lw_lock_take(&lw_table_lock);
-        lw_show_alone(ret);
+        lw_show_library(ret);
         lw_lock_give(&lw_table_lock);
         return;
     }
-    lw_put_into_words(&slot->error, &text);
+    lw_format_error(&slot->error, &text);
     lw_show(ret, slot, text.text);
     lw_lock_give(&slot->lock);
 }

@@ -1,22 +1,23 @@
-/* The probe: finds out how the host lays out a UF_Value, without touching a field of one.
+/* The probe: finds the host's layout of UF_Value without accessing a field of it.
  *
- * Each export has the signature `void name(UF_Value *ret, UF_Value *arg)` and is called by the
- * SimTalk text that comes with it, with values that are known here. It appends the raw bytes at
- * `arg` and `ret` to a dump, and what the addresses among them point to; `linewright doctor
- * --probe` reads the layout back from that. Nothing is written to `ret`: where would not be known.
- * In a second round the probe is built with the profile that was found; then it also returns values
- * (the lw_confirm_... exports), and gets them back as arguments.
+ * Each export has the signature `void name(UF_Value *ret, UF_Value *arg)`. The accompanying SimTalk
+ * method calls it with values that are known here. The export appends the raw bytes at `arg` and
+ * `ret` to a dump, and the bytes to which addresses among them point; `linewright doctor --probe`
+ * derives the layout from the dump. In the first round the probe writes nothing to `ret`, because
+ * its layout is unknown. In the second round the probe is built with the profile that was found;
+ * then it also returns values (the lw_confirm_... exports) and receives them back as arguments.
  *
- * How much can be read behind `arg` is not known, since no count of arguments is passed. So the
- * system is asked to copy the bytes, and refuses where there are none: on Windows
- * ReadProcessMemory, page by page and only where VirtualQuery says that a page may be read (a guard
- * page must not be touched); elsewhere write() into a pipe, which any sandbox allows. No more than
- * LW_PROBE_ARGUMENT bytes for each argument and one more are read.
+ * The host does not pass the number of arguments, so the number of readable bytes after `arg` is
+ * unknown. The probe therefore lets the system copy the bytes, which reports an error for
+ * unreadable memory: on Windows with ReadProcessMemory, page by page and only if VirtualQuery
+ * reports a readable page (a guard page must not be accessed); elsewhere with write() into a pipe,
+ * which every sandbox allows. The probe reads at most LW_PROBE_ARGUMENT bytes for each argument and
+ * for one more.
  *
- * The dump is the file that the environment variable LINEWRIGHT_PROBE_DUMP names, else
- * `....dump.txt` beside the library, else `linewright_probe.dump.txt` in the folder for temporary
- * files. Every call is appended as a whole and the file closed again, so what was written stays
- * when the host ends in the next call. The probe is not for several threads. */
+ * The dump is the file that the environment variable LINEWRIGHT_PROBE_DUMP names, else the path of
+ * the library with `.dump.txt` appended, else `linewright_probe.dump.txt` in the folder for
+ * temporary files. The probe appends each call as a whole and closes the file again, so the dump
+ * survives if the next call ends the host. The probe does not support several threads. */
 #if !defined(_WIN32) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE 1
 #endif
@@ -43,20 +44,20 @@
 #endif
 
 #if !defined(LW_PROBE_CALLS)
-#error "probe.c is included by an emitted file, after the list of its calls"
+#error "include probe.c from an emitted file, after the list of its calls"
 #endif
 
 #define LW_PROBE_PAGE 4096U
-#define LW_PROBE_ARGUMENT 64U /* no UF_Value is larger */
-#define LW_PROBE_MOST 512U
-#define LW_PROBE_TEXT 96U    /* bytes that are copied from where an address points */
-#define LW_PROBE_POINTERS 64 /* addresses that are followed in one call */
+#define LW_PROBE_ARGUMENT 64U /* maximum size of a UF_Value */
+#define LW_PROBE_MAX 512U
+#define LW_PROBE_TEXT 96U    /* maximum number of bytes copied from an address */
+#define LW_PROBE_POINTERS 64 /* maximum number of addresses followed in one call */
 
-/* ---- Reading what may not be there ----------------------------------------------------------- */
+/* ---- Reading memory that can be unreadable --------------------------------------------------- */
 
 #if defined(_WIN32)
 
-/* Copies up to `size` bytes within one page, and gives how many. */
+/* Copies up to `size` bytes within one page, and returns their number. */
 static size_t lw_probe_copy(uintptr_t from, unsigned char *to, size_t size)
 {
     MEMORY_BASIC_INFORMATION page;
@@ -97,7 +98,7 @@ static size_t lw_probe_copy(uintptr_t from, unsigned char *to, size_t size)
 
 #endif
 
-/* Copies up to `size` bytes, as far as they can be read. */
+/* Copies up to `size` bytes, until the first unreadable one, and returns their number. */
 static size_t lw_probe_read(uintptr_t from, unsigned char *to, size_t size)
 {
     size_t done = 0;
@@ -118,7 +119,7 @@ static size_t lw_probe_read(uintptr_t from, unsigned char *to, size_t size)
 static char lw_probe_block[32768];
 static size_t lw_probe_length;
 
-static void lw_probe_say(const char *text)
+static void lw_probe_append(const char *text)
 {
     size_t length = strlen(text);
     if (lw_probe_length + length < sizeof lw_probe_block) {
@@ -127,7 +128,7 @@ static void lw_probe_say(const char *text)
     }
 }
 
-static void lw_probe_number(size_t number)
+static void lw_probe_append_number(size_t number)
 {
     char digits[24];
     size_t at = sizeof digits - 1;
@@ -136,17 +137,17 @@ static void lw_probe_number(size_t number)
         digits[--at] = (char)('0' + number % 10U);
         number /= 10U;
     } while (number > 0);
-    lw_probe_say(digits + at);
+    lw_probe_append(digits + at);
 }
 
-static void lw_probe_hex(const unsigned char *bytes, size_t size)
+static void lw_probe_append_hex(const unsigned char *bytes, size_t size)
 {
     static const char digits[] = "0123456789abcdef";
     char pair[3] = {0, 0, 0};
     for (size_t i = 0; i < size; i++) {
         pair[0] = digits[bytes[i] >> 4];
         pair[1] = digits[bytes[i] & 15];
-        lw_probe_say(pair);
+        lw_probe_append(pair);
     }
 }
 
@@ -209,7 +210,7 @@ static FILE *lw_probe_open(void)
 
 #endif
 
-/* What a session begins with. */
+/* Header of a session in the dump. */
 #if defined(_WIN32)
 #define LW_PROBE_PLATFORM "windows"
 #else
@@ -226,7 +227,7 @@ static void lw_probe_flush(void)
     static int begun;
     FILE *file = lw_probe_open();
     if (file != NULL) {
-        /* Once in the library's life, and again where the dump was taken away. */
+        /* Write the header once after the library is loaded, and again if the dump was removed. */
         if (fseek(file, 0, SEEK_END) != 0 || ftell(file) == 0 || !begun) {
             (void)fprintf(file, "linewright-probe 1\nplatform %s\npointers %u\n%s", LW_PROBE_PLATFORM,
                           (unsigned)(8U * sizeof(void *)), LW_PROBE_HEADING);
@@ -238,22 +239,22 @@ static void lw_probe_flush(void)
     lw_probe_length = 0;
 }
 
-/* The bytes at an address of the host, as one line. */
+/* Appends the bytes at an address of the host as one line. */
 static size_t lw_probe_bytes(const char *what, const void *from, unsigned char *bytes, size_t size)
 {
     size_t length = from == NULL ? 0 : lw_probe_read((uintptr_t)from, bytes, size);
-    lw_probe_say(what);
-    lw_probe_say(" ");
+    lw_probe_append(what);
+    lw_probe_append(" ");
     if (from == NULL) {
-        lw_probe_say("null");
+        lw_probe_append("null");
     } else {
-        lw_probe_hex(bytes, length);
+        lw_probe_append_hex(bytes, length);
     }
-    lw_probe_say("\n");
+    lw_probe_append("\n");
     return length;
 }
 
-/* What the bytes point to, wherever 8 of them could be an address. */
+/* Appends the bytes at every address that `bytes` contain, at any offset. */
 static void lw_probe_follow(const unsigned char *bytes, size_t length)
 {
     unsigned char text[LW_PROBE_TEXT];
@@ -268,31 +269,31 @@ static void lw_probe_follow(const unsigned char *bytes, size_t length)
         size = lw_probe_read(address, text, sizeof text);
         if (size > 0) {
             followed++;
-            lw_probe_say("points ");
-            lw_probe_number(at);
-            lw_probe_say(" ");
-            lw_probe_hex(text, size);
-            lw_probe_say("\n");
+            lw_probe_append("points ");
+            lw_probe_append_number(at);
+            lw_probe_append(" ");
+            lw_probe_append_hex(text, size);
+            lw_probe_append("\n");
         }
     }
 }
 
 static void lw_probe_record(const char *name, const char *expects, size_t count, const void *ret, const void *arg)
 {
-    unsigned char bytes[LW_PROBE_MOST];
+    unsigned char bytes[LW_PROBE_MAX];
     size_t wanted = LW_PROBE_ARGUMENT * (count + 1U);
     size_t length;
-    lw_probe_say("call ");
-    lw_probe_say(name);
-    lw_probe_say("\nexpects");
-    lw_probe_say(expects);
-    lw_probe_say("\n");
+    lw_probe_append("call ");
+    lw_probe_append(name);
+    lw_probe_append("\nexpects");
+    lw_probe_append(expects);
+    lw_probe_append("\n");
     (void)lw_probe_bytes("ret", ret, bytes, LW_PROBE_ARGUMENT);
-    length = lw_probe_bytes("arg", arg, bytes, wanted < LW_PROBE_MOST ? wanted : LW_PROBE_MOST);
+    length = lw_probe_bytes("arg", arg, bytes, wanted < LW_PROBE_MAX ? wanted : LW_PROBE_MAX);
     lw_probe_follow(bytes, length);
-    lw_probe_say("end ");
-    lw_probe_say(name);
-    lw_probe_say("\n");
+    lw_probe_append("end ");
+    lw_probe_append(name);
+    lw_probe_append("\n");
     lw_probe_flush();
 }
 
@@ -305,7 +306,7 @@ static void lw_probe_record(const char *name, const char *expects, size_t count,
 
 LW_PROBE_CALLS(LW_PROBE_CALL)
 
-/* ---- The second round: what the host makes of values that are returned ----------------------- */
+/* ---- The second round: values that the probe returns to the host ----------------------------- */
 
 #if defined(LW_PROBE_PROFILE)
 

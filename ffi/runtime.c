@@ -1,8 +1,8 @@
 /* The runtime of a station library: its instances, and the exports of station.h.
  *
- * Instances live in a fixed array, so nothing is allocated and an old handle never points at freed
- * memory. The table's lock guards which places are taken; each place has a lock for its instance.
- */
+ * Instances live in a fixed array, so no memory is allocated and an old handle never points to
+ * freed memory. The table's lock guards which slots are in use; each slot has a lock for its
+ * instance. */
 #include "step.c"
 
 #if defined(_WIN32)
@@ -19,15 +19,15 @@ typedef SRWLOCK lw_lock;
 #define lw_set(at, value) ((void)InterlockedExchange((at), (value)))
 typedef volatile LONG lw_count;
 
-/* The finest clock there is, and the process. */
-static uint64_t lw_moment(void)
+/* A number that depends on the finest clock and on the process. */
+static uint64_t lw_entropy(void)
 {
     LARGE_INTEGER ticks;
     FILETIME now;
     QueryPerformanceCounter(&ticks);
     GetSystemTimeAsFileTime(&now);
-    /* Both may tick alike: their sum changes with them, which the difference of their bits need
-     * not. */
+    /* The two clocks can advance in step: their sum then still changes, but the exclusive or of
+     * their bits might not. */
     return (uint64_t)ticks.QuadPart + ((uint64_t)now.dwHighDateTime << 32 | now.dwLowDateTime)
            + ((uint64_t)GetCurrentProcessId() << 44);
 }
@@ -44,8 +44,9 @@ typedef pthread_mutex_t lw_lock;
 #define lw_set(at, value) __atomic_store_n((at), (value), __ATOMIC_RELEASE)
 typedef int lw_count;
 
-/* The time in microseconds, in which no library is unloaded and loaded again, and the process. */
-static uint64_t lw_moment(void)
+/* A number that depends on the time in microseconds (reloading a library takes longer) and on the
+ * process. */
+static uint64_t lw_entropy(void)
 {
     struct timeval now = {0, 0};
     (void)gettimeofday(&now, NULL);
@@ -53,7 +54,7 @@ static uint64_t lw_moment(void)
 }
 #endif
 
-/* For the tests: a library without locks, which a thread sanitizer must complain about. */
+/* For the tests: a library without locks, in which a thread sanitizer must find data races. */
 #ifdef LW_NO_LOCKS
 #undef lw_lock_take
 #undef lw_lock_give
@@ -63,11 +64,11 @@ static uint64_t lw_moment(void)
 
 /* ---- Instances ------------------------------------------------------------------------------- */
 
-/* A handle: 10 bits of the machine's mark, 11 bits of generation, 10 bits of place. A place whose
- * generations are used up is not given again. A model that was saved with handles of another
- * process, or that has kept those of a library that was unloaded since, must not end instances with
- * them. So both begin somewhere else each time that the library is loaded: of two million handles
- * that an instance may get, it is one that it had before by chance alone. */
+/* A handle consists of 10 bits of the machine's mark, 11 bits of generation and 10 bits of place. A
+ * place whose generations are used up is not reused. A model can hold handles that were saved in
+ * another process, or before the library was reloaded; such a handle must not reach an instance.
+ * Generation and place therefore begin at other numbers each time the library is loaded: an old
+ * handle equals that of a given new instance with a probability of one in two million. */
 #define LW_SLOTS 1024
 #define LW_GENERATIONS 2047
 
@@ -75,35 +76,35 @@ typedef struct lw_slot {
     lw_lock lock;
     int live;
     int32_t generation;
-    int32_t verdict; /* of the last step or operation: 0 or the code of its error */
-    int ended;       /* an operation has ended: the two after the state hold its results */
-    lw_rest state;
+    int32_t verdict; /* result of the last step or operation: 0 or an error code */
+    int has_results; /* whether `service` and `properties` hold the results of an operation */
+    lw_stored_state state;
     lw_service service;
     double properties[LW_PROPERTIES + 1];
     lw_error error;
 } lw_slot;
 
 static lw_slot lw_slots[LW_SLOTS];
-/* How many places have a lock. It only grows, and a place is ready before it is counted. */
+/* Number of slots that have a lock. It only grows, and a slot is initialized before it is
+ * counted. */
 static lw_count lw_slots_used;
 static lw_lock lw_table_lock = LW_LOCK_INITIALIZER;
-/* Where this process begins; the generation is 0 until the first instance. */
+/* First generation and place of handles; the generation is 0 until the first instance. */
 static int32_t lw_first_generation;
 static int lw_first_place;
 
-/* What can be wrong with a call that has no instance. Each text is a constant, so that one that was
- * given to a host stays as it is. */
-enum lw_alone { LW_ALONE_FINE, LW_ALONE_HANDLE, LW_ALONE_KIND, LW_ALONE_ROOM, LW_ALONE_COUNT };
-static const char *const lw_alone_texts[LW_ALONE_COUNT] = {
+/* Errors of calls without a valid handle. Each text is a constant, so a text that was passed to a
+ * host never changes. */
+enum lw_library_error { LW_LIBRARY_OK, LW_LIBRARY_HANDLE, LW_LIBRARY_ARGUMENT, LW_LIBRARY_FULL, LW_LIBRARY_ERRORS };
+static const char *const lw_library_texts[LW_LIBRARY_ERRORS] = {
     "",
-    "the handle was never given by this library, or its instance has been destroyed",
+    "the handle was never issued by this library, or its instance was destroyed",
     "the handle must be an integer",
-    "there is no free place for an instance",
+    "all slots for instances are in use",
 };
-static enum lw_alone lw_last_alone;
+static enum lw_library_error lw_last_library_error;
 
-/* Bits that depend on all bits of a number: the finalizer of SplitMix64 (Steele, Lea and Flood
- * 2014). */
+/* Mixes the bits of a number: the finalizer of SplitMix64 (Steele, Lea and Flood 2014). */
 static uint64_t lw_mix(uint64_t number)
 {
     number += UINT64_C(0x9E3779B97F4A7C15);
@@ -112,30 +113,30 @@ static uint64_t lw_mix(uint64_t number)
     return number ^ number >> 31;
 }
 
-/* Chooses where handles begin. The addresses differ from process to process where a system lays
- * memory out at random. */
+/* Chooses the first place and generation. On systems that randomize the memory layout, the
+ * addresses differ between processes. */
 static void lw_begin_handles(void)
 {
-    uint64_t chosen = lw_mix(lw_moment());
+    uint64_t chosen = lw_mix(lw_entropy());
     chosen = lw_mix(chosen ^ (uint64_t)(uintptr_t)lw_slots ^ (uint64_t)(uintptr_t)&chosen << 20);
     lw_first_place = (int)(chosen % LW_SLOTS);
     lw_first_generation = (int32_t)(chosen / LW_SLOTS % LW_GENERATIONS) + 1;
 }
 
-/* The generation after another, and the one before the first: a place is used up when it comes to
- * that one. */
-static int32_t lw_after(int32_t generation)
+/* The generation that follows another one. */
+static int32_t lw_next_generation(int32_t generation)
 {
     return generation % LW_GENERATIONS + 1;
 }
 
+/* The generation before the first one: a place that reaches it is used up. */
 static int32_t lw_last_generation(void)
 {
     return lw_first_generation == 1 ? LW_GENERATIONS : lw_first_generation - 1;
 }
 
-/* The state of an instance, to work with. */
-static void lw_wake(const lw_slot *slot, lw_state *state)
+/* Expands the stored state of an instance for computations. */
+static void lw_load_state(const lw_slot *slot, lw_state *state)
 {
     state->started = slot->state.started;
     for (int c = 0; c < LW_COMPONENTS; c++) {
@@ -146,8 +147,8 @@ static void lw_wake(const lw_slot *slot, lw_state *state)
     }
 }
 
-/* Puts it back. */
-static void lw_lay_down(lw_slot *slot, const lw_state *state)
+/* Stores the state of an instance in compact form. */
+static void lw_store_state(lw_slot *slot, const lw_state *state)
 {
     slot->state.started = state->started;
     for (int c = 0; c < LW_COMPONENTS; c++) {
@@ -158,24 +159,24 @@ static void lw_lay_down(lw_slot *slot, const lw_state *state)
     }
 }
 
-/* An error of a call that has no instance. */
-static int32_t lw_fail_alone(int32_t code, enum lw_alone what)
+/* Records an error of a call without a valid handle, and returns its code. */
+static int32_t lw_fail_library(int32_t code, enum lw_library_error what)
 {
     lw_lock_take(&lw_table_lock);
-    lw_last_alone = what;
+    lw_last_library_error = what;
     lw_lock_give(&lw_table_lock);
     return code;
 }
 
-/* Whether a handle may be one of this library's, and the place in its array then. Places are used
- * from the first one on. */
-static int lw_is_ours(lw_handle handle, int *place)
+/* Decodes a handle into the index of its slot. Returns 0 if it cannot be a handle of this library.
+ * Slots are used in ascending order. */
+static int lw_decode_handle(lw_handle handle, int *place)
 {
     int used;
     if (handle <= 0 || (handle >> 21) != LW_HANDLE_MARK) {
         return 0;
     }
-    /* The first place is chosen before any is counted. */
+    /* The first place is chosen before the first slot is counted. */
     used = (int)lw_read(&lw_slots_used);
     if (used == 0) {
         return 0;
@@ -184,11 +185,11 @@ static int lw_is_ours(lw_handle handle, int *place)
     return *place < used;
 }
 
-/* The instance of a handle, locked; or null. */
-static lw_slot *lw_enter_quietly(lw_handle handle)
+/* Locks and returns the instance of a handle; null if there is none. */
+static lw_slot *lw_lock_instance(lw_handle handle)
 {
     int place;
-    if (lw_is_ours(handle, &place)) {
+    if (lw_decode_handle(handle, &place)) {
         lw_slot *slot = &lw_slots[place];
         lw_lock_take(&slot->lock);
         if (slot->live && slot->generation == ((handle >> 10) & LW_GENERATIONS)) {
@@ -199,12 +200,12 @@ static lw_slot *lw_enter_quietly(lw_handle handle)
     return NULL;
 }
 
-/* The same, and the library's own error says why there is none. */
-static lw_slot *lw_enter(lw_handle handle)
+/* Does the same, and records the library's error if there is no instance. */
+static lw_slot *lw_require_instance(lw_handle handle)
 {
-    lw_slot *slot = lw_enter_quietly(handle);
+    lw_slot *slot = lw_lock_instance(handle);
     if (slot == NULL) {
-        lw_fail_alone(LW_ERROR_HANDLE, LW_ALONE_HANDLE);
+        lw_fail_library(LW_ERROR_HANDLE, LW_LIBRARY_HANDLE);
     }
     return slot;
 }
@@ -250,7 +251,7 @@ lw_handle lw_create(void)
         place++;
     }
     if (place == LW_SLOTS) {
-        lw_last_alone = LW_ALONE_ROOM;
+        lw_last_library_error = LW_LIBRARY_FULL;
         lw_lock_give(&lw_table_lock);
         return LW_ERROR_MEMORY;
     }
@@ -265,10 +266,10 @@ lw_handle lw_create(void)
     }
     lw_lock_take(&slot->lock);
     slot->live = 1;
-    slot->generation = lw_after(slot->generation);
+    slot->generation = lw_next_generation(slot->generation);
     memset(&slot->state, 0, sizeof slot->state);
     slot->verdict = LW_OK;
-    slot->ended = 0;
+    slot->has_results = 0;
     slot->error.pieces = 0;
     slot->error.rule = NULL;
     place = (place + lw_first_place) & (LW_SLOTS - 1);
@@ -280,11 +281,12 @@ lw_handle lw_create(void)
 
 int32_t lw_destroy(lw_handle handle)
 {
-    /* `live` is read by lw_create under the table's lock alone, so that one is taken first here. */
+    /* lw_create reads `live` under the table's lock alone, so this function takes that lock
+     * first. */
     int place;
     int32_t code = LW_ERROR_HANDLE;
     lw_lock_take(&lw_table_lock);
-    if (lw_is_ours(handle, &place)) {
+    if (lw_decode_handle(handle, &place)) {
         lw_slot *slot = &lw_slots[place];
         lw_lock_take(&slot->lock);
         if (slot->live && slot->generation == ((handle >> 10) & LW_GENERATIONS)) {
@@ -294,7 +296,7 @@ int32_t lw_destroy(lw_handle handle)
         lw_lock_give(&slot->lock);
     }
     if (code != LW_OK) {
-        lw_last_alone = LW_ALONE_HANDLE;
+        lw_last_library_error = LW_LIBRARY_HANDLE;
     }
     lw_lock_give(&lw_table_lock);
     return code;
@@ -302,7 +304,7 @@ int32_t lw_destroy(lw_handle handle)
 
 int32_t lw_reset(lw_handle handle)
 {
-    lw_slot *slot = lw_enter(handle);
+    lw_slot *slot = lw_require_instance(handle);
     if (slot == NULL) {
         return LW_ERROR_HANDLE;
     }
@@ -313,28 +315,28 @@ int32_t lw_reset(lw_handle handle)
 
 int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_count, int64_t *outputs, size_t output_count)
 {
-    lw_slot *slot = lw_enter(handle);
+    lw_slot *slot = lw_require_instance(handle);
     int32_t code;
     if (slot == NULL) {
         return LW_ERROR_HANDLE;
     }
     if (plant_count != (size_t)LW_PLANT || (plant == NULL && plant_count != 0)) {
         code = lw_fail(&slot->error, LW_ERROR_ARGUMENT,
-                       "the plant's values are missing, or are not as many as the machine's plant inputs");
+                       "the plant values are missing, or their number differs from the machine's number of plant inputs");
     } else if (output_count != (outputs == NULL ? 0U : (size_t)LW_OUTPUTS)) {
         code = lw_fail(&slot->error, LW_ERROR_ARGUMENT,
-                       "the room for outputs is not as large as the machine's outputs");
+                       "the size of the output array differs from the machine's number of outputs");
     } else {
         lw_state before;
         lw_state after;
         memset(&after, 0, sizeof after);
-        lw_wake(slot, &before);
+        lw_load_state(slot, &before);
         code = lw_check_plant(plant, &slot->error);
         if (code == LW_OK) {
             code = lw_advance(&before, plant, &after, &slot->error);
         }
         if (code == LW_OK) {
-            lw_lay_down(slot, &after);
+            lw_store_state(slot, &after);
             for (size_t i = 0; i < output_count; i++) {
                 outputs[i] = after.values[lw_output_table[i].value];
             }
@@ -345,20 +347,21 @@ int32_t lw_step(lw_handle handle, const int64_t *plant, size_t plant_count, int6
     return code;
 }
 
-/* Runs an operation and keeps its results in the instance. The caller holds the instance's lock. */
+/* Runs an operation and stores its results in the instance. The caller holds the instance's
+ * lock. */
 static int32_t lw_serve(lw_slot *slot, int32_t operation, const double *properties)
 {
     double after[LW_PROPERTIES + 1];
     lw_service service;
     lw_state state;
     int32_t code;
-    lw_wake(slot, &state);
+    lw_load_state(slot, &state);
     code = lw_perform(&state, operation, properties, after, &service, &slot->error);
     if (code == LW_OK || code == LW_ERROR_LIMIT) {
-        lw_lay_down(slot, &state);
+        lw_store_state(slot, &state);
     }
     if (code == LW_OK) {
-        slot->ended = 1;
+        slot->has_results = 1;
         slot->service = service;
         for (int i = 0; i < LW_PROPERTIES; i++) {
             slot->properties[i] = after[i];
@@ -370,14 +373,14 @@ static int32_t lw_serve(lw_slot *slot, int32_t operation, const double *properti
 
 int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, size_t property_count, lw_service *service)
 {
-    lw_slot *slot = lw_enter(handle);
+    lw_slot *slot = lw_require_instance(handle);
     int32_t code;
     if (slot == NULL) {
         return LW_ERROR_HANDLE;
     }
     if (property_count != (size_t)LW_PROPERTIES || (properties == NULL && property_count != 0)) {
         code = lw_fail(&slot->error, LW_ERROR_ARGUMENT,
-                       "the values are missing, or are not as many as the machine's properties");
+                       "the property values are missing, or their number differs from the machine's number of properties");
     } else {
         code = lw_serve(slot, operation, properties);
         if (code == LW_OK) {
@@ -394,22 +397,22 @@ int32_t lw_simulate(lw_handle handle, int32_t operation, double *properties, siz
     return code;
 }
 
-/* Which of the two texts of an error is wanted. */
+/* Copies the text of an error, or the name of its rule if `rule` is not 0. */
 static int32_t lw_read_error(lw_handle handle, int rule, char *text, size_t size)
 {
     lw_text words;
-    lw_slot *slot = lw_enter_quietly(handle);
+    lw_slot *slot = lw_lock_instance(handle);
     if (slot == NULL) {
         lw_lock_take(&lw_table_lock);
     }
     words.length = 0;
     words.text[0] = '\0';
     if (slot == NULL) {
-        lw_write(&words, rule ? "" : lw_alone_texts[lw_last_alone]);
+        lw_write(&words, rule ? "" : lw_library_texts[lw_last_library_error]);
     } else if (rule) {
         lw_write(&words, slot->error.rule == NULL ? "" : slot->error.rule);
     } else {
-        lw_put_into_words(&slot->error, &words);
+        lw_format_error(&slot->error, &words);
     }
     lw_lock_give(slot == NULL ? &lw_table_lock : &slot->lock);
     if (text != NULL && size > 0) {

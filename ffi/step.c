@@ -1,11 +1,11 @@
-/* What a machine does: one step, one operation, and what is said when something is wrong.
+/* Steps and operations of a machine, and the texts of its errors.
  *
  * Included at the end of a generated machine file, whose tables it interprets:
  * `lw_component_table`, `lw_plant_table`, `lw_operation_table`, `lw_justice_table`,
- * `lw_property_names`, `lw_property_ranges`, `machine_done` and `machine_write`. What a step and an
- * operation mean, and in which order things are checked, is written down in
- * `crates/station/src/interpret.rs`; the two are tested against each other. Nothing here knows of
- * instances, threads or the platform. */
+ * `lw_property_names`, `lw_property_ranges`, `machine_done` and `machine_write`. The semantics of a
+ * step and an operation, and the order of the checks, are documented in
+ * `crates/station/src/interpret.rs`; the two are tested against each other. This file does not
+ * depend on instances, threads or the platform. */
 #include "machine.h"
 
 #include <string.h>
@@ -16,24 +16,23 @@
 #define LW_PIECES 8
 #define LW_NAME_SIZE 64
 
-/* An error is put into words when it is asked for. Until then it is a list of texts that the
- * library has anyway, with at most one integer, one real number and one name of the host's among
- * them. */
+/* An error: a list of text constants, with at most one integer, one real number and one name from
+ * the host among them. The list becomes one text only when a host reads the error. */
 typedef struct lw_error {
     int pieces;
     const char *piece[LW_PIECES];
     int64_t integer;
     double real;
     char name[LW_NAME_SIZE];
-    const char *rule; /* the rule that was broken, or null */
+    const char *rule; /* name of the broken rule, or null */
 } lw_error;
 
-/* These stand for the values. */
-static const char lw_the_integer[] = "(integer)";
-static const char lw_the_real[] = "(real)";
-static const char lw_the_name[] = "(name)";
+/* Placeholders among the pieces, recognized by their addresses. */
+static const char lw_integer_slot[] = "(integer)";
+static const char lw_real_slot[] = "(real)";
+static const char lw_name_slot[] = "(name)";
 
-static void lw_say(lw_error *error, const char *text)
+static void lw_append(lw_error *error, const char *text)
 {
     if (error->pieces < LW_PIECES) {
         error->piece[error->pieces] = text;
@@ -41,20 +40,20 @@ static void lw_say(lw_error *error, const char *text)
     }
 }
 
-static void lw_say_integer(lw_error *error, int64_t value)
+static void lw_append_integer(lw_error *error, int64_t value)
 {
     error->integer = value;
-    lw_say(error, lw_the_integer);
+    lw_append(error, lw_integer_slot);
 }
 
-static void lw_say_real(lw_error *error, double value)
+static void lw_append_real(lw_error *error, double value)
 {
     error->real = value;
-    lw_say(error, lw_the_real);
+    lw_append(error, lw_real_slot);
 }
 
-/* A text that the host may take back: a copy is kept, of its beginning where it is long. */
-LW_MAY_BE_UNUSED static void lw_say_name(lw_error *error, const char *name)
+/* Appends a text that the host can free later: copies it, shortened if it is too long. */
+LW_MAY_BE_UNUSED static void lw_append_name(lw_error *error, const char *name)
 {
     size_t length = 0;
     while (name[length] != '\0' && length + 1 < LW_NAME_SIZE) {
@@ -62,15 +61,15 @@ LW_MAY_BE_UNUSED static void lw_say_name(lw_error *error, const char *name)
         length++;
     }
     if (name[length] != '\0') {
-        /* No half of a UTF-8 character stays at the end. */
+        /* Do not cut within a UTF-8 character. */
         while (length > 0 && ((unsigned char)name[length] & 0xC0U) == 0x80U) {
             length--;
         }
     }
     error->name[length] = '\0';
-    lw_say(error, lw_the_name);
+    lw_append(error, lw_name_slot);
     if (name[length] != '\0') {
-        lw_say(error, "...");
+        lw_append(error, "...");
     }
 }
 
@@ -78,15 +77,15 @@ static int32_t lw_fail(lw_error *error, int32_t code, const char *text)
 {
     error->pieces = 0;
     error->rule = NULL;
-    lw_say(error, text);
+    lw_append(error, text);
     return code;
 }
 
 static int32_t lw_fail_name(lw_error *error, int32_t code, const char *before, const char *name, const char *after)
 {
     lw_fail(error, code, before);
-    lw_say(error, name);
-    lw_say(error, after);
+    lw_append(error, name);
+    lw_append(error, after);
     return code;
 }
 
@@ -94,19 +93,19 @@ static int32_t lw_fail_domain(lw_error *error, const char *component, const char
                               const char *domain)
 {
     lw_fail(error, LW_ERROR_DOMAIN, component);
-    lw_say(error, what);
-    lw_say(error, name);
-    lw_say(error, "` is ");
-    lw_say_integer(error, value);
-    lw_say(error, ", outside its domain ");
-    lw_say(error, domain);
+    lw_append(error, what);
+    lw_append(error, name);
+    lw_append(error, "` is ");
+    lw_append_integer(error, value);
+    lw_append(error, ", outside its domain ");
+    lw_append(error, domain);
     return LW_ERROR_DOMAIN;
 }
 
 static int32_t lw_fail_operation(lw_error *error, int64_t operation)
 {
     lw_fail(error, LW_ERROR_OPERATION, "there is no operation ");
-    lw_say_integer(error, operation);
+    lw_append_integer(error, operation);
     return LW_ERROR_OPERATION;
 }
 
@@ -117,7 +116,8 @@ static int32_t lw_fail_rule(lw_error *error, int32_t code, const lw_rule *rule)
     return code;
 }
 
-/* A text being written. By hand: printf follows the host's locale, and may allocate. */
+/* A text buffer. Numbers are formatted without printf, which depends on the host's locale and can
+ * allocate memory. */
 typedef struct lw_text {
     size_t length;
     char text[LW_TEXT_SIZE];
@@ -158,7 +158,7 @@ static void lw_write_integer(lw_text *out, int64_t value)
     lw_write(out, &digits[at]);
 }
 
-/* Up to six decimals, without zeros at the end. */
+/* Writes a number with up to six decimals, without trailing zeros. */
 static void lw_write_real(lw_text *out, double value)
 {
     if (!(fabs(value) < 1e12)) {
@@ -188,30 +188,30 @@ static void lw_write_real(lw_text *out, double value)
     }
 }
 
-/* The words of an error; none where there was none. */
-static void lw_put_into_words(const lw_error *error, lw_text *out)
+/* Writes the text of an error; empty if there was no error. */
+static void lw_format_error(const lw_error *error, lw_text *out)
 {
     out->length = 0;
     out->text[0] = '\0';
     for (int i = 0; i < error->pieces; i++) {
         const char *piece = error->piece[i];
-        if (piece == lw_the_integer) {
+        if (piece == lw_integer_slot) {
             lw_write_integer(out, error->integer);
-        } else if (piece == lw_the_real) {
+        } else if (piece == lw_real_slot) {
             lw_write_real(out, error->real);
         } else {
-            lw_write(out, piece == lw_the_name ? error->name : piece);
+            lw_write(out, piece == lw_name_slot ? error->name : piece);
         }
     }
 }
 
 /* ---- One step -------------------------------------------------------------------------------- */
 
-/* The formulas of one side, initial ones in step 0 or safety in a later one, then the invariants.
- */
-LW_INLINE const lw_rule *lw_broken(const lw_side *side, int started, const int64_t *previous, const int64_t *current)
+/* Checks one side of a contract: the initial conditions in step 0 or safety in a later step, then
+ * the invariants. Returns the first formula that is broken, or null. */
+LW_INLINE const lw_rule *lw_first_broken(const lw_side *side, int started, const int64_t *previous, const int64_t *current)
 {
-    const lw_promise *first = started ? &side->safety : &side->initial;
+    const lw_formulas *first = started ? &side->safety : &side->initial;
     if (first->check != NULL) {
         int broken = first->check(previous, current);
         if (broken >= 0) {
@@ -227,18 +227,18 @@ LW_INLINE const lw_rule *lw_broken(const lw_side *side, int started, const int64
     return NULL;
 }
 
-/* What a component does in a place; its inputs keep its assumptions. */
-LW_INLINE const lw_leaf *lw_find(const lw_component *component, int place, const int64_t *current)
+/* Finds the answer of a component in a place, for inputs that keep its assumptions. */
+LW_INLINE const lw_leaf *lw_find_leaf(const lw_component *component, int place, const int64_t *current)
 {
-    int way = component->way[place];
-    while (way >= 0) {
-        const lw_split *split = &component->splits[way];
-        way = current[split->variable] <= split->bound ? split->at_most : split->above;
+    int branch = component->root[place];
+    while (branch >= 0) {
+        const lw_split *split = &component->splits[branch];
+        branch = current[split->variable] <= split->bound ? split->at_most : split->above;
     }
-    return &component->leaves[-1 - way];
+    return &component->leaves[-1 - branch];
 }
 
-LW_INLINE void lw_put(const lw_component *component, int answer, int64_t *current)
+LW_INLINE void lw_set_outputs(const lw_component *component, int answer, int64_t *current)
 {
     const lw_number *values = &component->answers[answer * component->outputs];
     LW_UNROLL
@@ -247,7 +247,7 @@ LW_INLINE void lw_put(const lw_component *component, int answer, int64_t *curren
     }
 }
 
-#ifdef LW_MOST_SHIFTED
+#ifdef LW_MAX_SHIFTED
 static int lw_holds(const lw_functions *functions, uint32_t edge, const int64_t *const *values)
 {
     uint32_t holds = edge & 1U;
@@ -269,7 +269,7 @@ static void lw_shift(const lw_functions *functions, const int64_t *previous, con
     }
 }
 
-/* Decides output bits, which are 0 before. */
+/* Follows a walk, which sets output bits; they must be 0 before. */
 static void lw_walk(const lw_node *walk, uint32_t place, const int64_t *const *values, int64_t *const *results)
 {
     while (place > 0U) {
@@ -284,12 +284,12 @@ static void lw_walk(const lw_node *walk, uint32_t place, const int64_t *const *v
     }
 }
 
-/* Computes the outputs of a step. */
+/* Computes the outputs of a step from a component's functions. */
 static void lw_compute(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
     const lw_functions *functions = component->functions;
     uint32_t first = 0;
-    int64_t shifted[2 * LW_MOST_SHIFTED + 1];
+    int64_t shifted[2 * LW_MAX_SHIFTED + 1];
     const int64_t *const values[] = { previous, current, shifted };
     int64_t *const results[] = { NULL, current, shifted };
 
@@ -320,11 +320,11 @@ static void lw_compute(const lw_component *component, int place, const int64_t *
     }
 }
 
-/* The place after a step whose outputs are known. */
-static int lw_pursue(const lw_component *component, int place, const int64_t *previous, const int64_t *current)
+/* Returns the place after a step whose outputs are known: the goal that is pursued next. */
+static int lw_next_goal(const lw_component *component, int place, const int64_t *previous, const int64_t *current)
 {
     const lw_functions *functions = component->functions;
-    int64_t shifted[2 * LW_MOST_SHIFTED + 1];
+    int64_t shifted[2 * LW_MAX_SHIFTED + 1];
     const int64_t *const values[] = { previous, current, shifted };
 
     if (place == 0) {
@@ -335,30 +335,31 @@ static int lw_pursue(const lw_component *component, int place, const int64_t *pr
 }
 #endif
 
-/* The outputs of a component, and the place it goes to; -1 where there is no transition. */
+/* Sets the outputs of a component, and returns its next place, or -1 if there is no transition. */
 LW_INLINE int lw_respond(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
-#ifdef LW_MOST_SHIFTED
+#ifdef LW_MAX_SHIFTED
     if (component->functions != NULL) {
         if (!component->moore) {
             lw_compute(component, place, previous, current);
         }
-        return lw_pursue(component, place, previous, current);
+        return lw_next_goal(component, place, previous, current);
     }
 #else
     (void)previous;
 #endif
-    const lw_leaf *leaf = lw_find(component, place, current);
+    const lw_leaf *leaf = lw_find_leaf(component, place, current);
     if (leaf->to >= 0) {
-        lw_put(component, leaf->answer, current);
+        lw_set_outputs(component, leaf->answer, current);
     }
     return leaf->to;
 }
 
-/* The outputs of a Moore component, before its inputs are known; 0 where it has none. */
+/* Sets the outputs of a Moore component before its inputs are known. Returns 0 if it has no outputs
+ * in its place. */
 LW_INLINE int lw_respond_first(const lw_component *component, int place, const int64_t *previous, int64_t *current)
 {
-#ifdef LW_MOST_SHIFTED
+#ifdef LW_MAX_SHIFTED
     if (component->functions != NULL) {
         lw_compute(component, place, previous, current);
         return 1;
@@ -370,11 +371,12 @@ LW_INLINE int lw_respond_first(const lw_component *component, int place, const i
     if (answer < 0) {
         return 0;
     }
-    lw_put(component, answer, current);
+    lw_set_outputs(component, answer, current);
     return 1;
 }
 
-/* One component: its inputs, their domains, its assumptions, its answer, its guarantees. */
+/* Steps one component: binds its inputs, checks their domains and its assumptions, sets its outputs
+ * and checks its guarantees. */
 LW_INLINE int32_t lw_answer(int index, int started, const lw_state *before, lw_state *after, lw_error *error)
 {
     const lw_component *component = &lw_component_table[index];
@@ -390,7 +392,7 @@ LW_INLINE int32_t lw_answer(int index, int started, const lw_state *before, lw_s
             return lw_fail_domain(error, component->name, ": input `", input->name, value, input->domain);
         }
     }
-    const lw_rule *broken = lw_broken(&component->assumptions, started, previous, current);
+    const lw_rule *broken = lw_first_broken(&component->assumptions, started, previous, current);
     if (broken != NULL) {
         return lw_fail_rule(error, component->watches ? LW_ERROR_ORDER : LW_ERROR_ASSUMPTION, broken);
     }
@@ -399,7 +401,7 @@ LW_INLINE int32_t lw_answer(int index, int started, const lw_state *before, lw_s
         return lw_fail_name(error, LW_ERROR_INTERNAL, "", component->name,
                             ": there is no transition for inputs that keep the assumptions; please report this");
     }
-    broken = lw_broken(&component->guarantees, started, previous, current);
+    broken = lw_first_broken(&component->guarantees, started, previous, current);
     if (broken != NULL) {
         return lw_fail_rule(error, LW_ERROR_GUARANTEE, broken);
     }
@@ -407,22 +409,22 @@ LW_INLINE int32_t lw_answer(int index, int started, const lw_state *before, lw_s
     return LW_OK;
 }
 
-/* A Moore component's outputs, before it sees anything. */
-LW_INLINE int32_t lw_begin(int index, const lw_state *before, lw_state *after, lw_error *error)
+/* Sets a Moore component's outputs before any component reads its inputs. */
+LW_INLINE int32_t lw_answer_first(int index, const lw_state *before, lw_state *after, lw_error *error)
 {
     const lw_component *component = &lw_component_table[index];
     const int64_t *previous = &before->values[component->first_value];
     int64_t *current = &after->values[component->first_value];
     if (!lw_respond_first(component, before->place[index], previous, current)) {
-        /* The table was verified: it has a row for all inputs that keep the assumptions, so none
-         * do. */
+        /* A verified table has a row for every input that keeps the assumptions, so no input keeps
+         * them. */
         return lw_fail_name(error, LW_ERROR_ASSUMPTION, "", component->name,
                             ": its assumptions contradict each other here: no inputs keep them");
     }
     return LW_OK;
 }
 
-/* The plant's inputs of a step that a host makes. */
+/* Checks the plant inputs of a step that the host requested. */
 static int32_t lw_check_plant(const int64_t *plant, lw_error *error)
 {
     for (int i = 0; i < LW_PLANT; i++) {
@@ -434,9 +436,9 @@ static int32_t lw_check_plant(const int64_t *plant, lw_error *error)
     return LW_OK;
 }
 
-/* One step, from `before` to `after`. `LW_EACH_MOORE` and `LW_EACH_MEALY` name the components by
- * their numbers, so that the compiler sees each one's tables as constants; `started` is one, too.
- */
+/* Makes one step from `before` to `after`. `LW_EACH_MOORE` and `LW_EACH_MEALY` list the components'
+ * numbers as constants, so that the compiler also sees each component's tables as constants;
+ * `started` is a constant for the same reason. */
 LW_INLINE int32_t lw_make_step(int started, const lw_state *before, const int64_t *plant, lw_state *after,
                                lw_error *error)
 {
@@ -444,24 +446,24 @@ LW_INLINE int32_t lw_make_step(int started, const lw_state *before, const int64_
     for (int i = 0; i < LW_PLANT; i++) {
         after->values[i] = plant[i];
     }
-#define LW_BEGIN(index) \
+#define LW_ANSWER_FIRST(index) \
     if (code == LW_OK) { \
-        code = lw_begin(index, before, after, error); \
+        code = lw_answer_first(index, before, after, error); \
     }
 #define LW_ANSWER(index) \
     if (code == LW_OK) { \
         code = lw_answer(index, started, before, after, error); \
     }
-    LW_EACH_MOORE(LW_BEGIN)
+    LW_EACH_MOORE(LW_ANSWER_FIRST)
     LW_EACH_MEALY(LW_ANSWER)
     LW_EACH_MOORE(LW_ANSWER)
-#undef LW_BEGIN
+#undef LW_ANSWER_FIRST
 #undef LW_ANSWER
     after->started = 1;
     return code;
 }
 
-/* One step with plant inputs in their domains. */
+/* Makes one step with plant inputs that are within their domains. */
 static int32_t lw_advance(const lw_state *before, const int64_t *plant, lw_state *after, lw_error *error)
 {
     return before->started ? lw_make_step(1, before, plant, after, error)
@@ -470,15 +472,16 @@ static int32_t lw_advance(const lw_state *before, const int64_t *plant, lw_state
 
 /* ---- One operation --------------------------------------------------------------------------- */
 
-/* What is summed up while an operation runs. */
+/* Running totals of an operation. */
 typedef struct lw_job {
     const double *properties;
-    int running[LW_COMPONENTS + 1]; /* active in the step before */
+    int running[LW_COMPONENTS + 1]; /* components that were active in the previous step */
     int64_t held[LW_JUSTICE + 1];   /* step, from 1, in which each justice assumption last held */
     lw_service service;
 } lw_job;
 
-/* Inputs from properties: the value must be an integer of the domain, to within 1e-9. */
+/* Computes the plant inputs of an operation. A value that comes from properties must be within 1e-9
+ * of an integer of its domain. */
 static int32_t lw_abstract(const lw_state *state, const double *properties, int64_t operation, int64_t *plant,
                            lw_error *error)
 {
@@ -495,10 +498,10 @@ static int32_t lw_abstract(const lw_state *state, const double *properties, int6
             double nearest = round(value);
             if (!(fabs(value - nearest) <= 1e-9 && nearest >= (double)input->low && nearest <= (double)input->high)) {
                 lw_fail(error, LW_ERROR_DOMAIN, input->about);
-                lw_say(error, " would be ");
-                lw_say_real(error, value);
-                lw_say(error, ", not an integer of ");
-                lw_say(error, input->domain);
+                lw_append(error, " would be ");
+                lw_append_real(error, value);
+                lw_append(error, ", not an integer of ");
+                lw_append(error, input->domain);
                 return LW_ERROR_DOMAIN;
             }
             plant[i] = (int64_t)nearest;
@@ -507,9 +510,9 @@ static int32_t lw_abstract(const lw_state *state, const double *properties, int6
     return LW_OK;
 }
 
-/* What one component adds to a step that was made: justice, power, and the time it takes. All work
- * at the same time, so the step takes as long as the slowest; `*seconds` is negative as long as
- * none is active. */
+/* Adds one component's share of a step: its justice, its power, and its time. All components work
+ * at the same time, so the step takes as long as the slowest one. `*seconds` stays negative while
+ * no component is active. */
 LW_INLINE int32_t lw_charge_for(int index, lw_job *job, const lw_state *start, const lw_state *before,
                                 const lw_state *after, double *seconds, double *watts, lw_error *error)
 {
@@ -544,7 +547,7 @@ LW_INLINE int32_t lw_charge_for(int index, lw_job *job, const lw_state *start, c
     return LW_OK;
 }
 
-/* Time, energy and justice of a step that was made. */
+/* Adds the time, energy and justice of one step to the totals. */
 static int32_t lw_charge(lw_job *job, const lw_state *start, const lw_state *before, const lw_state *after,
                          lw_error *error)
 {
@@ -566,7 +569,7 @@ static int32_t lw_charge(lw_job *job, const lw_state *start, const lw_state *bef
     return code;
 }
 
-static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *error)
+static int32_t lw_fail_limit(const lw_job *job, const char *operation, lw_error *error)
 {
     int longest = -1;
     lw_fail_name(error, LW_ERROR_LIMIT, "`", operation, "` did not end within " LW_STEP_LIMIT_TEXT " steps");
@@ -576,17 +579,17 @@ static int32_t lw_limit(const lw_job *job, const char *operation, lw_error *erro
         }
     }
     if (longest >= 0) {
-        lw_say(error, "; for ");
-        lw_say_integer(error, job->service.steps - job->held[longest]);
-        lw_say(error, " steps ");
-        lw_say(error, lw_justice_table[longest].message);
+        lw_append(error, "; for ");
+        lw_append_integer(error, job->service.steps - job->held[longest]);
+        lw_append(error, " steps ");
+        lw_append(error, lw_justice_table[longest].message);
         error->rule = lw_justice_table[longest].rule;
     }
     return LW_ERROR_LIMIT;
 }
 
-/* The properties after an operation. */
-static int32_t lw_leave(const double *properties, const int64_t *values, double *after, lw_error *error)
+/* Computes and checks the properties after an operation. */
+static int32_t lw_write_properties(const double *properties, const int64_t *values, double *after, lw_error *error)
 {
     for (int i = 0; i < LW_PROPERTIES; i++) {
         after[i] = properties[i];
@@ -607,8 +610,8 @@ static int32_t lw_leave(const double *properties, const int64_t *values, double 
     return LW_OK;
 }
 
-/* Runs an operation from `state`, which is changed only at its end (or reset, at the step limit).
- * `after` gets the properties. */
+/* Runs an operation from `state`. `state` changes only if the operation ends, or is reset at the
+ * step limit. `after` receives the properties. */
 static int32_t lw_perform(lw_state *state, int32_t operation, const double *properties, double *after,
                           lw_service *service, lw_error *error)
 {
@@ -633,7 +636,7 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
         lw_state *next = &states[(step + 1) % 2];
         LW_UNROLL
         for (int i = 0; i < LW_PLANT; i++) {
-            /* A script of one value is a constant, which the abstraction has put in place. */
+            /* A script of one value is a constant, which lw_abstract has already set. */
             if (lw_plant_table[i].source == LW_FROM_SCRIPT && lw_plant_table[i].script_length > 1) {
                 plant[i] = lw_plant_table[i].script[step % lw_plant_table[i].script_length];
             }
@@ -646,7 +649,7 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
             return code;
         }
         if (machine_done(next->values)) {
-            code = lw_leave(properties, next->values, after, error);
+            code = lw_write_properties(properties, next->values, after, error);
             if (code != LW_OK) {
                 return code;
             }
@@ -656,5 +659,5 @@ static int32_t lw_perform(lw_state *state, int32_t operation, const double *prop
         }
     }
     memset(state, 0, sizeof *state);
-    return lw_limit(&job, lw_operation_table[operation].name, error);
+    return lw_fail_limit(&job, lw_operation_table[operation].name, error);
 }

@@ -1,15 +1,14 @@
-/* UF_Value: what Plant Simulation passes to an exported function, and what it gets back.
+/* UF_Value: the type of the arguments and results of a function that Plant Simulation calls.
  *
  * The vendor's header `cwinfunc.h` is not public, so the layout is a setting: `uf_profile.h`, which
- * is emitted with every package, says where tag and value lie, which tags there are, how wide an
- * integer is, and how strings are written. Fields are copied byte by byte out of a structure
- * without alignment, so that every layout can be expressed and no access is ever misaligned;
- * compilers make one load or store of each copy.
+ * is emitted with every package, defines the positions of tag and value, the tags, the width of an
+ * integer, and the encoding of strings. Fields are copied byte by byte out of a structure without
+ * alignment, so every layout can be expressed and no access is misaligned; compilers turn each copy
+ * into one load or store.
  *
- * With -DUF_USE_VENDOR_HEADER the vendor's own header is compiled instead. Known of it are the
- * fields `.type` and `.value.real` and the tag `UF_REAL`; the names of the others, where they
- * differ from the ones below, are given as LW_UF_TAG_... and LW_UF_FIELD_..., and the encoding of
- * strings as LW_UF_ENCODING. */
+ * With -DUF_USE_VENDOR_HEADER the vendor's own header is compiled instead. Only its fields `.type`
+ * and `.value.real` and its tag `UF_REAL` are known. If other names differ from the ones below,
+ * define LW_UF_TAG_... and LW_UF_FIELD_..., and the encoding of strings as LW_UF_ENCODING. */
 #ifndef LW_UF_VALUE_H
 #define LW_UF_VALUE_H
 
@@ -17,7 +16,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* How strings are written. */
+/* Encodings of strings. */
 #define LW_UF_UTF_8 1
 #define LW_UF_LATIN_1 2
 #define LW_UF_WINDOWS_1252 3
@@ -29,7 +28,7 @@
 #define LW_UF_MAY_BE_UNUSED
 #endif
 
-/* What a value is. */
+/* Kind of a value. */
 enum lw_uf_kind { LW_UF_OTHER, LW_UF_IS_INTEGER, LW_UF_IS_REAL, LW_UF_IS_STRING, LW_UF_IS_BOOLEAN };
 
 #ifdef UF_USE_VENDOR_HEADER
@@ -106,7 +105,7 @@ LW_UF_MAY_BE_UNUSED static double lw_uf_real_of(const UF_Value *value)
     return real;
 }
 
-/* How wide a truth value is does not matter: its lowest byte comes first. */
+/* The width of a Boolean does not matter, because its lowest byte comes first. */
 LW_UF_MAY_BE_UNUSED static int lw_uf_boolean_of(const UF_Value *value)
 {
     return value->bytes[LW_UF_VALUE_OFFSET] != 0;
@@ -168,7 +167,7 @@ LW_UF_MAY_BE_UNUSED static enum lw_uf_kind lw_uf_kind_of(const UF_Value *value)
     return LW_UF_OTHER;
 }
 
-/* A number, of whatever kind; gives whether it is one. */
+/* Reads a number of any kind. Returns 0 if the value is not a number. */
 LW_UF_MAY_BE_UNUSED static int lw_uf_number_of(const UF_Value *value, double *number)
 {
     switch (lw_uf_kind_of(value)) {
@@ -188,7 +187,8 @@ LW_UF_MAY_BE_UNUSED static int lw_uf_number_of(const UF_Value *value, double *nu
     }
 }
 
-/* Gives an integer; one that is too large for the profile's integers is given as a real number. */
+/* Returns an integer to the host, or a real number if it is too large for the profile's
+ * integers. */
 LW_UF_MAY_BE_UNUSED static void lw_uf_give_integer(UF_Value *ret, int64_t number)
 {
     if ((int64_t)(LW_UF_INTEGER)number == number) {
@@ -200,8 +200,8 @@ LW_UF_MAY_BE_UNUSED static void lw_uf_give_integer(UF_Value *ret, int64_t number
 
 /* ---- Texts --------------------------------------------------------------------------------------
  *
- * Texts of a library are UTF-8. They are given to the host, and its texts are read, in the encoding
- * of the profile; what an encoding cannot hold becomes `?`. */
+ * Texts within a library are UTF-8. Texts from and to the host use the encoding of the profile; a
+ * character that an encoding lacks becomes `?`. */
 
 #if LW_UF_ENCODING == LW_UF_UTF_16
 typedef uint16_t lw_uf_unit;
@@ -210,14 +210,14 @@ typedef unsigned char lw_uf_unit;
 #endif
 
 #if LW_UF_ENCODING == LW_UF_WINDOWS_1252
-/* The characters of the bytes 0x80 to 0x9F; 0 where there is none. */
+/* The characters of the bytes 0x80 to 0x9F; 0 if a byte has no character. */
 static const uint16_t lw_uf_windows[32] = {
     0x20AC, 0, 0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0, 0x017D, 0,
     0, 0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014, 0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0, 0x017E, 0x0178,
 };
 #endif
 
-/* The next character of a text in UTF-8, which moves on; bytes that are none give `?`. */
+/* Returns the next character of a UTF-8 text and advances `text`; invalid bytes give `?`. */
 LW_UF_MAY_BE_UNUSED static uint32_t lw_uf_next(const char **text)
 {
     const unsigned char *at = (const unsigned char *)*text;
@@ -241,7 +241,7 @@ LW_UF_MAY_BE_UNUSED static uint32_t lw_uf_next(const char **text)
     return point;
 }
 
-/* Writes a text in the profile's encoding, cut to `size` units with a 0 at the end. */
+/* Writes a text in the profile's encoding, cut to `size` units including a final 0. */
 LW_UF_MAY_BE_UNUSED static void lw_uf_encode(const char *text, lw_uf_unit *out, size_t size)
 {
     size_t length = 0;
@@ -285,7 +285,7 @@ LW_UF_MAY_BE_UNUSED static void lw_uf_encode(const char *text, lw_uf_unit *out, 
     out[length] = 0;
 }
 
-/* Writes a character in UTF-8, where there is room for it; gives how many bytes. */
+/* Writes a character in UTF-8 and returns its number of bytes; 0 if it does not fit. */
 LW_UF_MAY_BE_UNUSED static size_t lw_uf_put(uint32_t point, char *out, size_t room)
 {
     size_t size = point < 0x80 ? 1 : point < 0x800 ? 2 : point < 0x10000 ? 3 : 4;
@@ -301,8 +301,8 @@ LW_UF_MAY_BE_UNUSED static size_t lw_uf_put(uint32_t point, char *out, size_t ro
     return size;
 }
 
-/* Reads a text of the host as UTF-8, cut to `size` bytes with a 0 at the end; a null pointer is the
- * empty text. Gives whether it was a whole text. */
+/* Reads a text of the host as UTF-8, cut to `size` bytes including a final 0; a null pointer is the
+ * empty text. Returns 0 if the text was cut. */
 LW_UF_MAY_BE_UNUSED static int lw_uf_decode(const void *text, char *out, size_t size)
 {
     const unsigned char *at = (const unsigned char *)text;

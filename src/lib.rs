@@ -1,35 +1,35 @@
 //! Linewright: from assume-guarantee contracts to a running virtual production line.
 //!
 //! The entry point for programs is [`Project`](engine::project::Project): files in; verdicts,
-//! station libraries and runs out. This runs a line for an hour of its time, with station libraries
-//! made by a C compiler:
+//! station libraries and runs out. This example simulates an hour of a line, with station libraries
+//! built by a C compiler:
 //!
 //! ```
 //! use linewright::engine::{project::Project, simulation::SimulationOptions};
 //! use linewright::{line::Options, report};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let project = Project::open("examples/loader/line.lw")?;
-//! let line = project.line("Loading").ok_or("no such line")?;
-//! let options = Options { until: Some(3600.0), ..Options::default() };
-//! let folder = tempfile::tempdir()?;
-//! let run = project.run(line, folder.path(), &SimulationOptions { options, replications: 1, rebuild: false })?;
-//! println!("{}", report::table(line, &run.traces[0], None));
-//! assert_eq!(run.traces[0].violation_count, 0);
+//! let project = Project::open("examples/loader/line.lw")?; let line =
+//! project.line("Loading").ok_or("no such line")?; let options = Options { until: Some(3600.0),
+//! ..Options::default() }; let folder = tempfile::tempdir()?; let run = project.run(line,
+//! folder.path(), &SimulationOptions { options, replications: 1, rebuild: false })?; println!("{}",
+//! report::table(line, &run.traces[0], None)); assert_eq!(run.traces[0].violation_count, 0);
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! Underneath, the data flow is one module per arrow; each type is owned by the module on its left:
+//! The stages below are connected as follows. Each arrow is a module, which owns the type that it
+//! produces:
 //!
 //! ```text
-//! text ─parse→ Ast ─resolve→ Library ─lower→ gr1::Specification ─encode→ symbolic ─solve→ game::Outcome
-//!      ─extract→ mealy::Machine (verified) ─emit→ station::Package ─load→ line::Plant ─run→ line::Trace ─→ report
+//! text ─parse→ Ast ─resolve→ Library ─lower→ gr1::Specification ─encode→ symbolic ─solve→
+//! game::Outcome ─extract→ mealy::Machine (verified) ─emit→ station::Package ─load→ line::Plant
+//! ─run→ line::Trace ─→ report
 //! ```
 //!
-//! Three narrow interfaces hold the rest together: [`gr1::Specification`], [`mealy::Machine`] and
-//! [`line::Trace`]. To solve your own specification, start with [`game::solve`]; to read another
-//! tool's, with [`interchange::read`].
+//! The stages meet at three narrow interfaces: [`gr1::Specification`], [`mealy::Machine`] and
+//! [`line::Trace`]. To solve a specification of your own, start with [`game::solve`]; to read one
+//! of another tool, with [`interchange::read`].
 
 pub mod cli;
 

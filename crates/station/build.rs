@@ -1,5 +1,5 @@
-//! Makes cargo rebuild when a template is added: `include_dir!` alone only notices changes to files
-//! that already existed.
+//! Makes cargo rebuild the crate when a template is added: `include_dir!` alone only detects
+//! changes to existing files.
 
 fn main() {
     println!("cargo::rerun-if-changed=templates");

@@ -1,4 +1,4 @@
-//! `linewright build`: the station library of a machine.
+//! `linewright build`: builds the station libraries of machines.
 
 use super::console::schema;
 use super::exit::ExitCode;
@@ -23,7 +23,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// What `build` makes.
+/// What `build` builds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Target {
     /// Shared library for this computer
@@ -39,7 +39,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// Name on the command line.
+    /// Name of the target as typed.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linux => "linux",
@@ -50,13 +50,13 @@ impl Target {
         }
     }
 
-    /// Whether Plant Simulation can load what is built.
+    /// Whether the target is a DLL, which Plant Simulation can load.
     pub fn is_windows(self) -> bool {
         matches!(self, Self::Windows | Self::Msvc)
     }
 
-    /// The compiler for it; `None` for sources. Units have several, and use those available: see
-    /// [`fmi::toolchains`].
+    /// The compiler for the target; `None` for sources, and for FMUs, which are built with all
+    /// available compilers: see [`fmi::toolchains`].
     pub fn toolchain(self) -> Result<Option<Toolchain>, Box<Diagnostic>> {
         let found = match self {
             Self::Linux => Ok(Some(Toolchain::shipping())),
@@ -84,7 +84,7 @@ pub struct Arguments {
     /// What to build (repeatable)
     #[arg(long, value_enum, default_value = "linux")]
     pub target: Vec<Target>,
-    /// Output folder [default: .linewright beside the file]
+    /// Output folder [default: .linewright next to the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Profile file with the memory layout of Plant Simulation's UF_Value [default: an assumed,
@@ -103,7 +103,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "build",
-    "The station libraries that were built",
+    "The station libraries of a build",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -120,9 +120,9 @@ struct Document {
 /// A library that was built.
 #[derive(JsonSchema, Serialize)]
 struct BuildResult {
-    /// The machine.
+    /// The name of the machine.
     machine: String,
-    /// The target.
+    /// The target for which it was built.
     #[schemars(extend("enum" = ["linux", "windows", "msvc", "fmu", "source"]))]
     target: &'static str,
     /// The files that were written, or that were up to date.
@@ -149,7 +149,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         Err(code) => return Ok(code),
     };
     let library = &loaded.library;
-    let chosen = picked::picked(selection, &loaded)?;
+    let chosen = picked::select_machines(selection, &loaded)?;
     let picked = picked::with_distinct_names(&chosen.machines);
     let machines = picked.iter().map(|m| &**m);
     let synthesis = Synthesis::new(machines, &settings, |count| {
@@ -162,15 +162,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     // A missing compiler is reported once, not once per machine.
     let until = settings.limits.deadline;
     let toolchains = toolchains(&arguments.target, until, &mut findings);
-    // The bundled runner passes the assumed layout; for Plant Simulation it matters.
+    // The bundled runner always uses the assumed layout; only Plant Simulation can differ from it.
     let for_windows = toolchains.iter().any(|(t, _)| t.is_windows());
     if for_windows || arguments.profile.is_some() {
-        findings.extend(profiles::caution(&profile));
+        findings.extend(profiles::note_if_unverified(&profile));
     }
-    let units = arguments.target.contains(&Target::Fmu).then(|| {
+    let fmu_toolchains = arguments.target.contains(&Target::Fmu).then(|| {
         let (toolchains, missing) = fmi::toolchains();
         findings.extend(missing);
-        let toolchains = toolchains.into_iter().map(|t| t.until(until));
+        let toolchains = toolchains.into_iter().map(|t| t.with_deadline(until));
         toolchains.collect::<Vec<_>>()
     });
     let default = default_folder(&selection.path);
@@ -179,10 +179,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     for plan in synthesis.controlled() {
         let (name, span) = (&plan.machine.name, plan.machine.span);
         let doing = || format!("building the machine `{name}`");
-        let misfits = synthesis.judge(&plan, &settings);
-        let fits = !has_errors(&misfits);
-        findings.extend(misfits);
-        if !fits {
+        let found = synthesis.judge(&plan, &settings);
+        let has_errors = has_errors(&found);
+        findings.extend(found);
+        if has_errors {
             continue;
         }
         for (target, toolchain) in &toolchains {
@@ -191,7 +191,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 libraries::build(&plan, &profile, toolchain, folder, arguments.rebuild)
             });
             let built = built.unwrap_or_else(|fault| Err(Box::new(fault.finding(Some(span)))));
-            built_one(
+            record_build(
                 &plan.machine.name,
                 **target,
                 built,
@@ -199,11 +199,11 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 &mut findings,
             );
         }
-        if let Some(toolchains) = &units {
+        if let Some(toolchains) = &fmu_toolchains {
             let built =
-                internal::caught(doing, || libraries::build_units(&plan, toolchains, folder));
+                internal::caught(doing, || libraries::build_fmus(&plan, toolchains, folder));
             let built = built.unwrap_or_else(|fault| Err(Box::new(fault.finding(Some(span)))));
-            built_one(
+            record_build(
                 &plan.machine.name,
                 Target::Fmu,
                 built,
@@ -213,32 +213,33 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         }
     }
     debug_assert!(has_errors(&findings) || synthesis.is_complete());
-    // Findings about a line do not prevent a library from being built, but they are errors
-    // nonetheless, as in `check` and `run`.
+    // Errors in a line do not prevent its libraries from being built, but are reported as errors,
+    // as in `check` and `run`.
     let controlled = |machine: &Machine| synthesis.of(machine);
     for line in &library.lines {
         if chosen.lines.iter().any(|l| std::ptr::eq(*l, line)) {
-            lines::judge(line, controlled, &settings.limits, &mut findings);
+            lines::add_call_findings(line, controlled, &settings.limits, &mut findings);
         } else {
-            // Its parts are not followed, so doubts about their routes remain; they do not concern
-            // this command.
-            findings.retain(|f| !lines::is_doubt(f, line));
+            // The parts of this line are not followed, so warnings about its routes could not be
+            // confirmed; they do not concern this command.
+            findings.retain(|f| !lines::is_route_warning(f, line));
         }
     }
     print(libraries, &library.sources, &findings, options)
 }
 
-/// The compilers of all targets that have one.
+/// The compilers of all targets except FMUs; `None` for sources. Adds a finding for each missing
+/// compiler.
 fn toolchains<'a>(
     targets: &'a [Target],
     until: Deadline,
     findings: &mut Vec<Diagnostic>,
 ) -> Vec<(&'a Target, Option<Toolchain>)> {
     let mut found = Vec::new();
-    // Units have several, and are built separately.
+    // FMUs are built separately, with several compilers.
     for target in targets.iter().filter(|t| **t != Target::Fmu) {
         match target.toolchain() {
-            Ok(toolchain) => found.push((target, toolchain.map(|t| t.until(until)))),
+            Ok(toolchain) => found.push((target, toolchain.map(|t| t.with_deadline(until)))),
             Err(finding) => findings.push(*finding),
         }
     }
@@ -256,9 +257,9 @@ fn build_probe(
     }
     let mut findings = Vec::new();
     let profile = arguments.profile.as_ref().map(|_| profile);
-    findings.extend(profile.and_then(profiles::caution).map(|note| {
+    findings.extend(profile.and_then(profiles::note_if_unverified).map(|note| {
         note.with_help(
-            "this probe confirms it: run its SimTalk, and give the dump to `doctor --probe`",
+            "this probe confirms the layout: run its SimTalk method, and pass the dump to `doctor --probe`",
         )
     }));
     let folder = arguments.out.as_deref().unwrap_or(Path::new(".linewright"));
@@ -266,20 +267,20 @@ fn build_probe(
     let until = options.limits().deadline;
     for (target, toolchain) in toolchains(&arguments.target, until, &mut findings) {
         let built = libraries::build_probe(profile, toolchain.as_ref(), folder, arguments.rebuild);
-        built_one("probe", *target, built, &mut libraries, &mut findings);
+        record_build("probe", *target, built, &mut libraries, &mut findings);
     }
     print(libraries, &SourceMap::new(), &findings, options)
 }
 
-/// Records the files written for a target, and the findings, each once.
-fn built_one(
+/// Records the files built for a machine and a target, and new findings.
+fn record_build(
     machine: &str,
     target: Target,
     built: Result<BuildOutput, Box<Diagnostic>>,
     libraries: &mut Vec<BuildResult>,
     findings: &mut Vec<Diagnostic>,
 ) {
-    let more = match built {
+    let found = match built {
         Ok(written) => {
             libraries.push(BuildResult {
                 machine: machine.to_owned(),
@@ -294,14 +295,14 @@ fn built_one(
         }
         Err(finding) => vec![*finding],
     };
-    for finding in more {
+    for finding in found {
         if !findings.contains(&finding) {
             findings.push(finding);
         }
     }
 }
 
-/// Prints what was built and found.
+/// Prints the built files and the findings.
 fn print(
     libraries: Vec<BuildResult>,
     sources: &SourceMap,
@@ -328,13 +329,13 @@ fn print(
     Ok(options.exit_code(findings))
 }
 
-/// `.linewright` beside a file; in the current folder for the bundled library.
+/// Default output folder: `.linewright` in a folder, or in the folder of a file.
 pub fn default_folder(path: &str) -> PathBuf {
-    let place = Path::new(path);
-    let beside = if place.is_dir() {
-        place
+    let path = Path::new(path);
+    let folder = if path.is_dir() {
+        path
     } else {
-        place.parent().unwrap_or(Path::new(""))
+        path.parent().unwrap_or(Path::new(""))
     };
-    beside.join(".linewright")
+    folder.join(".linewright")
 }

@@ -1,5 +1,5 @@
-//! `linewright completions`: a completion script for a shell, generated from the definitions behind
-//! the help.
+//! `linewright completions`: prints a completion script for a shell, generated from the definitions
+//! of the commands.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;

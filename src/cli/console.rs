@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Whether anything was printed to standard output.
 static PRINTED: AtomicBool = AtomicBool::new(false);
 
-/// The two streams and their formats.
+/// Writes to standard output and standard error in the requested format.
 #[derive(Debug, Clone, Copy)]
 pub struct Console {
     /// Format of results and findings.
@@ -27,13 +27,13 @@ pub struct Console {
 #[derive(JsonSchema, Serialize)]
 pub(super) struct Failed {
     schema: String,
-    /// What kept the command from a result.
+    /// The findings that prevented a result.
     findings: Vec<json::Finding>,
 }
 
 impl Console {
-    /// Creates a console. `Auto` colors a stream if it is a terminal, unless `NO_COLOR` (or
-    /// `CLICOLOR`) says otherwise.
+    /// Creates a console. With `Color::Auto`, a stream is colored if it is a terminal and neither
+    /// `NO_COLOR` nor `CLICOLOR` disables colors.
     pub fn new(format: Format, color: Color) -> Self {
         let color = match color {
             Color::Auto => ColorChoice::Auto,
@@ -43,7 +43,8 @@ impl Console {
         Self { format, color }
     }
 
-    /// Prints a result. A closed pipe is no failure: the exit code remains the verdict's.
+    /// Prints a result. A closed pipe is not an error, so that the exit code is still the
+    /// verdict's.
     pub fn result(&self, text: &str) -> anyhow::Result<()> {
         self.part(text).map(|_| ())
     }
@@ -52,7 +53,7 @@ impl Console {
     pub fn part(&self, text: &str) -> anyhow::Result<bool> {
         PRINTED.store(true, Ordering::Relaxed);
         let mut out = AutoStream::new(io::stdout(), self.color);
-        open(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+        still_open(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
             .context("standard output cannot be written")
     }
 
@@ -74,7 +75,7 @@ impl Console {
     /// Prints a remark to standard error.
     pub fn remark(&self, text: &str) -> anyhow::Result<()> {
         let mut err = AutoStream::new(io::stderr(), self.color);
-        open(err.write_all(text.as_bytes())).context("standard error cannot be written")?;
+        still_open(err.write_all(text.as_bytes())).context("standard error cannot be written")?;
         Ok(())
     }
 
@@ -87,13 +88,13 @@ impl Console {
         }
     }
 
-    /// Prints findings beside a result, to standard error.
+    /// Prints findings to standard error, in addition to a result.
     pub fn findings(&self, sources: &SourceMap, findings: &[Diagnostic]) -> anyhow::Result<()> {
         self.remark(&self.render(sources, findings))
     }
 
-    /// Prints the findings of a command without a result. In JSON and SARIF they are then the
-    /// document on standard output.
+    /// Prints the findings of a command without a result: as text to standard error, or as the JSON
+    /// or SARIF document on standard output.
     pub fn failed(
         &self,
         command: &str,
@@ -110,8 +111,8 @@ impl Console {
         }
     }
 
-    /// Reports that an internal error ended a command. In a machine-readable format this is the
-    /// document, unless one was printed already.
+    /// Reports the finding with which a command was aborted: as [`Console::failed`] does, or to
+    /// standard error if something was already printed to standard output.
     pub fn aborted(&self, command: &str, finding: &Diagnostic) -> anyhow::Result<()> {
         let sources = SourceMap::default();
         if PRINTED.load(Ordering::Relaxed) {
@@ -135,8 +136,8 @@ pub fn schema(command: &str) -> String {
     format!("linewright/{command}/1")
 }
 
-/// Whether the output is still open.
-fn open(result: io::Result<()>) -> io::Result<bool> {
+/// Converts the result of a write: false if the reader has closed the output.
+fn still_open(result: io::Result<()>) -> io::Result<bool> {
     match result {
         Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(false),
         other => other.map(|()| true),

@@ -1,4 +1,4 @@
-//! `linewright din`: the taxonomies, and the codes that have contracts.
+//! `linewright din`: looks up entries of the taxonomies, and lists the codes that have contracts.
 
 use super::console::schema;
 use super::exit::ExitCode;
@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 /// The arguments of `din`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What to look up.
+    /// Subcommand with its arguments.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             if is_json(options) {
                 let mut entries = Vec::new();
                 for root in roots {
-                    below(taxonomy, root, &mut entries);
+                    add_tree(taxonomy, root, &mut entries);
                 }
                 console.document(&Entries::new(entries))?;
             } else {
@@ -166,18 +166,18 @@ fn branches(taxonomy: &Taxonomy, entry: &Entry, indent: &str, text: &mut String)
     }
 }
 
-/// An entry and all its descendants.
-fn below<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a Entry>) {
+/// Adds an entry and all its descendants.
+fn add_tree<'a>(taxonomy: &'a Taxonomy, entry: &'a Entry, entries: &mut Vec<&'a Entry>) {
     entries.push(entry);
     for child in taxonomy.children(entry) {
-        below(taxonomy, child, entries);
+        add_tree(taxonomy, child, entries);
     }
 }
 
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "din",
-    "Entries of DIN 8580 and VDI 2860, or what of them has contracts",
+    "Entries of DIN 8580 and VDI 2860, or which of them have contracts",
     &[
         form::<Entries<'_>>,
         form::<CoverageDocument>,
@@ -204,15 +204,15 @@ struct EntryDocument<'a> {
     german: &'a str,
     /// The English term.
     english: &'a str,
-    /// The code of the entry above it; null at the top.
+    /// The code of the parent entry; null at the top.
     parent: Option<String>,
-    /// The edition of the standard; empty where the table has none.
+    /// The edition of the standard; empty if unknown.
     edition: &'a str,
-    /// How sure the entry is.
+    /// The confidence in the entry.
     confidence: &'a str,
-    /// Where the entry comes from.
+    /// The source of the entry.
     source: &'a str,
-    /// A remark; may be empty.
+    /// A remark; can be empty.
     note: &'a str,
 }
 
@@ -247,18 +247,18 @@ struct CoverageDocument {
     standards: Vec<StandardCoverage>,
 }
 
-/// How much of a standard has contracts.
+/// The codes of a standard that have contracts.
 #[derive(JsonSchema, Serialize)]
 struct StandardCoverage {
     /// The title of the standard.
     standard: &'static str,
     /// The number of its codes.
     codes: usize,
-    /// The codes that something implements.
+    /// The codes with an implementation.
     covered: Vec<CoveredCode>,
 }
 
-/// A code that something implements.
+/// A code with its implementations.
 #[derive(JsonSchema, Serialize)]
 struct CoveredCode {
     /// The code with its prefix.
@@ -323,7 +323,7 @@ fn coverage(paths: &[String], options: &GlobalOptions) -> anyhow::Result<ExitCod
     Ok(options.exit_code(&loaded.findings))
 }
 
-/// Implementations by full code: contracts, machines, and operations of machines.
+/// Names of the contracts, machines, and operations of machines that implement each code.
 fn implementations(library: &Library) -> BTreeMap<String, Vec<String>> {
     let mut by_code: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let contracts = library.contracts.iter().map(|c| (c.name.clone(), &c.codes));
@@ -334,7 +334,8 @@ fn implementations(library: &Library) -> BTreeMap<String, Vec<String>> {
     });
     for (name, codes) in contracts.chain(machines) {
         for code in codes {
-            // As spelled in the taxonomy: contracts may write umlauts and case differently.
+            // Codes are spelled as in the taxonomy: contracts can write umlauts and case
+            // differently.
             let Some(entry) = taxonomy().find(&code.text) else {
                 continue;
             };

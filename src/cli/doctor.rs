@@ -1,8 +1,8 @@
-//! `linewright doctor`: what this computer has for building station libraries, and the evaluation
-//! of a probe.
+//! `linewright doctor`: reports the compilers and tools of this computer, or evaluates the dump of
+//! a probe.
 //!
-//! Exit code 0: this computer can do the main job, which needs a C compiler for itself. A missing
-//! compiler for Windows is only a warning, with a remedy. 2 without a C compiler.
+//! Exit code 0 if there is a C compiler for this computer, which `build` and `run` need; 2 if there
+//! is none. A missing compiler for Windows is only a warning, with a remedy.
 
 mod probe;
 
@@ -33,14 +33,14 @@ To infer the layout of UF_Value from the dump of a probe (`build --probe`):
 
     $ linewright doctor --probe linewright_probe.dll.dump.txt --out plant-simulation.toml
 
-Exit codes: 0 libraries for this computer can be built, or the layout was found; 1 the dump \
-does not determine the layout, or contradicts the profile; 2 no C compiler, or an unreadable \
-file.")]
+Exit codes without --probe: 0 a C compiler works; 2 none does. With --probe: 0 the layout was \
+found or confirmed; 1 the dump does not determine the layout, or contradicts the profile; 2 the \
+dump cannot be read.")]
 pub struct Arguments {
     /// Infer the layout of UF_Value from this dump of the probe
     #[arg(long, value_name = "FILE")]
     pub probe: Option<PathBuf>,
-    /// Write the profile to this file; a different profile there is kept
+    /// Write the profile to this file; an existing file with a different profile is not overwritten
     #[arg(long, value_name = "FILE", requires = "probe")]
     pub out: Option<PathBuf>,
     /// Show this profile of UF_Value instead of the built-in one
@@ -51,7 +51,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "doctor",
-    "What there is for building station libraries, or what a probe has found",
+    "Available compilers and tools, or the layout that a probe found",
     &[
         form::<Document<'_>>,
         form::<probe::Document>,
@@ -65,7 +65,7 @@ struct Document<'a> {
     schema: String,
     /// The C compiler for this computer.
     c_compiler: Option<&'a FoundProgram>,
-    /// The compilers for 64-bit Windows, in the order of preference.
+    /// The compilers for 64-bit Windows, in order of preference.
     windows_compilers: Vec<Entry<'a>>,
     /// Whether libraries for Windows can be built.
     windows: bool,
@@ -73,11 +73,11 @@ struct Document<'a> {
     wine: Option<&'a FoundProgram>,
     /// Python 3.
     python: Option<&'a FoundProgram>,
-    /// The packages of Python that tests use and that are installed.
+    /// The installed ones of the Python packages that tests use.
     python_packages: &'a [&'static str],
-    /// The profile of `UF_Value`; null where it cannot be read.
+    /// The profile of `UF_Value`; null if it cannot be read.
     profile: Option<ProfileEntry>,
-    /// The folder of the cache; null where there is none.
+    /// The folder of the cache; null if there is none.
     cache: Option<String>,
     /// Where `build` and `run` put libraries.
     libraries: &'static str,
@@ -85,17 +85,17 @@ struct Document<'a> {
     findings: Vec<json::Finding>,
 }
 
-/// A compiler that was looked for.
+/// A compiler that was searched for.
 #[derive(JsonSchema, Serialize)]
 struct Entry<'a> {
-    /// Its kind.
+    /// The kind of compiler.
     name: &'static str,
-    /// What was found; null where it is not installed.
+    /// The program found; null if it is not installed.
     found: Option<&'a FoundProgram>,
 }
 
 /// Folder where `build` and `run` put libraries.
-const LIBRARIES: &str = ".linewright beside the file that is built, or --out";
+const LIBRARIES: &str = ".linewright next to the file that is built, or --out";
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
@@ -107,7 +107,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let mut findings = Vec::new();
     let profile = match profiles::load(arguments.profile.as_deref(), &mut sources) {
         Ok(profile) => {
-            findings.extend(profiles::caution(&profile));
+            findings.extend(profiles::note_if_unverified(&profile));
             Some(profile)
         }
         Err(found) => {
@@ -161,13 +161,12 @@ fn no_windows(survey: &Survey) -> Option<Diagnostic> {
         }
         Some((kind, found)) => {
             let why = format!(
-                "{} is there, but it does not compile: {}",
+                "{} was found, but it does not compile: {}",
                 kind.name(),
                 found.fault.as_ref()?
             );
-            let help =
-                "repair or remove it; the compilers are tried in the order of the list above"
-                    .to_owned();
+            let help = "repair or remove it; compilers are tried in the order of the list above"
+                .to_owned();
             (why, help)
         }
     };
@@ -197,13 +196,13 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
     };
     match &survey.host {
         Ok(found) => row("C compiler", &show(found)),
-        Err(_) => row("C compiler", "not found, or of no use"),
+        Err(_) => row("C compiler", "not found, or does not work"),
     }
     for (kind, found) in &survey.cross {
-        // A compiler that was not named is not reported as missing.
+        // An unusual compiler is only listed if it was found.
         match found {
             Some(found) => row(kind.name(), &show(found)),
-            None if kind.is_usual() => row(kind.name(), "not found"),
+            None if kind.is_searched_by_default() => row(kind.name(), "not found"),
             None => {}
         }
     }
@@ -216,7 +215,7 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
     );
     match &survey.wine {
         Some(found) => row("Wine", &show(found)),
-        None => row("Wine", "not found (only tests run Windows libraries)"),
+        None => row("Wine", "not found (only needed by tests)"),
     }
     match &survey.python {
         Some(found) => {
@@ -228,17 +227,17 @@ fn table(survey: &Survey, profile: Option<&Profile>) -> String {
             };
             row("Python packages", &packages);
         }
-        None => row("Python", "not found (only tests need it)"),
+        None => row("Python", "not found (only needed by tests)"),
     }
     if let Some(profile) = profile {
         row(
             "UF_Value",
-            &format!("{}: {}", profile.shown(), profile.found),
+            &format!("{}: {}", profile.label(), profile.found),
         );
     }
     row(
         "cache",
-        &cache_folder().unwrap_or_else(|| "none; contracts are solved anew".to_owned()),
+        &cache_folder().unwrap_or_else(|| "none; every contract is solved again".to_owned()),
     );
     row("libraries", LIBRARIES);
     out.push('\n');

@@ -1,4 +1,4 @@
-//! Meaning of the exit codes, and their relation to findings.
+//! Exit codes, and how they follow from findings.
 
 use crate::diagnostics::{Diagnostic, Severity, codes};
 use crate::engine::files::LoadedFiles;
@@ -16,14 +16,14 @@ pub enum ExitCode {
     CannotRun = 2,
     /// A limit was reached.
     GaveUp = 3,
-    /// Internal error (LW007): the object under examination has no verdict.
+    /// Internal error (LW007): the checked object has no verdict.
     Internal = 4,
 }
 
 impl ExitCode {
-    /// A file of another tool that does not parse prevents a command from running.
+    /// The code for loaded files: `CannotRun` if a file of another tool gave no specification.
     pub fn of_loading(loaded: &LoadedFiles) -> Self {
-        if loaded.lacks_foreign() {
+        if loaded.has_invalid_foreign() {
             Self::CannotRun
         } else {
             Self::Success
@@ -47,8 +47,8 @@ impl ExitCode {
         }
     }
 
-    /// The code for some findings. With `deny_warnings`, a warning counts as an error; reaching a
-    /// limit of the command counts whatever the finding's severity.
+    /// The code for findings. With `deny_warnings`, a warning counts as an error. If a limit of the
+    /// command was reached, the finding's severity does not matter.
     pub fn of(findings: &[Diagnostic], deny_warnings: bool) -> Self {
         findings
             .iter()
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_of_4_2_3_1_wins() {
+    fn codes_combine_to_the_first_of_4_2_3_1() {
         use ExitCode::{CannotRun, Findings, GaveUp, Internal, Success};
         let order = [Success, Findings, GaveUp, CannotRun, Internal];
         for (i, a) in order.into_iter().enumerate() {
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn findings_lead_to_codes() {
+    fn exit_codes_follow_from_findings() {
         let error = |code| Diagnostic::error(code, None, "");
         let warning = Diagnostic::warning(codes::SYNTAX, None, "");
         let of = |findings: &[Diagnostic]| ExitCode::of(findings, false);

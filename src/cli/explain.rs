@@ -1,4 +1,4 @@
-//! `linewright explain`: the meaning of a finding.
+//! `linewright explain`: explains findings, constructs of the language and commands.
 
 mod topics;
 
@@ -33,7 +33,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "explain",
-    "Findings, constructs of the language and commands, and what they mean",
+    "Explanations of findings, constructs of the language and commands",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -43,26 +43,27 @@ struct Document {
     schema: String,
     /// The codes.
     codes: Vec<Entry>,
-    /// Constructs of the language and commands; left out where only codes are explained.
+    /// Constructs of the language and commands; absent if only codes are explained.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     topics: Vec<Topic>,
 }
 
-/// What a code means.
+/// A code with its explanation.
 #[derive(JsonSchema, Serialize)]
 struct Entry {
     /// The code, such as `LW203`.
     code: &'static str,
-    /// What it is about.
+    /// The title of the explanation.
     title: &'static str,
     /// The title of its group.
     group: &'static str,
-    /// The explanation, in Markdown; left out in a list of all codes.
+    /// The explanation, in Markdown; absent in a list of all codes.
     #[serde(skip_serializing_if = "Option::is_none")]
     page: Option<&'static str>,
 }
 
-/// Runs the command. `program` is the command line, of which the pages of commands are made.
+/// Runs the command. `program` is the definition of the command line, from which the pages of
+/// commands are generated.
 pub fn run(
     arguments: &Arguments,
     options: &GlobalOptions,
@@ -87,7 +88,7 @@ pub fn run(
     }
 }
 
-/// Prints codes and topics: their names for a list, or else their pages.
+/// Prints codes and topics: only their names with `as_list`, their pages otherwise.
 fn show(
     options: &GlobalOptions,
     codes: &[Code],
@@ -101,7 +102,7 @@ fn show(
             codes: codes.iter().map(|c| entry(*c, !as_list)).collect(),
             topics,
         })?,
-        // No findings, but the rules that findings of other commands refer to.
+        // The document has no findings, only the rules to which findings of other commands refer.
         Format::Sarif => console.document(&sarif::catalogue(codes))?,
         Format::Human | Format::Short if as_list => console.result(&list(&topics))?,
         Format::Human | Format::Short => {
@@ -119,7 +120,7 @@ fn unknown(name: &str, topics: &[Topic]) -> String {
     let near = nearest(name, topics::names(topics).chain(codes));
     let near = near.map_or(String::new(), |near| format!("did you mean `{near}`? "));
     format!(
-        "nothing is known of `{name}`: {near}`linewright explain --list` lists all findings, constructs and commands"
+        "there is no topic `{name}`: {near}`linewright explain --list` lists all findings, constructs and commands"
     )
 }
 

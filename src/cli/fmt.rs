@@ -1,8 +1,8 @@
 //! `linewright fmt`: formats `.lw` files in the standard layout.
 //!
-//! A file is written only if its text changes, and only after [`format::checked`] has parsed the
-//! new text and found that it means the same: an error of the formatter is reported and leaves the
-//! file unchanged.
+//! A file is written only if its text changes, and only after [`format::format_checked`] has parsed
+//! the new text and confirmed that it means the same. If it does not, this is reported as a fault
+//! of linewright, and the file is left unchanged.
 
 use super::console;
 use super::console::Console;
@@ -34,9 +34,9 @@ const STANDARD_INPUT: &str = "<stdin>";
     linewright fmt --check examples
     linewright fmt - < contracts/handling/turn.lw
 
-A file is rewritten only if that changes it. Comments, line breaks between operators, single \
-empty lines, line endings and a byte-order mark are kept; operators become words. A file that \
-does not parse is left unchanged (exit code 2). With --check, no file is written, and the exit \
+A file is rewritten only if that changes it. Comments, line breaks at operators, single empty \
+lines, line endings and a byte-order mark are kept; operators become words (`&&` becomes `and`). \
+A file that does not parse is left unchanged (exit code 2). With --check, no file is written, and the exit \
 code is 1 if one would be.")]
 pub struct Arguments {
     /// Files, folders (all .lw files in them), or `-` for standard input
@@ -50,7 +50,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "fmt",
-    "Which files were laid out anew",
+    "Which files were formatted",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -78,7 +78,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let console = options.console();
     let standard_input = arguments.paths == ["-"];
     if !standard_input && arguments.paths.iter().any(|p| p == "-") {
-        anyhow::bail!("`-` is standard input: give it alone, or name a file of that name `./-`");
+        anyhow::bail!(
+            "`-` is standard input and must be the only path; write `./-` for a file of that name"
+        );
     }
     let read = if standard_input {
         let mut text = String::new();
@@ -87,7 +89,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             .context("standard input cannot be read")?;
         vec![Ok((STANDARD_INPUT.to_owned(), text))]
     } else {
-        files::every(&arguments.paths)
+        files::read_all(&arguments.paths)
     };
     let mut work = Work {
         sources: SourceMap::default(),
@@ -147,7 +149,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(work.code)
 }
 
-/// State of the command over all files.
+/// State of the command while it formats files.
 struct Work {
     sources: SourceMap,
     findings: Vec<Diagnostic>,
@@ -165,7 +167,7 @@ impl Work {
         let finding = Diagnostic::error(
             crate::diagnostics::codes::GAVE_UP,
             None,
-            format!("{name} and what comes after it were not formatted: {late}"),
+            format!("{name} and the files after it were not formatted: {late}"),
         );
         self.findings.push(finding.with_help(late.remedy()));
         self.code = self.code.and(ExitCode::GaveUp);
@@ -174,8 +176,7 @@ impl Work {
     /// Formats a file; `None` if it does not parse.
     ///
     /// # Errors
-    /// Returns an error if the deadline is past. Parsing is not interrupted, so this may be noticed
-    /// somewhat later.
+    /// The deadline has passed. Parsing is not interrupted, so this can be noticed late.
     fn format(&mut self, name: &str, text: &str) -> Result<Option<String>, StopReason> {
         self.deadline.check()?;
         let file = self.sources.add(name, text);
@@ -187,13 +188,13 @@ impl Work {
             return Ok(None);
         }
         self.deadline.check()?;
-        Ok(match format::checked(&tree, text) {
+        Ok(match format::format_checked(&tree, text) {
             Ok(formatted) => Some(formatted),
             Err(fault) => {
                 let finding = Diagnostic::error(
                     crate::diagnostics::codes::SYNTAX,
                     None,
-                    format!("{name} was left as it is: {fault}"),
+                    format!("{name} was left unchanged: {fault}"),
                 );
                 self.finding(finding.with_help(format!(
                     "this is a fault of linewright {}: please report it, with the file",
@@ -226,9 +227,9 @@ impl Work {
     }
 }
 
-/// The lines that differ, from first to last, with their numbers; at most a screenful.
+/// Lists the differing lines with their numbers, at most 20 lines.
 fn difference(before: &str, after: &str) -> String {
-    const MOST: usize = 20;
+    const MAX_LINES: usize = 20;
     let (old, new): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
     let mut text = String::new();
     let (mut i, mut j, mut shown) = (0, 0, 0);
@@ -237,11 +238,11 @@ fn difference(before: &str, after: &str) -> String {
             (i, j) = (i + 1, j + 1);
             continue;
         }
-        // The nearest place where both continue alike.
+        // Skips to the nearest position from which both continue alike.
         let (a, b) = rejoin(&old[i..], &new[j..]);
         for (sign, lines, first) in [('-', &old[i..i + a], i), ('+', &new[j..j + b], j)] {
             for (n, line) in lines.iter().enumerate() {
-                if shown == MOST {
+                if shown == MAX_LINES {
                     text.push_str("  ...\n");
                     return text;
                 }
@@ -252,15 +253,15 @@ fn difference(before: &str, after: &str) -> String {
         (i, j) = (i + a, j + b);
     }
     if text.is_empty() {
-        text.push_str("  only the ends of lines differ\n");
+        text.push_str("  only line endings differ\n");
     }
     text
 }
 
-/// Number of lines of each to skip until both continue with the same line.
+/// Numbers of lines to skip in both texts until they continue with the same line.
 fn rejoin(old: &[&str], new: &[&str]) -> (usize, usize) {
-    const FARTHEST: usize = 200;
-    for sum in 1..=FARTHEST.min(old.len() + new.len()) {
+    const MAX_SKIPPED: usize = 200;
+    for sum in 1..=MAX_SKIPPED.min(old.len() + new.len()) {
         for a in 0..=sum.min(old.len()) {
             let b = sum - a;
             if b <= new.len() && old.get(a) == new.get(b) {
@@ -282,6 +283,6 @@ mod tests {
             "    2 - b\n    2 + x\n    3 + y\n"
         );
         assert_eq!(difference("a\n\n\nb\n", "a\n\nb\n"), "    3 - \n");
-        assert_eq!(difference("a", "a\n"), "  only the ends of lines differ\n");
+        assert_eq!(difference("a", "a\n"), "  only line endings differ\n");
     }
 }

@@ -1,4 +1,4 @@
-//! `linewright import`: another tool's specification, printed as a contract.
+//! `linewright import`: converts another tool's specification to a contract.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;

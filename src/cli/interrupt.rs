@@ -1,8 +1,8 @@
-//! Ctrl-C: the first one counts as a passed deadline, so that results so far are printed; the
-//! second one ends the program.
+//! Ctrl-C: the first one acts like a deadline, so that the results so far are printed; the second
+//! one ends the program.
 //!
-//! A command that checks its deadline creates a [`Watch`]; during any other, Ctrl-C ends the
-//! program as usual.
+//! A command that checks its deadline creates a [`Watch`]. In all other commands, the first Ctrl-C
+//! ends the program.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -14,15 +14,15 @@ static INSTALL: Once = Once::new();
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 static WATCHING: AtomicUsize = AtomicUsize::new(0);
 
-/// While it exists, the first Ctrl-C does not end the program.
+/// While a value of this type exists, the first Ctrl-C does not end the program.
 #[derive(Debug)]
 pub struct Watch(());
 
 impl Watch {
-    /// Starts to watch.
+    /// Starts watching.
     pub fn new() -> Self {
         INSTALL.call_once(|| {
-            // Fails if a handler already exists, which then applies.
+            // Fails if a handler already exists; that one is then used.
             let _ = ctrlc::set_handler(|| {
                 let watched = WATCHING.load(Ordering::SeqCst) > 0;
                 if INTERRUPTED.swap(true, Ordering::SeqCst) || !watched {
@@ -47,7 +47,7 @@ impl Drop for Watch {
     }
 }
 
-/// Whether Ctrl-C was pressed, for a command that it ends normally; resets the state.
+/// Whether Ctrl-C was pressed; resets the state. For a command that Ctrl-C ends normally.
 pub fn take() -> bool {
     INTERRUPTED.swap(false, Ordering::SeqCst)
 }

@@ -1,8 +1,8 @@
 //! The command line: one file per subcommand, and common parts.
 //!
 //! Results go to standard output, everything else to standard error; [`exit`] defines the exit
-//! codes. A command returns an [`exit::ExitCode`] for everything the user can cause, and an
-//! `anyhow` error, printed with exit code 2, for what prevents it from running at all.
+//! codes. A command returns an [`exit::ExitCode`] if it ran, with or without findings, and an
+//! `anyhow` error, printed with exit code 2, if it could not run.
 
 pub mod algebra;
 pub mod build;
@@ -47,10 +47,10 @@ use std::ffi::OsString;
 internal error (no verdict)."
 )]
 pub struct Arguments {
-    /// What to do.
+    /// Subcommand with its arguments.
     #[command(subcommand)]
     pub command: Command,
-    /// How to do it.
+    /// Options common to all subcommands.
     #[command(flatten)]
     pub options: GlobalOptions,
 }
@@ -90,7 +90,7 @@ pub enum Command {
     Order(order::Arguments),
     /// Look up codes of DIN 8580 and VDI 2860
     Din(din::Arguments),
-    /// Report available compilers, and the layout that a probe found
+    /// Report available compilers and tools, or the UF_Value layout that a probe found
     Doctor(doctor::Arguments),
     /// Print the JSON Schema of a document
     Schema(schema::Arguments),
@@ -98,12 +98,13 @@ pub enum Command {
     Completions(completions::Arguments),
 }
 
-/// Runs the program: arguments in, exit code out. Prints the reason of a failure.
+/// Runs the program with command-line arguments, the program's name first. Prints all output and
+/// returns the exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => arguments,
         Err(error) => {
-            // Help and version are also reported this way; a closed pipe is no failure.
+            // Help and version are also reported as errors; a closed pipe is not a failure.
             let _ = error.print();
             return if error.use_stderr() {
                 ExitCode::CannotRun
@@ -112,30 +113,30 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             };
         }
     };
-    internal::watch_panics();
+    internal::install_panic_hook();
     let console = arguments.options.console();
     let command = arguments.command.name();
-    let last_moment = arguments.last_moment();
+    let hard_deadline = arguments.hard_deadline();
     let doing = move || format!("running `{command}`");
-    // Fails only if the pool already exists (in tests, where it does not matter).
+    // Fails only if the pool already exists, as in tests, where the stack size does not matter.
     let _ = rayon::ThreadPoolBuilder::new()
         .stack_size(worker::STACK_BYTES)
         .build_global();
     let work = move |_: &dyn Fn(())| internal::caught(doing, || dispatch(&arguments));
-    let fault = match worker::run(last_moment, work) {
+    let fault = match worker::run(hard_deadline, work) {
         Completion::Done(Ok(Ok(code))) if interrupt::interrupted() => {
             return code.and(ExitCode::GaveUp);
         }
         Completion::Done(Ok(Ok(code))) => return code,
         Completion::Done(Ok(Err(error))) if error.is::<pipeline::InternalError>() => {
-            Fault::noticed(doing(), error.to_string())
+            Fault::detected(doing(), error.to_string())
         }
         Completion::Done(Ok(Err(error))) => {
             let _ = console.remark(&format!("\u{1b}[1m\u{1b}[91merror\u{1b}[0m: {error:#}\n"));
             return ExitCode::CannotRun;
         }
         Completion::Done(Err(fault)) => fault,
-        Completion::Left(late, _) => {
+        Completion::Abandoned(late, _) => {
             let _ = console.aborted(command, &overdue(command, late));
             return ExitCode::GaveUp;
         }
@@ -145,18 +146,18 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 impl Arguments {
-    /// When the command is terminated even if it does not check its time limit; never for a command
-    /// that lasts as long as its user wants.
-    fn last_moment(&self) -> Deadline {
-        let endless = match &self.command {
+    /// When the command is terminated even if it does not check its time limit; never for an
+    /// interactive command.
+    fn hard_deadline(&self) -> Deadline {
+        let is_interactive = match &self.command {
             Command::Step(_) => true,
             Command::Check(check) => check.watch,
             _ => false,
         };
-        if endless {
+        if is_interactive {
             Deadline::NONE
         } else {
-            self.options.last_moment()
+            self.options.hard_deadline()
         }
     }
 }
@@ -164,13 +165,13 @@ impl Arguments {
 /// Finding for a command that was terminated during its work.
 fn overdue(command: &str, late: StopReason) -> Diagnostic {
     let message = format!(
-        "`{command}` has no result: {late} while it was reading or writing large files, or waiting for another program"
+        "`{command}` has no result: {late} while it was accessing files or waiting for another program"
     );
     Diagnostic::error(codes::GAVE_UP, None, message).with_help(late.remedy())
 }
 
 impl Command {
-    /// Whether it checks its deadline throughout. `step` does while it solves; a dialogue follows.
+    /// Whether the command checks its deadline throughout. `step` does so only while it solves.
     fn has_deadline(&self) -> bool {
         match self {
             Self::Check(_)
@@ -195,7 +196,7 @@ impl Command {
         }
     }
 
-    /// Name on the command line.
+    /// Name of the command as typed.
     fn name(&self) -> &'static str {
         match self {
             Self::Check(_) => "check",

@@ -7,14 +7,14 @@ use crate::deadline::Deadline;
 use crate::diagnostics::Diagnostic;
 use crate::engine::cache::Cache;
 use crate::engine::pipeline::Settings;
-use crate::game::{Effort, Heuristic, Heuristics, KernelChoice, Limits};
+use crate::game::{BudgetFactor, Heuristic, Heuristics, KernelChoice, Limits};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Time for a command to print its results after its time limit. Then it is terminated: it may be
-/// parsing, which does not check the clock.
+/// Time for a command to print its results after its time limit, before it is terminated: some
+/// work, such as parsing, does not check the time limit.
 const GRACE: Duration = Duration::from_secs(2);
 
 /// Output format.
@@ -41,21 +41,21 @@ pub enum Color {
     Never,
 }
 
-/// What counts as an error beside errors.
+/// Findings that count as errors in the exit code, in addition to errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Deny {
     /// Warnings.
     Warnings,
 }
 
-/// Which BDD package solves.
+/// Choice of the BDD package.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Kernel {
-    /// By the size of the game.
+    /// Chosen by the size of the game.
     Auto,
-    /// biodivine-lib-bdd: starts at once, for small games.
+    /// biodivine-lib-bdd: no start-up time; for small games.
     Biodivine,
-    /// `OxiDD`: a shared store and reordering, for large games.
+    /// `OxiDD`: a shared node store and variable reordering; for large games.
     Oxidd,
 }
 
@@ -75,7 +75,7 @@ pub struct GlobalOptions {
         value_name = "WHEN"
     )]
     pub color: Color,
-    /// Omit measured times and sizes, so that equal input gives equal output
+    /// Omit times and memory sizes, so that equal input gives equal output
     #[arg(long, global = true)]
     pub no_timing: bool,
     /// Time limit of the whole command [default: never]
@@ -92,7 +92,7 @@ pub struct GlobalOptions {
         long_help = "Multiply the work limit of proofs of machines and lines by FACTOR. Work is counted in BDD nodes \
 and operations, not in seconds, so the same input has the same verdict on every computer"
     )]
-    pub effort: Effort,
+    pub effort: BudgetFactor,
     /// Memory limit for the BDDs of one contract, in MiB
     #[arg(
         long,
@@ -134,7 +134,7 @@ in the user's cache folder. It can be deleted at any time"
     /// Verbose: show file and kernel of each contract, and how each assumption is discharged
     #[arg(long, short, global = true)]
     pub verbose: bool,
-    /// When the command began: its time limit counts from here, whatever it is doing.
+    /// When the command began; its time limit counts from this moment.
     #[arg(skip = Instant::now())]
     pub began: Instant,
 }
@@ -145,11 +145,12 @@ impl GlobalOptions {
         Console::new(self.format, self.color)
     }
 
-    /// Rejects SARIF, a format for findings, if a command has a result of another kind.
+    /// Fails if the format is SARIF, which can only hold findings. `result` names what the command
+    /// prints instead.
     pub fn refuse_sarif(&self, result: &str) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.format != Format::Sarif,
-            "{result} has no findings to write as SARIF: `linewright check` has; take `--format json`"
+            "{result} has no findings, so it cannot be written as SARIF: use `--format json`, or `linewright check` for findings"
         );
         Ok(())
     }
@@ -162,18 +163,18 @@ impl GlobalOptions {
     /// Limits of a command that began at this time.
     pub fn limits_from(&self, began: Instant) -> Limits {
         Limits {
-            effort: self.effort,
+            budget_factor: self.effort,
             deadline: self
                 .timeout
                 .map_or(Deadline::NONE, |t| Deadline::after(began, t))
-                .or_when(interrupt::flag()),
+                .with_interrupt(interrupt::flag()),
             memory_mib: Some(self.memory),
             ..Limits::default()
         }
     }
 
     /// When the command is terminated even if it does not check its time limit.
-    pub fn last_moment(&self) -> Deadline {
+    pub fn hard_deadline(&self) -> Deadline {
         self.timeout.map_or(Deadline::NONE, |limit| {
             Deadline::after(self.began, limit).extended(GRACE)
         })
@@ -201,7 +202,7 @@ impl GlobalOptions {
         }
     }
 
-    /// The exit code for some findings.
+    /// The exit code of a command with these findings.
     pub fn exit_code(&self, findings: &[Diagnostic]) -> ExitCode {
         ExitCode::of(findings, self.deny == Some(Deny::Warnings))
     }
@@ -214,10 +215,10 @@ fn seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| "expected a number of seconds, such as 30 or 0.5".to_owned())
 }
 
-fn effort(text: &str) -> Result<Effort, String> {
+fn effort(text: &str) -> Result<BudgetFactor, String> {
     text.parse()
         .ok()
-        .and_then(Effort::new)
+        .and_then(BudgetFactor::new)
         .ok_or_else(|| "expected a number above 0, such as 10 or 0.5".to_owned())
 }
 
@@ -242,15 +243,15 @@ mod tests {
 
     /// Later phases have only the time left by earlier ones.
     #[test]
-    fn a_time_limit_is_one_for_the_whole_command() {
+    fn a_time_limit_covers_the_whole_command() {
         let command = GlobalOptions::augment_args(clap::Command::new("linewright"));
         let given = command.get_matches_from(["linewright", "--timeout", "5"]);
-        let options = GlobalOptions::from_arg_matches(&given).expect("they are right");
+        let options = GlobalOptions::from_arg_matches(&given).expect("valid arguments");
         let first = options.limits().deadline;
         assert_ne!(first, Deadline::NONE);
         std::thread::sleep(Duration::from_millis(2));
         assert_eq!(options.settings().limits.deadline, first);
         let later = options.limits_from(Instant::now()).deadline;
-        assert!(later.left() > first.left());
+        assert!(later.remaining() > first.remaining());
     }
 }

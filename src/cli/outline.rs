@@ -1,13 +1,13 @@
-//! Determines from the text alone which declaration a place in a file belongs to.
+//! Finds the declarations of a file and their extents without parsing it.
 //!
 //! A contract that does not parse is not in the library, but `check` must list it with its
-//! findings. So this only searches for `contract NAME`, `machine NAME`, `line NAME`,
+//! findings. So this module only searches for `contract NAME`, `machine NAME`, `line NAME`,
 //! `skills NAME {`, and for the closing brace of each. The first three are reserved words: at the
-//! beginning of a line they begin a declaration, even if a preceding brace is missing. `skills` may
+//! beginning of a line they begin a declaration, even if a preceding brace is missing. `skills` can
 //! also be a name; the next tokens decide.
 
 use crate::source::{FileId, SourceMap, Span};
-use crate::syntax::{is_component, is_skill_set, is_skills_head};
+use crate::syntax::{begins_skill_set, declares_inner_machine, declares_skill_set};
 
 /// Kind of a declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -22,19 +22,20 @@ pub enum Kind {
     Skills,
 }
 
-/// A declaration and its text.
+/// A declaration and its extent in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Declaration {
     /// Kind of declaration.
     pub kind: Kind,
     /// Declared name.
     pub name: String,
-    /// From its keyword to its closing brace, or to the end of the file if that is missing.
+    /// From its keyword to its closing brace; if that is missing, to the next declaration or the
+    /// end of the file.
     pub extent: Span,
 }
 
 impl Declaration {
-    /// Whether it contains a place.
+    /// Whether the declaration contains the start of a span.
     pub fn holds(&self, span: Span) -> bool {
         self.extent.file == span.file
             && self.extent.start <= span.start
@@ -51,8 +52,8 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
     let mut keyword: Option<(Kind, usize)> = None;
     for (start, token) in tokens(text) {
         match token {
-            // A machine within a machine is no declaration.
-            "machine" if depth > 0 && is_component(&text[start + token.len()..]) => {}
+            // A machine within a machine is a component.
+            "machine" if depth > 0 && declares_inner_machine(&text[start + token.len()..]) => {}
             "contract" | "machine" | "line" if depth == 0 || begins_line(text, start) => {
                 depth = 0;
                 keyword = Some((
@@ -100,16 +101,16 @@ pub fn declarations(sources: &SourceMap, file: FileId) -> Vec<Declaration> {
 /// Whether a set of skills begins after this word.
 fn begins_skills(text: &str, end: usize, depth: usize) -> bool {
     let (start, rest) = (end - "skills".len(), &text[end..]);
-    depth == 0 && is_skills_head(rest) || begins_line(text, start) && is_skill_set(rest)
+    depth == 0 && begins_skill_set(rest) || begins_line(text, start) && declares_skill_set(rest)
 }
 
-/// Whether only `moore` precedes this place in its line.
+/// Whether nothing but `moore` precedes this position in its line.
 fn begins_line(text: &str, at: usize) -> bool {
     let line = text[..at].rfind(['\n', '\r']).map_or(0, |end| end + 1);
     matches!(text[line..at].trim(), "" | "moore")
 }
 
-/// An unclosed declaration ends where the next one begins.
+/// Ends an unclosed declaration where the next one begins.
 fn close_before(found: &mut [Declaration], open: bool, from: usize) {
     if let Some(last) = found.last_mut().filter(|_| open) {
         last.extent.end = from as u32;
@@ -185,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn skills_are_declared_by_what_follows() {
+    fn the_tokens_after_skills_decide_whether_it_is_a_declaration() {
         let set = "skills S { component c { Go } }";
         let text = format!(
             "const a = skills\ndefine skills(x) = x\nmachine M {{ skills S {{ order = go }} done skills\n{set}\nline L {{}}"
@@ -201,7 +202,7 @@ mod tests {
         assert_eq!((found[0].1.as_str(), found[0].2.as_str()), ("U", set));
     }
 
-    /// As in the grammar, a carriage return alone ends a line, too.
+    /// As in the grammar, a single carriage return also ends a line.
     #[test]
     fn a_comment_ends_with_its_line() {
         for end in ["\n", "\r", "\r\n"] {

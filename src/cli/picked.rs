@@ -11,21 +11,24 @@ use crate::station::file_stem;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// The selection.
+/// Machines to build, with the lines that use them.
 #[derive(Debug, Default)]
 pub struct BuildSelection<'a> {
     /// Selected machines.
     pub machines: Vec<&'a Machine>,
-    /// Lines whose machines are among them.
+    /// Lines whose machines are all selected.
     pub lines: Vec<&'a Line>,
     /// Notes on the selection.
     pub notes: Vec<Diagnostic>,
 }
 
-/// The machines that a selection names, or those of the line that it names. Without a name: those
-/// of the file's lines in the sizes used there, as `run` would build them, and those declared in
-/// the file that none of its lines uses, in their default sizes.
-pub fn picked<'a>(
+/// Selects the machine with the selection's name, or the machines of the line with that name.
+/// Without a name, selects the machines of the file's lines, with the parameters that they have
+/// there, and the file's other machines, with their default parameters.
+///
+/// # Errors
+/// No machine matches the selection.
+pub fn select_machines<'a>(
     selection: &Selection,
     loaded: &'a LoadedFiles,
 ) -> anyhow::Result<BuildSelection<'a>> {
@@ -46,7 +49,7 @@ pub fn picked<'a>(
         }
     }
     for machine in declared {
-        // A machine that occurs only in machines of the lines is part of their libraries.
+        // An inner machine is part of the library of the outer machine.
         if picked.machines.iter().any(|m| contains(m, machine.span)) {
             continue;
         }
@@ -54,7 +57,8 @@ pub fn picked<'a>(
         if used.clone().count() == 0 {
             picked.machines.push(machine);
         } else if !used.any(|m| is_same(m, machine)) {
-            picked.notes.push(sized(selection, machine, &lines));
+            let note = note_on_parameters(selection, machine, &lines);
+            picked.notes.push(note);
         }
     }
     picked.lines = lines;
@@ -65,8 +69,8 @@ pub fn picked<'a>(
     Ok(picked)
 }
 
-/// Note that a machine is built in sizes other than its defaults.
-fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnostic {
+/// Note that a machine is built with parameters other than its defaults.
+fn note_on_parameters(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnostic {
     let name = &machine.name;
     let users = lines
         .iter()
@@ -74,26 +78,26 @@ fn sized(selection: &Selection, machine: &Machine, lines: &[&Line]) -> Diagnosti
         .map(|l| format!("`{}`", l.name));
     let users: Vec<String> = users.collect();
     Diagnostic::note(
-        codes::SIZES_OF_LINE,
+        codes::LINE_SIZES,
         machine.span,
         format!(
-            "`{name}` is built with the sizes that it has in {}",
+            "`{name}` is built with the parameters that it has in {}",
             findings::list(&users)
         ),
     )
     .with_help(format!(
-        "`linewright build {}::{name}` builds it with its default sizes",
+        "`linewright build {}::{name}` builds it with its default parameters",
         selection.path
     ))
 }
 
-/// The same machines with names whose files differ: if two would be written to the same file, such
-/// as one machine in two sizes, the second is named `Printer_2`.
+/// Renames machines whose libraries would be written to the same file, such as one machine with two
+/// sets of parameters: the second becomes `Printer_2`.
 pub fn with_distinct_names<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>> {
-    // SimTalk ignores case, too.
+    // SimTalk ignores case, as some file systems do.
     let keys = |name: &str| [file_stem(name), name.to_lowercase()];
     let mut taken: BTreeSet<String> = BTreeSet::new();
-    let mut told = Vec::new();
+    let mut shown = Vec::new();
     for machine in machines {
         let mut name = machine.name.clone();
         let mut number = 2;
@@ -102,7 +106,7 @@ pub fn with_distinct_names<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>
             number += 1;
         }
         taken.extend(keys(&name));
-        told.push(if name == machine.name {
+        shown.push(if name == machine.name {
             Cow::Borrowed(*machine)
         } else {
             Cow::Owned(Machine {
@@ -111,5 +115,5 @@ pub fn with_distinct_names<'a>(machines: &[&'a Machine]) -> Vec<Cow<'a, Machine>
             })
         });
     }
-    told
+    shown
 }

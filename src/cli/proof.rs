@@ -1,5 +1,5 @@
-//! `check --proof`: the reason why a contract is realizable, for an independent check.
-//! `docs/proof.md` describes that check.
+//! `check --proof`: writes why a contract is realizable, for an independent check that
+//! `docs/proof.md` describes.
 
 use super::console::schema;
 use crate::cli::schema::{Described, form};
@@ -21,7 +21,7 @@ struct Document<'a> {
     schema: String,
     /// The name of the contract.
     contract: &'a str,
-    /// What is proved.
+    /// The verdict that is proved.
     #[schemars(extend("const" = "realizable"))]
     verdict: &'static str,
     /// `mealy`: the controller sees the inputs of the step that it answers; `moore`: it answers
@@ -30,15 +30,15 @@ struct Document<'a> {
     timing: &'static str,
     /// The variables; internal ones count as outputs.
     variables: Vec<Variable<'a>>,
-    /// The names of what the plant does again and again; `true` where there is none.
+    /// The names of the assumed justice; only `true` if there is none.
     assumptions: Vec<&'a str>,
-    /// What the machine does again and again; `true` where there is none.
+    /// The guaranteed justice; only `true` if there is none.
     goals: Vec<Goal<'a>>,
-    /// The bits from the top of the diagrams to their bottom, such as `turning.0`.
+    /// The bits from the top of the diagrams to the bottom, such as `turning.0`.
     order: Vec<String>,
-    /// The edge to the states from which the controller wins.
+    /// The edge to the root of the winning region.
     region: u32,
-    /// Bit, edge if it is 1, edge if it is 0.
+    /// The nodes of the diagrams: bit, edge if the bit is 1, edge if it is 0.
     nodes: Vec<(u16, u32, u32)>,
 }
 
@@ -47,7 +47,7 @@ struct Document<'a> {
 struct Variable<'a> {
     /// The name of the variable.
     name: &'a str,
-    /// Who sets it.
+    /// Whether the plant sets it (`input`) or the machine (`output`).
     #[schemars(extend("enum" = ["input", "output"]))]
     owner: &'static str,
     /// The lowest value.
@@ -57,7 +57,7 @@ struct Variable<'a> {
     /// The labels of an enumeration.
     #[serde(skip_serializing_if = "Option::is_none")]
     labels: Option<&'a [String]>,
-    /// The numbers of its bits, the most significant first; they hold the value minus `low`.
+    /// The numbers of its bits, the most significant first; they encode the value minus `low`.
     bits: &'a [u16],
 }
 
@@ -66,22 +66,22 @@ struct Variable<'a> {
 struct Goal<'a> {
     /// The name of the goal.
     name: &'a str,
-    /// The layers in which it is approached.
+    /// The layers of states, the nearest to the goal first.
     layers: Vec<Layer>,
 }
 
 /// A layer of a goal.
 #[derive(Debug, JsonSchema, Serialize)]
 struct Layer {
-    /// The index of the assumption that it waits for.
+    /// The index of the assumption that the controller waits for.
     assumption: usize,
-    /// The edge to the states in which it waits.
+    /// The edge to the states in which the controller makes progress, or waits for the assumption.
     wait: u32,
-    /// The edge to the states from which the goal is reached.
+    /// The edge to all states of this layer and the layers before it.
     reached: u32,
 }
 
-/// The document as text, one line per node.
+/// Formats the document of a proof.
 pub fn to_text(specification: &Specification, ranking: &Ranking) -> String {
     let root = |root: usize| ranking.diagram.roots[root].0;
     let layer = |rank: &Rank| Layer {
@@ -151,7 +151,7 @@ fn or_true(names: Vec<String>) -> Vec<String> {
     }
 }
 
-/// Each current bit by its variable's name and its index in it.
+/// Names of the current bits in variable order: the variable and the index of the bit in it.
 fn order(specification: &Specification, ranking: &Ranking) -> Vec<String> {
     let name = |bit: &u16| {
         let variables = specification.variables.iter().zip(&ranking.bits);

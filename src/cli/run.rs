@@ -1,4 +1,5 @@
-//! `linewright run`: runs a line in the bundled runner, from its contracts to its figures.
+//! `linewright run`: simulates a line in the bundled runner, with controllers synthesized from its
+//! contracts.
 
 use super::build::default_folder;
 use super::exit::ExitCode;
@@ -38,7 +39,7 @@ pub struct Arguments {
     /// Number of replications, with consecutive random seeds
     #[arg(long, value_name = "R", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub replications: u32,
-    /// Folder of the station libraries [default: .linewright beside the file]
+    /// Folder of the station libraries [default: .linewright next to the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Compile again even if nothing has changed
@@ -69,15 +70,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         );
     };
     if arguments.parts.is_none() && arguments.until.is_none() && line.limit.is_none() {
-        let endless = Diagnostic::error(
+        let finding = Diagnostic::error(
             codes::LINE_LIMIT,
             line.span,
-            format!("nothing says when a run of `{}` ends", line.name),
+            format!("a run of `{}` has no end condition", line.name),
         )
         .with_help(
-            "say it with --parts N or --until TIME, or write `limit 50 products` into the line",
+            "give --parts N or --until TIME, or write for example `limit 50 products` in the line",
         );
-        console.failed("run", sources, &[endless])?;
+        console.failed("run", sources, &[finding])?;
         return Ok(ExitCode::CannotRun);
     }
 
@@ -98,10 +99,10 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         return Ok(options.exit_code(&findings));
     }
 
-    // A line that refuses parts can be run, and the run shows how often; it is an error
-    // nonetheless.
+    // A line whose stations refuse parts is run nevertheless, to show how often this happens; the
+    // refusals are still errors.
     let of_machine = |machine: &Machine| synthesis.of(machine);
-    lines::judge(line, of_machine, &settings.limits, &mut findings);
+    lines::add_call_findings(line, of_machine, &settings.limits, &mut findings);
 
     let default = default_folder(&arguments.selection.path);
     let run_options = SimulationOptions {
@@ -136,8 +137,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
                 }
             }
         }
-        Err(more) => {
-            findings.extend(more);
+        Err(found) => {
+            findings.extend(found);
             console.failed("run", sources, &findings)?;
         }
     }

@@ -1,7 +1,7 @@
-//! `linewright schema`: the JSON Schema of a document.
+//! `linewright schema`: prints the JSON Schema of a document.
 //!
-//! The schemas are made from the types that are written, and where a document is put together by
-//! hand, its schema is a file beside that code.
+//! Most schemas are generated from the types that are serialized. If a document is assembled by
+//! hand, its schema is a file next to that code.
 
 use super::exit::ExitCode;
 use super::options::{Format, GlobalOptions};
@@ -25,8 +25,9 @@ use std::fmt::Write as _;
     linewright schema
     linewright schema check > check.schema.json
 
-A document names its schema in its field `schema`: `linewright/check/1` is that of `check`. The schemas are of draft 2020-12. \
-An object has no other fields than those in its schema. That of uf-profile is for the value of a TOML file.")]
+Each document names its schema in the field `schema`: `linewright/check/1` for `check`. The \
+schemas are JSON Schema draft 2020-12; objects have no fields beyond those listed. The schema \
+`uf-profile` describes a TOML file.")]
 pub struct Arguments {
     /// The name of a document, such as check; without it, all are listed
     pub name: Option<String>,
@@ -43,19 +44,20 @@ struct List {
 /// A document that has a schema.
 #[derive(JsonSchema, Serialize)]
 struct Entry {
-    /// Its name, as `linewright schema` takes it.
+    /// The argument of `linewright schema`.
     name: &'static str,
     /// One-line description.
     title: &'static str,
 }
 
-/// Gives the schema of a form that a document can have, and defines what that refers to.
+/// Returns the schema of a form that a document can have, and adds the definitions to which it
+/// refers.
 type Form = fn(&mut SchemaGenerator) -> Schema;
 
-/// A kind of JSON document.
+/// A kind of document with a JSON Schema.
 #[derive(Clone, Copy)]
 pub struct Described {
-    /// Its name: that of its command, or of what is in the file.
+    /// The name: that of the command that prints the document, or of the file's content.
     pub name: &'static str,
     /// One-line description.
     pub title: &'static str,
@@ -63,7 +65,7 @@ pub struct Described {
 }
 
 impl Described {
-    /// A document that has one of these forms.
+    /// Describes a document that has one of these forms.
     pub(super) const fn new(
         name: &'static str,
         title: &'static str,
@@ -72,12 +74,12 @@ impl Described {
         Self { name, title, forms }
     }
 
-    /// As its field `schema` names it.
+    /// Value of the document's field `schema`.
     pub fn id(&self) -> String {
         console::schema(self.name)
     }
 
-    /// The JSON Schema.
+    /// The JSON Schema of the document.
     pub fn schema(&self) -> Value {
         let settings = SchemaSettings::draft2020_12().for_serialize();
         let mut generator = settings.into_generator();
@@ -119,12 +121,12 @@ impl Described {
     }
 }
 
-/// The form of what is written by `serde`.
+/// The schema of a type that `serde` serializes.
 pub(super) fn form<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     T::json_schema(generator)
 }
 
-/// A form that is written down by hand.
+/// A schema that is written by hand; adds its definitions.
 pub(super) fn by_hand(text: &str, generator: &mut SchemaGenerator) -> Schema {
     let mut schema: Schema =
         serde_json::from_str(text).expect("a schema is a JSON object; please report this");
@@ -154,8 +156,8 @@ impl JsonSchema for AnyValue {
     }
 }
 
-/// Says of an object that it has no other fields, and of a field that may be missing that it is
-/// never `null`; joins the lines of a description.
+/// Excludes further fields of objects, excludes `null` for fields that can be absent, and joins the
+/// lines of descriptions.
 fn tidy(schema: &mut Schema) {
     if let Some(Value::String(text)) = schema.get_mut("description") {
         *text = text.replace('\n', " ");
@@ -172,7 +174,7 @@ fn tidy(schema: &mut Schema) {
         if let Value::Object(property) = property
             && !is_required(name)
         {
-            never_null(property);
+            exclude_null(property);
         }
     }
     if schema.get("additionalProperties").is_none() {
@@ -180,7 +182,7 @@ fn tidy(schema: &mut Schema) {
     }
 }
 
-fn never_null(schema: &mut Map<String, Value>) {
+fn exclude_null(schema: &mut Map<String, Value>) {
     if let Some(Value::Array(types)) = schema.get_mut("type") {
         types.retain(|t| t != "null");
         if let [only] = types.as_mut_slice() {
@@ -198,7 +200,7 @@ fn never_null(schema: &mut Map<String, Value>) {
     }
 }
 
-/// All documents, by their names.
+/// All documents, sorted by name.
 pub fn all() -> Vec<Described> {
     let mut all = OWN.to_vec();
     all.extend(algebra::DOCUMENTS);
@@ -216,12 +218,12 @@ pub fn all() -> Vec<Described> {
     all
 }
 
-/// The document of a name.
+/// The document with a name.
 pub fn find(name: &str) -> Option<Described> {
     all().into_iter().find(|d| d.name == name)
 }
 
-/// Those whose types are not the command line's.
+/// Documents that are not defined next to a command.
 const OWN: [Described; 11] = [
     Described::new(
         "completions",
@@ -230,7 +232,7 @@ const OWN: [Described; 11] = [
     ),
     Described::new(
         "functions",
-        "A controller as functions: `synth --emit json` of a large contract",
+        "A symbolic controller: `synth --emit json` of a large contract",
         &[|generator| by_hand(mealy::functions::SCHEMA, generator)],
     ),
     Described::new(
@@ -240,7 +242,7 @@ const OWN: [Described; 11] = [
     ),
     Described::new(
         "library",
-        "What lies beside a station library: whose it is, and its checksum",
+        "The file next to a station library: its machine and checksum",
         &[toolchain::manifest_schema],
     ),
     Described::new(
@@ -250,7 +252,7 @@ const OWN: [Described; 11] = [
     ),
     Described::new(
         "run",
-        "A run of a line",
+        "The report of a run of a line",
         &[
             |generator| {
                 generator.subschema_for::<json::Finding>();
@@ -261,7 +263,7 @@ const OWN: [Described; 11] = [
     ),
     Described::new(
         "schema",
-        "The documents that have a schema",
+        "The documents with a schema",
         &[form::<List>, form::<console::Failed>],
     ),
     Described::new(
@@ -274,7 +276,7 @@ const OWN: [Described; 11] = [
     ),
     Described::new(
         "step",
-        "A line of a play: `step --format json` prints one for each move and answer",
+        "A line of a play: `step --format json` prints one per move and answer",
         &[
             |generator| by_hand(play::LINE_SCHEMA, generator),
             form::<console::Failed>,
@@ -318,7 +320,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(ExitCode::Success)
 }
 
-/// The name in `linewright/check/1`.
+/// The name `check` in `linewright/check/1`; other texts are returned unchanged.
 fn short(name: &str) -> &str {
     let within = name.strip_prefix("linewright/");
     within.and_then(|n| n.strip_suffix("/1")).unwrap_or(name)
@@ -331,7 +333,7 @@ fn unknown(name: &str) -> anyhow::Error {
     anyhow::anyhow!("there is no document `{name}`: {meant}`linewright schema` lists them all")
 }
 
-/// All documents, a line each.
+/// A list of all documents, one per line.
 fn list() -> String {
     let all = all();
     let width = all.iter().map(|d| d.name.len()).max().unwrap_or(0);
@@ -356,7 +358,7 @@ mod tests {
             for (name, property) in properties {
                 let described =
                     ["description", "const", "$ref"].map(|key| property.get(key).is_some());
-                // A definition describes itself; the numbers of arguments speak for themselves.
+                // References are described by their definition; `station` lists only numbers.
                 assert!(
                     described.contains(&true) || at == "station",
                     "{at}: {name} has no description: {property}"
@@ -371,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_told_apart() {
+    fn names_are_distinguished() {
         let names: Vec<&str> = all().iter().map(|d| d.name).collect();
         let mut once = names.clone();
         once.dedup();

@@ -1,4 +1,4 @@
-//! `FILE::NAME`: selects a declaration of a file.
+//! `FILE::NAME`: selects declarations of a file.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
@@ -7,12 +7,12 @@ use crate::diagnostics::{codes, has_errors};
 use crate::engine::files::{self, LoadedFiles};
 use crate::source::Span;
 
-/// A path and the name of a declaration in it.
+/// A path, and optionally the name of a declaration in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Selection {
     /// File or folder.
     pub path: String,
-    /// Name after `::`.
+    /// Name after the last `::`.
     pub name: Option<String>,
 }
 
@@ -36,17 +36,18 @@ impl std::str::FromStr for Selection {
 }
 
 impl Selection {
-    /// Loads the file; if it has errors, prints them and returns the command's exit code.
+    /// Loads the files; if they have errors, prints all findings and returns the command's exit
+    /// code.
     pub fn load(
         &self,
         command: &str,
         options: &GlobalOptions,
     ) -> anyhow::Result<Result<LoadedFiles, ExitCode>> {
-        Self::sound(self.read(options), command, options)
+        Self::if_valid(self.read(options), command, options)
     }
 
-    /// Like `load`, for a command that needs only the declaration with that name: errors in other
-    /// declarations do not matter, as long as the file can be read.
+    /// Like [`Selection::load`], for a command that needs only the declaration with that name:
+    /// findings in other declarations are dropped, unless a file cannot be read or parsed.
     pub fn load_alone(
         &self,
         command: &str,
@@ -66,7 +67,7 @@ impl Selection {
                 !elsewhere || f.code.id < codes::NAME_UNKNOWN.id
             });
         }
-        Self::sound(loaded, command, options)
+        Self::if_valid(loaded, command, options)
     }
 
     fn read(&self, options: &GlobalOptions) -> LoadedFiles {
@@ -74,7 +75,7 @@ impl Selection {
         files::load(std::slice::from_ref(&self.path), &standard)
     }
 
-    fn sound(
+    fn if_valid(
         loaded: LoadedFiles,
         command: &str,
         options: &GlobalOptions,
@@ -91,8 +92,8 @@ impl Selection {
         Ok(Ok(loaded))
     }
 
-    /// The selected items of `all`: those with the name, or else everything that the file itself
-    /// declares. May be empty.
+    /// The selected items of `all`: the one with the name, or without a name all that the file
+    /// itself declares. Can be empty.
     pub fn find<'a, T>(
         &self,
         loaded: &LoadedFiles,
@@ -116,7 +117,7 @@ impl Selection {
         }
     }
 
-    /// Like `find`, but an empty selection is an error that lists the candidates.
+    /// Like [`Selection::find`], but an empty selection is an error that lists the candidates.
     pub fn pick<'a, T>(
         &self,
         loaded: &LoadedFiles,
@@ -131,7 +132,7 @@ impl Selection {
             let instead = match names.as_slice() {
                 [] => "give a file that declares one".to_owned(),
                 [only] => format!("write {path}::{only}"),
-                names => format!("write one of {} behind {path}::", names.join(", ")),
+                names => format!("append one of {} to {path}::", names.join(", ")),
             };
             match &self.name {
                 Some(name) => anyhow::bail!("{path} has no {kind} `{name}`: {instead}"),
@@ -147,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_name_stands_behind_the_last_colons() {
+    fn the_name_follows_the_last_colons() {
         let parse = |text: &str| {
             let Ok(selection) = text.parse::<Selection>();
             (selection.path, selection.name)

@@ -22,7 +22,7 @@ use std::io::{BufRead, BufReader, IsTerminal as _};
 use std::path::{Path, PathBuf};
 
 /// Maximum nesting depth of scripts that replay each other.
-const MOST_NESTED: usize = 8;
+const MAX_NESTED: usize = 8;
 
 /// The arguments of `step`.
 #[derive(Debug, Args)]
@@ -64,7 +64,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let [contract] = picked.as_slice() else {
         let names: Vec<&str> = picked.iter().map(|c| c.name.as_str()).collect();
         let (path, names) = (&arguments.selection.path, names.join(", "));
-        anyhow::bail!("one contract is played at a time: write one of {names} behind {path}::");
+        anyhow::bail!(
+            "only one contract can be played at a time: append one of {names} to {path}::"
+        );
     };
     // An unreadable script ends the command before anything is solved.
     let script = match &arguments.script {
@@ -73,7 +75,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     };
 
     let settings = options.settings();
-    let mut jobs = Jobs::default().wishing(ExtractionOptions {
+    let mut jobs = Jobs::default().with_extraction(ExtractionOptions {
         functions: true,
         ..ExtractionOptions::default()
     });
@@ -89,7 +91,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let solving = interrupt::Watch::new();
     let checked = jobs.run(&settings, &console.progress(jobs.len(), "solving"));
     let Some(checked) = checked.into_iter().next() else {
-        anyhow::bail!("there is nothing to play");
+        anyhow::bail!("the file has no contract to play");
     };
     let opponent = match opponent(contract, &checked, &settings.limits)? {
         Ok(opponent) => opponent,
@@ -106,43 +108,43 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         opponent,
         arguments.seed,
     );
-    let mut table = Table {
+    let mut terminal = Terminal {
         session,
         sources: &loaded.places,
         console,
         mistakes: 0,
-        open: true,
+        is_read: true,
     };
     if console.format == Format::Json {
-        console.line(&table.session.opening_line())?;
+        console.line(&terminal.session.opening_line())?;
     } else {
-        table.say(&table.session.opening())?;
+        terminal.print(&terminal.session.opening())?;
     }
     match script {
         Some(text) => {
             let name = arguments.script.as_deref().unwrap_or(Path::new(""));
-            table.script(&text, &name.display().to_string(), 0)?;
+            terminal.script(&text, &name.display().to_string(), 0)?;
         }
-        None if std::io::stdin().is_terminal() => return table.talk(),
+        None if std::io::stdin().is_terminal() => return terminal.interact(),
         None => {
             let mut number = 0;
             for line in BufReader::new(std::io::stdin()).lines() {
                 number += 1;
                 let line = line.context("standard input cannot be read")?;
-                if !table.line(&line, &format!("line {number}"), 0)? {
+                if !terminal.line(&line, &format!("line {number}"), 0)? {
                     break;
                 }
             }
         }
     }
-    Ok(if table.mistakes == 0 {
+    Ok(if terminal.mistakes == 0 {
         ExitCode::Success
     } else {
         ExitCode::Findings
     })
 }
 
-/// Determines the person's opponent, or why there is none.
+/// Returns the person's opponent, or findings if there is none.
 fn opponent(
     contract: &Contract,
     checked: &CheckedContract,
@@ -155,32 +157,33 @@ fn opponent(
         return Ok(Err(checked.findings_where_needed()));
     }
     let known = checked
-        .lost
+        .explanation
         .as_ref()
         .and_then(|l| l.counterstrategy.clone());
     if let Some(machine) = known {
         return Ok(Ok(Opponent::Counterstrategy(machine)));
     }
-    // The explanation of unrealizability reached its own limit. A machine that cannot keep the
-    // guarantees of the core cannot keep more.
-    let specification = lost(&contract.specification, &checked.core);
+    // The explanation of unrealizability reached its own limit. The core suffices: a controller
+    // that cannot keep its guarantees cannot keep all of them.
+    let specification = restrict_to_core(&contract.specification, &checked.core);
     let gave_up = |limit: game::Limit| {
         let name = &contract.name;
         let core = checked.core.join(", ");
-        let message = format!("there is no counterstrategy of `{name}` to play against: {limit}");
-        let help = format!("these rules clash: {core}; `linewright check` points at them");
+        let message = format!("`{name}` has no counterstrategy to play against: {limit}");
+        let help =
+            format!("these guarantees clash: {core}; `linewright check` shows them in the source");
         let finding = Diagnostic::error(codes::GAVE_UP, contract.span, message);
-        vec![finding.with_help(help).giving_up(limit.is_of_command())]
+        vec![finding.with_help(help).giving_up(limit.is_external())]
     };
     let attack = match game::attack(&specification, &[], limits) {
         Ok(Some(attack)) => attack,
         Ok(None) => {
-            let rule = "a lost game has no counterstrategy".to_owned();
+            let rule = "an unrealizable contract has no counterstrategy".to_owned();
             return Err(InternalError::new(&specification, rule).into());
         }
         Err(limit) => return Ok(Err(gave_up(limit))),
     };
-    let machine = counter::machine(&specification, &attack);
+    let machine = counter::to_machine(&specification, &attack);
     match verify_counterstrategy(&specification, &machine, limits) {
         Ok(Ok(())) => Ok(Ok(Opponent::Counterstrategy(machine))),
         Ok(Err(violation)) => {
@@ -191,7 +194,7 @@ fn opponent(
 }
 
 /// The specification with only the guarantees of a core; with all of them if no core is known.
-fn lost(specification: &Specification, core: &[String]) -> Specification {
+fn restrict_to_core(specification: &Specification, core: &[String]) -> Specification {
     let side = &specification.guarantees;
     let lists = [
         (GuaranteeKind::Initial, &side.initial),
@@ -207,28 +210,28 @@ fn lost(specification: &Specification, core: &[String]) -> Specification {
             }
         }
     }
-    game::reduced(specification, &kept)
+    game::select_guarantees(specification, &kept)
 }
 
 fn read(path: &Path) -> anyhow::Result<String> {
     files::read(path).map_err(|why| anyhow::anyhow!("{} cannot be read: {why}", path.display()))
 }
 
-/// Input and output of a play: messages go to the console, files are read and written.
-struct Table<'a> {
+/// Runs the commands of a play, with its input, output and files.
+struct Terminal<'a> {
     session: Session<'a>,
-    /// Paths of the sources on disk.
+    /// Paths of the sources on disk, which `save` must not overwrite.
     sources: &'a BTreeSet<PathBuf>,
     console: Console,
     /// Number of failed commands.
     mistakes: usize,
     /// Whether the output is still read.
-    open: bool,
+    is_read: bool,
 }
 
-impl Table<'_> {
-    fn say(&mut self, text: &str) -> anyhow::Result<()> {
-        self.open &= self.console.part(text)?;
+impl Terminal<'_> {
+    fn print(&mut self, text: &str) -> anyhow::Result<()> {
+        self.is_read &= self.console.part(text)?;
         Ok(())
     }
 
@@ -242,31 +245,32 @@ impl Table<'_> {
         Ok(true)
     }
 
-    /// Runs a line from a script: echoes it before its output.
+    /// Runs a line from a script, and echoes it before its output. Returns whether the play
+    /// continues.
     fn line(&mut self, line: &str, place: &str, depth: usize) -> anyhow::Result<bool> {
         let command = line.trim();
         if self.console.format != Format::Json && !command.is_empty() {
-            self.say(&format!("> {command}\n"))?;
+            self.print(&format!("> {command}\n"))?;
         }
         self.command(command, depth, |message| format!("{place}: {message}"))
     }
 
-    /// Runs a command. Returns whether the play continues.
+    /// Runs a command. `shown` formats an error message. Returns whether the play continues.
     fn command(
         &mut self,
         line: &str,
         depth: usize,
-        told: impl Fn(&str) -> String,
+        shown: impl Fn(&str) -> String,
     ) -> anyhow::Result<bool> {
         let done = match self.session.run(line) {
             Err(mistake) => Err(mistake),
             Ok(reply) => {
                 if self.console.format == Format::Json {
                     for object in &reply.lines {
-                        self.open &= self.console.line(object)?;
+                        self.is_read &= self.console.line(object)?;
                     }
                 } else {
-                    self.say(&reply.text)?;
+                    self.print(&reply.text)?;
                 }
                 match reply.effect {
                     Effect::Nothing => Ok(()),
@@ -280,9 +284,9 @@ impl Table<'_> {
                             Err(finding) => Err(finding.message),
                         }
                     }
-                    Effect::Replay(_) if depth == MOST_NESTED => Err(format!(
-                        "scripts replay each other more than {MOST_NESTED} deep"
-                    )),
+                    Effect::Replay(_) if depth == MAX_NESTED => {
+                        Err(format!("scripts are nested more than {MAX_NESTED} deep"))
+                    }
                     Effect::Replay(file) => match read(Path::new(&file)) {
                         Ok(text) => return self.script(&text, &file, depth + 1),
                         Err(error) => Err(format!("{error:#}")),
@@ -293,22 +297,22 @@ impl Table<'_> {
         if let Err(mistake) = done {
             self.mistakes += 1;
             self.console
-                .remark(&format!("{}\n", told(mistake.trim_end())))?;
+                .remark(&format!("{}\n", shown(mistake.trim_end())))?;
         }
-        Ok(self.open)
+        Ok(self.is_read)
     }
 
     /// Reads commands from a terminal until the end of the play or of the input.
-    fn talk(&mut self) -> anyhow::Result<ExitCode> {
+    fn interact(&mut self) -> anyhow::Result<ExitCode> {
         let mut input = std::io::stdin().lock();
         loop {
             if self.console.format != Format::Json {
-                self.say(&format!("{}> ", self.session.role()))?;
+                self.print(&format!("{}> ", self.session.role()))?;
             }
             let mut line = String::new();
             let read = input.read_line(&mut line);
             if read.context("standard input cannot be read")? == 0 {
-                self.say("\n")?;
+                self.print("\n")?;
                 break;
             }
             if !self.command(line.trim(), 0, str::to_owned)? {

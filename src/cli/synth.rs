@@ -1,4 +1,5 @@
-//! `linewright synth`: writes a verified controller.
+//! `linewright synth`: writes verified controllers, counterstrategies, or specifications for other
+//! tools.
 
 use super::exit::ExitCode;
 use super::options::GlobalOptions;
@@ -13,7 +14,7 @@ use crate::interchange::{self, Target};
 use crate::mealy;
 use crate::source::Span;
 use crate::station::emit::controller as c_files;
-use crate::station::{is_device, structured_text};
+use crate::station::{is_windows_device, structured_text};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -48,12 +49,12 @@ pub struct Arguments {
     /// Output folder; without it, a single result goes to standard output
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Show how each verdict was found, by phase, on standard error
+    /// Print solver statistics by phase on standard error
     #[arg(long)]
     pub stats: bool,
 }
 
-/// What a machine shall be good at.
+/// Objective for which a Mealy machine is optimized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Prefer {
     /// Few steps to the next justice guarantee
@@ -72,7 +73,7 @@ impl From<Prefer> for Preference {
     }
 }
 
-/// The forms of a controller.
+/// Form of an output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
     /// States and guarded transitions; functions if there are too many states
@@ -121,7 +122,7 @@ impl Emit {
         }
     }
 
-    /// The format of a specification; `None` for the format of a controller.
+    /// The format of a specification; `None` if this is a form of a controller.
     fn target(self) -> Option<Target> {
         match self {
             Self::Spc => Some(Target::Spc),
@@ -166,7 +167,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     let files: usize = forms.iter().map(|e| e.files()).sum();
     let results = contracts.len() * files;
     if results > 1 && arguments.out.is_none() {
-        anyhow::bail!("there are {results} results: name a folder for them with --out DIR");
+        anyhow::bail!("there are {results} results: give an output folder with --out DIR");
     }
 
     let mut findings = loaded.findings.clone();
@@ -187,9 +188,9 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
             }
         }
     }
-    let mut jobs = Jobs::examining().wishing(ExtractionOptions {
+    let mut jobs = Jobs::examining().with_extraction(ExtractionOptions {
         preference: arguments.prefer.into(),
-        // The other formats can only show a machine.
+        // The other forms need a machine.
         functions: controllers
             .iter()
             .all(|e| matches!(e, Emit::Json | Emit::C | Emit::St | Emit::Plcopen)),
@@ -215,7 +216,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
         if arguments.counterstrategy {
             if checked[index].verdict == Verdict::Realizable {
                 anyhow::bail!(
-                    "`{}` has a controller, so no plant that keeps the assumptions beats it: leave out --counterstrategy",
+                    "`{}` is realizable, so it has no counterstrategy: leave out --counterstrategy",
                     contract.name
                 );
             }
@@ -265,20 +266,20 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     Ok(options.exit_code(&findings))
 }
 
-/// The counterstrategy of a contract that has no controller; otherwise a finding explains why there
-/// is none.
+/// The counterstrategy of an unrealizable contract; if it is missing, adds a finding with the
+/// reason.
 fn counterstrategy<'c>(
     checked: &'c CheckedContract,
     span: Span,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<&'c mealy::Machine> {
     let found = checked
-        .lost
+        .explanation
         .as_ref()
         .and_then(|l| l.counterstrategy.as_ref());
     if found.is_none() {
         if checked.verdict == Verdict::Unrealizable {
-            let text = "no counterstrategy was found within the limits";
+            let text = "no counterstrategy was found within the time and memory limits";
             let help = "give it more time with --timeout SECONDS or more memory with --memory MIB, or make its domains smaller";
             findings.push(Diagnostic::error(codes::GAVE_UP, span, text).with_help(help));
         } else {
@@ -291,15 +292,15 @@ fn counterstrategy<'c>(
 /// Files to be written.
 #[derive(Default)]
 struct Results {
-    /// Names and texts.
+    /// Names and texts of the files.
     files: Vec<(String, String)>,
-    /// Owner of each file by its name in lower case: some disks ignore case.
+    /// Contract of each file, by the file's name in lower case: some file systems ignore case.
     owners: BTreeMap<String, String>,
 }
 
 impl Results {
-    /// Adds files of a contract. If one has the name of another contract's file, returns a finding
-    /// (LW504) and adds none.
+    /// Adds files of a contract. If one has the name of a file that was already added, adds none
+    /// and returns a finding (LW504).
     fn add(
         &mut self,
         contract: &str,
@@ -309,8 +310,7 @@ impl Results {
         for (name, _) in &files {
             if let Some(other) = self.owners.get(&name.to_lowercase()) {
                 let message = format!("`{other}` and `{contract}` would both be written to {name}");
-                let help =
-                    "rename one, or write each into a folder of its own: FILE::NAME --out DIR";
+                let help = "rename one contract, or write each into a folder of its own: FILE::NAME --out DIR";
                 let finding = Diagnostic::error(codes::OUTPUT_UNWRITABLE, span, message);
                 return Some(finding.with_help(help));
             }
@@ -323,13 +323,16 @@ impl Results {
     }
 }
 
-/// A file name that is valid on every system.
+/// Creates a file name that is valid on every system.
 fn file_name(name: &str, ending: &str) -> String {
-    let mark = if is_device(name) { "_" } else { "" };
+    let mark = if is_windows_device(name) { "_" } else { "" };
     format!("{name}{mark}.{ending}")
 }
 
-/// The files of a controller in one format, by name. A finding (LW204) if it would be too large.
+/// The names and texts of a controller's files in one form.
+///
+/// # Errors
+/// LW204: the form cannot represent the controller, or would be too large.
 fn write_files(
     controller: &mealy::Controller,
     emit: Emit,
@@ -376,7 +379,10 @@ fn write_files(
     Ok(vec![(file_name(name, emit.ending()), text)])
 }
 
-/// A controller in one format. A finding (LW204) if it would be too large.
+/// A machine in one form.
+///
+/// # Errors
+/// LW204: the form would be too large.
 fn write(
     emit: Emit,
     machine: &mealy::Machine,

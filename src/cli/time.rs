@@ -1,7 +1,7 @@
-//! TIME on the command line: `3600`, `90m`, `90min`, `8h`, `1d`, `1h30m`.
+//! Durations on the command line: `3600`, `90m`, `90min`, `8h`, `1d`, `1h30m`.
 
-/// Parses seconds: a number, or numbers each with one of the units `d h m s` in descending order;
-/// `min` is `m`.
+/// Parses a positive duration in seconds: a plain number, or numbers each with one of the units
+/// `d h m s` in descending order; `min` means `m`.
 pub fn seconds(text: &str) -> Result<f64, String> {
     parse(text.trim()).ok_or_else(|| {
         format!("`{text}` is not a valid duration: write seconds (`3600`), or use units (`90m`, `8h`, `1h30m`)")
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_read() {
+    fn durations_are_parsed() {
         for (text, wanted) in [
             ("3600", 3600.0),
             ("0.5", 0.5),
@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_time_is_refused() {
+    fn other_texts_are_rejected() {
         for text in [
             "", "0", "0h", "h", "-1", "1x", "1m2h", "1h2h", "1 h", "1h30", "nan", "inf", "1e9",
             "ü", "1hü",

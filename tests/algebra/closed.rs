@@ -6,7 +6,7 @@ mod contradictory;
 
 use crate::random::Random;
 use brute::{Brute, Found};
-use linewright::algebra::closed::{Closed, FailureKind, Verdict, replay};
+use linewright::algebra::closed::{ClosedComposition, FailureKind, Verdict, replay};
 use linewright::algebra::machine::{COMPLETES, of_machine};
 use linewright::algebra::proof::{self, DischargeRule};
 use linewright::algebra::system::{ContractSide, FormulaRef, list};
@@ -25,17 +25,17 @@ fn pick(random: &mut Random, bound: usize) -> usize {
 }
 
 /// A verdict in the terms of the exploration. Checks that the controllers produce every run in it.
-fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
+fn shown(closed: &ClosedComposition<'_>, verdict: &Verdict) -> Found {
     let mut found = Found {
         completes: true,
         states: verdict.states.round() as usize,
         ..Found::default()
     };
     for open in &verdict.open {
-        assert_eq!(replay::open(closed, open), Ok(()));
+        assert_eq!(replay::check_open(closed, open), Ok(()));
         let at = open.what;
-        if let Some(part) = at.part {
-            let formula = &list(&closed.system.parts[part].assumptions, at.kind)[at.index];
+        if let Some(part) = at.component {
+            let formula = &list(&closed.system.components[part].assumptions, at.kind)[at.index];
             found.open.insert((part, formula.name.clone()));
             continue;
         }
@@ -47,11 +47,11 @@ fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
         }
     }
     for stuck in &verdict.stuck {
-        assert_eq!(replay::stuck(closed, stuck), Ok(()));
+        assert_eq!(replay::check_stuck(closed, stuck), Ok(()));
         found.stuck.insert(stuck.component);
     }
-    for misrun in &verdict.misruns {
-        assert_eq!(replay::misrun(closed, misrun), Ok(()));
+    for misrun in &verdict.operation_failures {
+        assert_eq!(replay::check_operation_failure(closed, misrun), Ok(()));
         match &misrun.why {
             FailureKind::NeverBegins(_) => found.never.insert(misrun.operation),
             FailureKind::Order(_) => found.order.insert(misrun.operation),
@@ -59,7 +59,7 @@ fn told(closed: &Closed<'_>, verdict: &Verdict) -> Found {
         };
     }
     assert_eq!(verdict.undecided, []);
-    assert_eq!(verdict.unclear, [0; 0]);
+    assert_eq!(verdict.undecided_operations, [0; 0]);
     found
 }
 
@@ -71,7 +71,7 @@ fn compared(machine: &Machine, controllers: &[mealy::Controller], what: &str) ->
         .iter()
         .map(|c| c.machine().expect("a table"))
         .collect();
-    let closed = Closed::of_machine(machine, &controllers);
+    let closed = ClosedComposition::of_machine(machine, &controllers);
     let verdict = closed.decide(&Limits::default()).expect("no limit");
     let brute = Brute {
         machine,
@@ -79,7 +79,7 @@ fn compared(machine: &Machine, controllers: &[mealy::Controller], what: &str) ->
         closed: &closed,
     };
     let explored = brute.explore().expect("few states");
-    assert_eq!(told(&closed, &verdict), explored, "{what}");
+    assert_eq!(shown(&closed, &verdict), explored, "{what}");
     explored
 }
 
@@ -146,8 +146,8 @@ machine M {{
 fn load(text: &str) -> Machine {
     let files = [("m.lw".to_owned(), text.to_owned())];
     let (library, findings) = contract::load(&files, &|_, _| Err("no imports".to_owned()));
-    let told: Vec<_> = findings.iter().map(|f| (f.code.id, &f.message)).collect();
-    assert_eq!(library.machines.len(), 1, "{told:?}\n{text}");
+    let shown: Vec<_> = findings.iter().map(|f| (f.code.id, &f.message)).collect();
+    assert_eq!(library.machines.len(), 1, "{shown:?}\n{text}");
     library.machines[0].clone()
 }
 
@@ -316,16 +316,16 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
         let text = unmet(&mut random, component, formula);
         let machine = load(&text);
         let (system, claim) = of_machine(&machine);
-        let mut assumed = system.parts[component].assumptions.justice.iter();
+        let mut assumed = system.components[component].assumptions.justice.iter();
         let index = assumed.position(|f| f.name == "unmet");
         let unmet = FormulaRef {
-            part: Some(component),
+            component: Some(component),
             half: ContractSide::Assumptions,
             kind: RuleKind::Justice,
             index: index.expect("it is assumed"),
         };
         let is_it = |at: &FormulaRef| *at == unmet;
-        let expr = &system.parts[component].assumptions.justice[unmet.index].expr;
+        let expr = &system.components[component].assumptions.justice[unmet.index].expr;
         expr.for_each_var(&mut |v, _| outside += usize::from(system.driver(v).is_none()));
         for proof in [
             proof::prove(&system, &claim, &Limits::default()).expect("no limit"),
@@ -345,7 +345,7 @@ fn justice_that_nobody_meets_is_neither_proved_nor_handed_on() {
             .map(|c| idle(&mut random, &machine, c))
             .collect();
         let idle: Vec<&mealy::Controller> = idle.iter().collect();
-        let closed = Closed::of_machine(&machine, &idle);
+        let closed = ClosedComposition::of_machine(&machine, &idle);
         let verdict = closed.decide(&Limits::default()).expect("no limit");
         assert!(!verdict.met.iter().any(|(at, _)| is_it(at)), "{text}");
         assert!(verdict.open.iter().any(|o| is_it(&o.what)), "{text}");
@@ -428,7 +428,7 @@ fn the_assembly_cell_holds() {
     let machine = machine("ice-lab/cell");
     let controllers = synthesized(&machine);
     let controllers: Vec<&mealy::Controller> = controllers.iter().collect();
-    let closed = Closed::of_machine(&machine, &controllers);
+    let closed = ClosedComposition::of_machine(&machine, &controllers);
     let verdict = closed.decide(&Limits::default()).expect("no limit");
     assert!(verdict.holds(), "{verdict:?}");
     println!("{} states", verdict.states);
@@ -523,9 +523,9 @@ fn a_changed_controller_of_the_assembly_cell_is_refuted() {
     }
     controllers[1] = table.into();
     let controllers: Vec<&mealy::Controller> = controllers.iter().collect();
-    let closed = Closed::of_machine(&machine, &controllers);
+    let closed = ClosedComposition::of_machine(&machine, &controllers);
     let verdict = closed.decide(&Limits::default()).expect("no limit");
     assert!(verdict.is_broken());
-    let found = told(&closed, &verdict);
+    let found = shown(&closed, &verdict);
     assert!(!found.completes, "{found:?}");
 }

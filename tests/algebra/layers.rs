@@ -4,7 +4,7 @@
 
 use crate::support;
 use crate::support::root;
-use linewright::algebra::machine::{of_machine, of_promise};
+use linewright::algebra::machine::{of_machine, of_refined_contract};
 use linewright::algebra::proof::{Claim, Proof, prove, prove_stepwise};
 use linewright::algebra::replay;
 use linewright::algebra::system::{ContractSide, System, list};
@@ -64,7 +64,7 @@ fn what_runs_is_flat_and_what_is_proved_is_not() {
             "table.rotate"
         ]
     );
-    assert_eq!(names(cell.abstracted()), ["cell", "pick", "table"]);
+    assert_eq!(names(cell.abstraction()), ["cell", "pick", "table"]);
     let hall = hall();
     assert_eq!(
         names(&hall),
@@ -78,7 +78,7 @@ fn what_runs_is_flat_and_what_is_proved_is_not() {
             "cell.table.rotate"
         ]
     );
-    assert_eq!(names(hall.abstracted()), ["lead", "cell"]);
+    assert_eq!(names(hall.abstraction()), ["lead", "cell"]);
     // Coordinators of all layers come first.
     let roles: Vec<Role> = hall.components.iter().map(|c| c.role).collect();
     assert!(roles.is_sorted_by_key(|r| *r == Role::Action));
@@ -106,10 +106,13 @@ fn what_runs_is_flat_and_what_is_proved_is_not() {
 /// Everything to be proved of a machine, with inner machines as their promises, and with all their
 /// components.
 fn both_ways(machine: &Machine) -> Vec<[(System, Claim); 2]> {
-    let short = machine.abstracted();
+    let short = machine.abstraction();
     let mut all = vec![[of_machine(short), of_machine(machine)]];
     for (short_one, long) in short.refines.iter().zip(&machine.refines) {
-        all.push([of_promise(short, short_one), of_promise(machine, long)]);
+        all.push([
+            of_refined_contract(short, short_one),
+            of_refined_contract(machine, long),
+        ]);
     }
     all
 }
@@ -145,9 +148,9 @@ fn of_a_damaged_coordinator_promises_never_show_more() {
     for index in 0..count {
         let mut damaged = cell.clone();
         without(&mut damaged, 0, index);
-        let mut short = cell.abstracted().clone();
+        let mut short = cell.abstraction().clone();
         without(&mut short, 0, index);
-        damaged.layers.abstracted = Some(Arc::new(short));
+        damaged.layers.abstraction = Some(Arc::new(short));
         for [short, long] in both_ways(&damaged) {
             let (a, b) = (proved(&short.0, &short.1), proved(&long.0, &long.1));
             assert!(!a.holds() || b.holds(), "guarantee {index}: {:?}", b.open);
@@ -195,7 +198,7 @@ fn remove(side: &mut Side, mut index: usize) {
 fn without_a_promise_that_a_table_names_the_proof_fails() {
     let mut tried = 0;
     for machine in [cell(), hall()] {
-        let short = machine.abstracted();
+        let short = machine.abstraction();
         let (system, claim) = of_machine(short);
         let proof = proved(&system, &claim);
         let inner = |part: usize| {
@@ -203,13 +206,13 @@ fn without_a_promise_that_a_table_names_the_proof_fails() {
                 .layers
                 .inner
                 .iter()
-                .any(|i| i.name == system.parts[part].name)
+                .any(|i| i.name == system.components[part].name)
         };
         let mut named: Vec<_> = proof
             .discharges
             .iter()
             .flat_map(|d| d.by.iter().copied())
-            .filter(|at| at.half == ContractSide::Guarantees && at.part.is_some_and(inner))
+            .filter(|at| at.half == ContractSide::Guarantees && at.component.is_some_and(inner))
             .collect();
         named.sort_unstable();
         named.dedup();
@@ -220,7 +223,7 @@ fn without_a_promise_that_a_table_names_the_proof_fails() {
         );
         for at in named {
             let mut less = system.clone();
-            let part = &mut less.parts[at.part.expect("a part")];
+            let part = &mut less.components[at.component.expect("a part")];
             let formula = list(&part.guarantees, at.kind)[at.index].name.clone();
             let list = match at.kind {
                 RuleKind::Initial => &mut part.guarantees.initial,
@@ -246,7 +249,8 @@ fn without_a_promise_that_a_table_names_the_proof_fails() {
 fn promises_are_kept_step_by_step() {
     for machine in [cell(), hall()] {
         for inner in &machine.layers.inner {
-            let (system, claim) = of_promise(inner.machine.abstracted(), &inner.machine.refines[0]);
+            let (system, claim) =
+                of_refined_contract(inner.machine.abstraction(), &inner.machine.refines[0]);
             let proof = prove_stepwise(&system, &claim, &Limits::default()).expect("no limit");
             assert!(proof.holds(), "{}: {:?}", inner.name, proof.open);
         }
@@ -290,8 +294,7 @@ fn a_unit_that_keeps_its_contract_no_more_is_found_at_the_unit_and_at_the_cell()
     );
     let (code, text) = checked(folder.path(), "cell.lw");
     assert_eq!(code, Some(1), "{text}");
-    let words =
-        "`pick` does not keep `PickAndPlace`, by which the proof of `TransferCell` knows it";
+    let words = "`pick` does not keep `PickAndPlace`, on which the proof of `TransferCell` relies";
     assert!(text.contains(words), "{text}");
 }
 
@@ -335,7 +338,7 @@ fn what_no_contract_speaks_of_is_free() {
         + &String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(
-        text.contains("`pick.control.command`, of which `PickAndPlace` says nothing"),
+        text.contains("`pick.control.command`, which `PickAndPlace` does not mention"),
         "{text}"
     );
     // And it can be shown from the components.
@@ -359,7 +362,7 @@ fn what_no_contract_speaks_of_is_free() {
         .find(|m| m.name == "TransferCell")
         .expect("the cell");
     assert_eq!(
-        names(cell.abstracted()),
+        names(cell.abstraction()),
         ["cell", "pick.control", "pick.pick", "pick.place", "table"]
     );
     let [short, _] = &both_ways(cell)[0];
@@ -407,12 +410,12 @@ fn mistakes_in_machines_of_machines_are_found() {
         (
             "go = on  ",
             "",
-            "LW301: the input `go` of `inner` is bound to nothing",
+            "LW301: the input `go` of `inner` is not bound",
         ),
         (
             "  weight = heavy",
             "",
-            "LW301: the property `weight` of `inner` is bound to nothing, and what its actions take depends on it",
+            "LW301: the property `weight` of `inner` is not bound, but times or powers of its actions depend on it",
         ),
         (
             "go = on  ",
@@ -432,17 +435,17 @@ fn mistakes_in_machines_of_machines_are_found() {
         (
             "inner: Inner {",
             "inner: Inner when on {",
-            "LW306: `inner` is a machine; `when` belongs to actions",
+            "LW306: `inner` is a machine; `when` is allowed only for actions",
         ),
         (
             "go = on  ",
             "go = on  power 3 W  ",
-            "LW306: `inner` is a machine; `power` belongs to actions",
+            "LW306: `inner` is a machine; `power` is allowed only for actions",
         ),
         (
             "all: inner.run",
             "all: inner",
-            "LW306: which operation of `inner` runs here is not said",
+            "LW306: no operation of `inner` is selected",
         ),
         (
             "all: inner.run",

@@ -154,7 +154,7 @@ fn at_real_size() -> Vec<Controlled> {
     let [line] = loaded.library.lines.as_slice() else {
         panic!("{:?}", loaded.findings);
     };
-    let mut jobs = Jobs::default().wishing(ExtractionOptions {
+    let mut jobs = Jobs::default().with_extraction(ExtractionOptions {
         functions: true,
         ..ExtractionOptions::default()
     });
@@ -350,7 +350,7 @@ fn sized(series: &Series, size: &str) -> Arc<Machine> {
 /// large.
 fn tables(machine: &Machine) -> Option<(Vec<mealy::Controller>, String)> {
     let limits = Limits {
-        most_nodes: Some(1_000_000),
+        max_nodes: Some(1_000_000),
         ..Limits::default()
     };
     let mut bytes = 0;

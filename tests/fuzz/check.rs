@@ -24,7 +24,7 @@ use std::sync::Arc;
 const SHORT: usize = 400;
 
 /// Maximum size of sets of skills that are examined.
-const MOST_SKILLS: usize = 6;
+const MAX_SKILLS: usize = 6;
 const MOST_RULES: usize = 4;
 const MOST_STATES: usize = 30;
 
@@ -61,13 +61,13 @@ pub fn language(text: &str) {
     let (library, findings) = alone(text);
     within(&findings, text);
     let small = |skills: &&Arc<Skills>| {
-        skills.skills.len() <= MOST_SKILLS && skills.rules.len() <= MOST_RULES
+        skills.skills.len() <= MAX_SKILLS && skills.rules.len() <= MOST_RULES
     };
     for skills in library.skills.iter().filter(small) {
         within(&order::findings::examine(skills, Deadline::NONE), text);
         // An assertion in the code that makes the expression checks that it has the words of the
         // automaton.
-        if let Ok(fsm) = Fsm::of_words(skills, Options::default(), 1)
+        if let Ok(fsm) = Fsm::of_language(skills, Options::default(), 1)
             && fsm.states.len() <= MOST_STATES
         {
             let _ = eliminate::regex(&fsm.one_by_one(), Deadline::NONE);

@@ -44,8 +44,8 @@ pub fn is_small(specification: &Specification) -> bool {
 /// Measured as work, not time: the same bytes always give the same result.
 fn limits() -> Limits {
     Limits {
-        most_nodes: Some(1 << 16),
-        most_made: Some(1 << 22),
+        max_nodes: Some(1 << 16),
+        max_created: Some(1 << 22),
         ..Limits::default()
     }
 }
@@ -77,7 +77,7 @@ pub fn solve(specification: &Specification) -> Solved {
             Outcome::GaveUp(_) => return Solved::GaveUp,
             Outcome::Realizable(won) => {
                 let made = controllers(specification, won);
-                assert!(!matches!(made, Err(Limit::Late(_))), "there is no clock");
+                assert!(!matches!(made, Err(Limit::Stopped(_))), "there is no clock");
                 Solved::Realizable
             }
             Outcome::Unrealizable(lost) => {

@@ -68,11 +68,11 @@ proptest! {
         let wanted = verdict(&specification);
         let plain = lower::without_invariants(&specification);
         prop_assert_eq!(verdict(&plain), wanted);
-        let second = lower::answering_second(&plain);
+        let second = lower::to_mealy(&plain);
         prop_assert_eq!(verdict(&second), wanted);
-        let states = lower::goals_of_states(&second);
+        let states = lower::goals_to_states(&second);
         prop_assert_eq!(verdict(&states), wanted);
-        prop_assert_eq!(verdict(&lower::starting_alone(&states)), wanted);
+        prop_assert_eq!(verdict(&lower::initial_to_transitions(&states)), wanted);
     }
 }
 

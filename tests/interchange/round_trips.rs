@@ -33,10 +33,10 @@ fn format(target: Target) -> Format {
 
 /// The specification passed to a format, and its representation of numbers.
 fn said(specification: &Specification, target: Target) -> (Specification, Layout) {
-    let second = || lower::answering_second(&lower::without_invariants(specification));
+    let second = || lower::to_mealy(&lower::without_invariants(specification));
     match target {
         Target::Spc => {
-            let lowered = lower::starting_alone(&lower::goals_of_states(&second()));
+            let lowered = lower::initial_to_transitions(&lower::goals_to_states(&second()));
             (lowered, Layout::FromZero)
         }
         Target::Slugsin => (second(), Layout::Bits),

@@ -106,7 +106,7 @@ fn examples_give_their_own_code_alone_and_a_next_step() {
     let mut report = String::new();
     for code in codes::ALL {
         for example in explanations::examples(page(*code, &mut report)) {
-            let found = check(&example.ending, &example.text);
+            let found = check(&example.extension, &example.text);
             if found.is_empty() || found.iter().any(|f| f.code != code.id) {
                 let _ = writeln!(report, "{code}: the example gives {found:#?}");
             }

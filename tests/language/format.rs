@@ -22,7 +22,7 @@ fn read(text: &str) -> (File, Vec<Diagnostic>) {
 fn formatted(text: &str) -> String {
     let (tree, findings) = parse(FileId::default(), text);
     assert!(findings.is_empty(), "{findings:?} in\n{text}");
-    match format::checked(&tree, text) {
+    match format::format_checked(&tree, text) {
         Ok(formatted) => formatted,
         Err(fault) => panic!(
             "{fault}:\n{text}\nis formatted as\n{}",
@@ -332,7 +332,7 @@ machine M {
 }
 
 #[test]
-fn comments_are_told_from_texts() {
+fn comments_are_distinguished_from_texts() {
     let text = "import \"a//b\" // c \"d\r\n\r\n/* e\r\n// f */ import g // h\r\n\r\n/// i\r\ntype T = 0..1\r\n";
     becomes(text, text);
 }

@@ -379,7 +379,7 @@ fn inner_machines_keep_their_orders() {
     let heads = |machine: &Machine| -> Vec<(String, String, Level)> {
         let heads = machine.orders.iter();
         heads
-            .map(|o| (o.of.clone(), o.skills.name.clone(), o.level))
+            .map(|o| (o.caller.clone(), o.skills.name.clone(), o.level))
             .collect()
     };
     let head = |of: &str, set: &str, level| (of.to_owned(), set.to_owned(), level);
@@ -400,7 +400,7 @@ fn inner_machines_keep_their_orders() {
     let wanted = ["cell.left.other.move", "ready cell.left.other.move"];
     assert_eq!(shown(hall, 1), wanted);
     // Nothing is abstracted if no inner machine refines a contract.
-    assert_eq!(heads(hall.abstracted()), heads(hall));
+    assert_eq!(heads(hall.abstraction()), heads(hall));
 }
 
 /// An inner machine represented by a contract is proved by itself, with its orders.
@@ -414,9 +414,9 @@ fn orders_of_a_promise_stay_with_the_machine_that_makes_it() {
     let library = sound(&text);
     let cell = &library.machines[1];
     assert_eq!(cell.orders.len(), 2);
-    assert_eq!(cell.abstracted().orders.len(), 1);
+    assert_eq!(cell.abstraction().orders.len(), 1);
     assert_eq!(cell.layers.inner[0].machine.orders.len(), 1);
-    let abstracted = cell.abstracted();
+    let abstracted = cell.abstraction();
     assert_eq!(shown(abstracted, 0), ["first.grip left.grip", ""]);
 }
 
@@ -439,7 +439,7 @@ machine M {
 }
 
 #[test]
-fn a_set_that_cannot_be_used_is_told() {
+fn a_set_that_cannot_be_used_is_reported() {
     let (library, findings) =
         read("skills A { component c { B } order: never C }\nskills D { component c { B } }");
     assert!(has_errors(&findings));

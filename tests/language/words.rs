@@ -1,7 +1,7 @@
 //! The table of reserved words compared with the rules of the grammar.
 
 use linewright::source::FileId;
-use linewright::syntax::{parse, reserved};
+use linewright::syntax::{parse, reserved_words};
 use std::collections::BTreeSet;
 
 /// The quoted words of a rule of the grammar.
@@ -15,15 +15,19 @@ fn words_of(rule: &str) -> BTreeSet<&'static str> {
 
 #[test]
 fn the_table_holds_what_the_grammar_reserves() {
-    let table: BTreeSet<&str> = reserved().collect();
+    let table: BTreeSet<&str> = reserved_words().collect();
     assert_eq!(table, words_of("reserved"));
-    assert_eq!(table.len(), reserved().count(), "a word appears there twice");
+    assert_eq!(
+        table.len(),
+        reserved_words().count(),
+        "a word appears there twice"
+    );
 }
 
 /// Among skills, the letters of temporal operators are names, and the other words are not.
 #[test]
 fn letters_of_temporal_operators_name_skills() {
-    let names = reserved().filter(|word| {
+    let names = reserved_words().filter(|word| {
         let text = format!(
             "skills S {{\n    component c: {{a}} = a {{\n        {word} -> a\n    }}\n}}\n"
         );

@@ -503,7 +503,7 @@ machine Belt {
     // The part on its last place is gone a step later, taken or not.
     let loses = |belt: String| belt.replace("(if moves then s[0] else s[1])", "s[0] and moves");
     let said = open(&with(loses, "m -> k"), &[], &["LW407"]);
-    assert!(said.contains("stays on it"), "{said}");
+    assert!(said.contains("stay on it"), "{said}");
     let demands = |belt: String| {
         belt.replace(
             "assume waits:",
@@ -612,7 +612,7 @@ fn a_task_for_which_nothing_comes_is_none() {
 }
 
 #[test]
-fn a_station_that_no_part_comes_to_is_told() {
+fn a_station_that_no_part_reaches_is_reported() {
     let line = |condition: &str| {
         format!(
             "line L {{
@@ -666,7 +666,7 @@ fn no_work_gives_energy_back() {
 }
 
 #[test]
-fn a_store_that_is_always_empty_is_told() {
+fn a_store_that_is_always_empty_is_reported() {
     let line = |stock: u8| {
         format!(
             "line L {{
@@ -801,7 +801,7 @@ fn a_walk_that_ends_early_says_nothing_of_routes_that_it_did_not_reach() {
         steps: 1_000,
     };
     let late = Limits {
-        deadline: linewright::deadline::Deadline::in_time(std::time::Duration::ZERO),
+        deadline: linewright::deadline::Deadline::from_now(std::time::Duration::ZERO),
         ..Limits::default()
     };
     let calls = examine(&library.lines[0], |_| None, &bounds, &late);

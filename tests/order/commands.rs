@@ -85,7 +85,7 @@ fn documents_begin_alike() {
 
 /// Each command that fails at the file of rules reports so in its own name.
 #[test]
-fn mistakes_in_a_file_are_told_by_the_command() {
+fn mistakes_in_a_file_are_reported_by_the_command() {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
     write("a.lw", "skills A { component x { next } }\n");
@@ -110,11 +110,12 @@ fn mistakes_in_a_file_are_told_by_the_command() {
 }
 
 #[test]
-fn situations_that_are_not_there_are_told_with_their_component() {
+fn unknown_situations_are_reported_with_their_component() {
     for useful in ["z.lft", "gripper.left"] {
         let output = at_root(&["order", "strongest", UNIT, "--useful", useful]);
         assert_eq!(output.status.code(), Some(2));
-        let wanted = format!("there is no situation `{useful}`: they are x.left, x.right, z.up");
+        let wanted =
+            format!("there is no situation `{useful}`: choose one of x.left, x.right, z.up");
         assert!(error(&output).contains(&wanted), "{}", error(&output));
     }
 }
@@ -153,19 +154,19 @@ fn invalid(name: &str, program: &str) -> String {
     let program = &document["programs"][0];
     assert_eq!(program["verdict"], "invalid");
     let findings = program["findings"].as_array().expect("findings");
-    let told = findings.iter().map(|f| {
+    let shown = findings.iter().map(|f| {
         let place = &f["span"];
         format!(
             "{}:{} {} ({})",
             place["line"], place["column"], f["message"], f["help"]
         )
     });
-    told.collect::<Vec<_>>().join("\n")
+    shown.collect::<Vec<_>>().join("\n")
 }
 
 /// Rows of one call are consecutive and in call order.
 #[test]
-fn steps_that_come_again_or_go_back_are_told() {
+fn repeated_and_decreasing_steps_are_reported() {
     let programs = [
         // Repeated steps.
         "step,skill\n1,Right\n1,Grip\n2,Down\n1,Up\n1,Release\n2,Up\n",
@@ -182,8 +183,8 @@ fn steps_that_come_again_or_go_back_are_told() {
         // An error in a step does not affect the previous one.
         "step;skill\n1;Right\n2;Rihgt\n2;Right\n",
     ];
-    let told = programs.map(|p| format!("{p}{}\n", invalid("p.csv", p)));
-    insta::assert_snapshot!(told.join("\n"));
+    let shown = programs.map(|p| format!("{p}{}\n", invalid("p.csv", p)));
+    insta::assert_snapshot!(shown.join("\n"));
     let (document, output) = checked(
         "p.csv",
         "step;skill\n-1;Right\n2;Down\n2;Grip\n10;Up\nA;Left\n3;Down\n",
@@ -202,12 +203,12 @@ fn a_table_without_a_header_says_how_to_write_one() {
         "Lfet;Down\n",
         "Left;before all\nDown;\n",
     ];
-    let told = programs.map(|p| format!("{p}{}\n", invalid("p.csv", p)));
-    insta::assert_snapshot!(told.join("\n"));
+    let shown = programs.map(|p| format!("{p}{}\n", invalid("p.csv", p)));
+    insta::assert_snapshot!(shown.join("\n"));
 }
 
 #[test]
-fn all_that_cannot_be_read_is_told_at_once() {
+fn all_unreadable_files_are_reported_at_once() {
     let program = "Rigth\nDown Grip\nUp & Up\nLeft &\nUp\n";
     insta::assert_snapshot!(invalid("p.txt", program));
     let (document, output) = checked("p.csv", "skill\nRigth\nUp\n", &[]);
@@ -217,7 +218,7 @@ fn all_that_cannot_be_read_is_told_at_once() {
 
 /// A missing program is reported before rules are searched beside it.
 #[test]
-fn a_program_that_is_not_there_is_told_first() {
+fn a_missing_program_is_reported_first() {
     let folder = tempfile::tempdir().expect("a folder");
     let check =
         |arguments: &[&str]| linewright(folder.path(), &[&["order", "check"], arguments].concat());
@@ -301,7 +302,7 @@ fn an_expression_goes_back_into_a_file() {
         ),
         (
             "order: at most 12 of Left\n    order: at most 12 of Right",
-            Some("more than 10000 skills (LW112)"),
+            Some("more than 10000 skills when repetitions are expanded (LW112)"),
         ),
     ] {
         let output = small(orders, &["regex"]);
@@ -500,7 +501,7 @@ fn a_monitor_goes_on_behind_what_it_cannot_read() {
     let found = documents(b"Down\n\nL\xffft\nLfet\nUp\n", &[]);
     let wanted = serde_json::json!([
         { "line": 1, "allowed": true },
-        { "line": 3, "allowed": false, "why": "this is not UTF-8 text: send the names of skills in UTF-8" },
+        { "line": 3, "allowed": false, "why": "this line is not UTF-8 text: send the names of skills in UTF-8" },
         { "line": 4, "allowed": false, "why": "there is no skill `Lfet`: did you mean `Left`?" },
         { "line": 5, "allowed": true },
     ]);
@@ -674,27 +675,18 @@ fn many(components: usize, orders: &[String]) -> tempfile::TempDir {
 
 /// No part of a table is ignored silently.
 #[test]
-fn cells_that_do_not_fit_are_told() {
+fn cells_that_do_not_fit_are_reported() {
     for (table, said) in [
-        (
-            "step,skill\n1;Down\n2;Left\n",
-            "this row names no skill",
-        ),
-        ("step;skill;skill\n1;Right;Down\n", "say the same"),
+        ("step,skill\n1;Down\n2;Left\n", "this row names no skill"),
+        ("step;skill;skill\n1;Right;Down\n", "have the same meaning"),
         (
             "step;skill\n1;Grip;Down\n",
-            "`Down` is in no column of the header",
+            "`Down` has no column in the header",
         ),
-        (
-            "skill\nRight,Down\n",
-            "`Down` is in no column of the header",
-        ),
+        ("skill\nRight,Down\n", "`Down` has no column in the header"),
         ("step;skill\n1;\n", "this row names no skill"),
         ("step;skill\n1;Right\n1.0;Down\n", "not written as step 1"),
-        (
-            "step;skill\n1;\"Right\n",
-            "a quote is opened and not closed",
-        ),
+        ("step;skill\n1;\"Right\n", "unclosed quote"),
     ] {
         let (document, output) = checked("p.csv", table, &[]);
         assert_eq!(output.status.code(), Some(2), "{table}: {document}");
@@ -728,14 +720,14 @@ fn an_event_of_many_skills_is_watched() {
     let arguments = ["order", "monitor", "many.lw", "--emit", "st"];
     let emitted = linewright(folder.path(), &arguments);
     assert!(
-        error(&emitted).contains("only calls of up to"),
+        error(&emitted).contains("limited to calls of at most"),
         "{}",
         error(&emitted)
     );
 }
 
 #[test]
-fn what_is_asked_for_in_vain_is_told() {
+fn unused_formulas_are_reported() {
     let folder = many(2, &["never A0".to_owned()]);
     let path = folder.path().join("many.lw");
     let levelled = fs::read_to_string(&path).expect("a file");
@@ -870,7 +862,7 @@ fn a_way_that_was_not_found_is_no_way_that_is_not_there() {
     assert_eq!(next.status.code(), Some(0), "{}", error(&next));
     let said = text(&next);
     assert!(
-        said.contains("whether it is allowed later was not found out"),
+        said.contains("could not decide whether it is allowed later"),
         "{said}"
     );
     fs::write(folder.path().join("p.txt"), "A0\nA11\n").expect("a file");
@@ -878,7 +870,7 @@ fn a_way_that_was_not_found_is_no_way_that_is_not_there() {
     assert_eq!(checked.status.code(), Some(1));
     let said = error(&checked);
     assert!(
-        said.contains("whether `A11` is allowed later was not found out"),
+        said.contains("could not decide whether `A11` is allowed later"),
         "{said}"
     );
 }

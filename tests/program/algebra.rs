@@ -115,7 +115,7 @@ fn no_machine_is_made_under_an_assumption_about_its_own_outputs() {
 contract Gripper {{
     input fed, seen: bool
     output closed: bool
-    assume told: {assumption}
+    assume shown: {assumption}
     guarantee on_sight: always (closed -> seen)
 }}
 "
@@ -134,13 +134,13 @@ contract Gripper {{
             "always (next fed -> next seen)",
         ] {
             let output = synthesize(feeder, assumption);
-            let told = String::from_utf8_lossy(&output.stderr).into_owned();
-            assert_eq!(output.status.code(), Some(1), "{assumption}: {told}");
+            let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(1), "{assumption}: {shown}");
             assert!(
-                told.contains(
-                    "error[LW202]: `told` of `Gripper` is handed on to the outside, but constrains `fed`, chosen by `Feeder`"
+                shown.contains(
+                    "error[LW202]: `shown` of `Gripper` remains an assumption about the environment, but constrains `fed`, which `Feeder` sets"
                 ),
-                "{assumption}: {told}"
+                "{assumption}: {shown}"
             );
         }
         // It sees the previous step.
@@ -157,13 +157,13 @@ contract Gripper {{
 }
 
 #[test]
-fn ports_that_do_not_fit_are_told_and_can_be_renamed() {
+fn ports_that_do_not_fit_are_reported_and_can_be_renamed() {
     let output = at_root(&["compose", "std.handling.pick", "std.handling.place"]);
     assert_eq!(output.status.code(), Some(1));
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let shown = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(
-        told.contains("LW311") && told.contains("`stage` is set by"),
-        "{told}"
+        shown.contains("LW311") && shown.contains("`stage` is set by"),
+        "{shown}"
     );
     let renamed = ["--rename", "Place.stage=place_stage"];
     let output = at_root(&[
@@ -186,8 +186,8 @@ fn ports_that_do_not_fit_are_told_and_can_be_renamed() {
             "--rename",
             rename,
         ]);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(told.contains(why), "{rename}: {told}");
+        let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(shown.contains(why), "{rename}: {shown}");
         assert_ne!(output.status.code(), Some(0));
     }
 }
@@ -404,7 +404,7 @@ fn operands_that_are_none_are_refused() {
         (vec!["compose", "nowhere.lw"], "nowhere.lw"),
         (
             vec!["compose", "examples/fit-together/safe.lw"],
-            "declares several contracts: write one of Feeder, Gripper",
+            "declares several contracts: append one of Feeder, Gripper",
         ),
         (
             vec!["compose", "examples/fit-together/safe.lw::Nobody"],
@@ -416,8 +416,8 @@ fn operands_that_are_none_are_refused() {
         ),
     ] {
         let output = at_root(&arguments);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
-        assert!(told.contains(why), "{arguments:?}: {told}");
+        let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {shown}");
+        assert!(shown.contains(why), "{arguments:?}: {shown}");
     }
 }

@@ -217,9 +217,10 @@ fn the_documents_are_up_to_date() {
         serde_json::from_slice(&output.stdout).expect("a document")
     };
     let mut text = "# JSON documents\n\nGenerated from the program. `linewright schema check` prints \
-                    the whole JSON Schema (draft 2020-12) of a document; here are the fields of its \
-                    outermost object.\n"
+                    the whole JSON Schema (draft 2020-12) of a document. First come the fields of each \
+                    document, then the [types](#types) that they use.\n"
         .to_owned();
+    let mut types: BTreeMap<String, Vec<serde_json::Value>> = BTreeMap::new();
     let list = document(&["schema", "--format", "json"]);
     for entry in list["schemas"].as_array().expect("schemas") {
         let name = entry["name"].as_str().expect("a name");
@@ -233,23 +234,89 @@ fn the_documents_are_up_to_date() {
         let forms = schema["anyOf"]
             .as_array()
             .map_or(&single[..], Vec::as_slice);
+        let mut outermost = Vec::new();
         for form in forms {
             let form = match form["$ref"].as_str() {
-                Some(reference) => schema.pointer(&reference[1..]).expect("a definition"),
+                Some(reference) => {
+                    outermost.extend(reference.rsplit('/').next().map(str::to_owned));
+                    schema.pointer(&reference[1..]).expect("a definition")
+                }
                 None => form,
             };
-            let Some(fields) = form["properties"].as_object() else {
-                continue;
-            };
-            text.push_str("\n| field | type | meaning |\n|---|---|---|\n");
-            for (field, schema) in fields {
-                let meaning = schema["description"].as_str().unwrap_or_default();
-                let meaning = meaning.replace('\n', " ").replace('|', "\\|");
-                let _ = writeln!(text, "| `{field}` | {} | {meaning} |", type_of(schema));
+            text.push_str(&table_of_fields(form));
+        }
+        for (name, definition) in schema["$defs"].as_object().into_iter().flatten() {
+            if !outermost.contains(name) {
+                let known = types.entry(name.clone()).or_default();
+                if !known.contains(definition) {
+                    known.push(definition.clone());
+                }
             }
         }
     }
+    text.push_str("\n## Types\n\nThe types in these tables, in alphabetical order.\n");
+    for (name, definitions) in types {
+        for definition in definitions {
+            let meaning = one_line(&definition);
+            let _ = write!(text, "\n### `{name}`\n\n{meaning}\n");
+            text.push_str(&table_of_fields(&definition));
+            text.push_str(&table_of_values(&definition));
+        }
+    }
     is_up_to_date("json.md", &text);
+}
+
+/// The description of a schema in one line of a table.
+fn one_line(schema: &serde_json::Value) -> String {
+    let description = schema["description"].as_str().unwrap_or_default();
+    description.replace('\n', " ").replace('|', "\\|")
+}
+
+/// The fields of an object as a table; empty for other types.
+fn table_of_fields(schema: &serde_json::Value) -> String {
+    let Some(fields) = schema["properties"].as_object() else {
+        return String::new();
+    };
+    let mut text = "\n| field | type | meaning |\n|---|---|---|\n".to_owned();
+    for (field, schema) in fields {
+        let _ = writeln!(
+            text,
+            "| `{field}` | {} | {} |",
+            type_of(schema),
+            one_line(schema)
+        );
+    }
+    text
+}
+
+/// The values or alternatives of an enumeration as a table; empty for other types.
+fn table_of_values(schema: &serde_json::Value) -> String {
+    let alternatives = schema["oneOf"].as_array().or(schema["anyOf"].as_array());
+    let values = schema["enum"].as_array();
+    let mut rows = String::new();
+    for alternative in alternatives.into_iter().flatten() {
+        if let Some(fields) = alternative["properties"].as_object() {
+            for (field, inner) in fields {
+                let row = format!("`{{\"{field}\": ...}}`: {}", type_of(inner));
+                let _ = writeln!(rows, "| {row} | {} |", one_line(alternative));
+            }
+        } else {
+            let _ = writeln!(
+                rows,
+                "| {} | {} |",
+                type_of(alternative),
+                one_line(alternative)
+            );
+        }
+    }
+    for value in values.into_iter().flatten() {
+        let _ = writeln!(rows, "| `{value}` | |");
+    }
+    if rows.is_empty() {
+        rows
+    } else {
+        format!("\n| value | meaning |\n|---|---|\n{rows}")
+    }
 }
 
 /// The rules of a grammar in pest, each as its text without blanks and comments.

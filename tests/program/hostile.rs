@@ -55,7 +55,7 @@ fn damaged_files_are_survived() {
                         .is_err_and(|f| f.key == fault.key)
                 };
                 let small = reduced(&bytes, &mut fails);
-                let text = told(run, &attempt, &fault, &file.path, &small);
+                let text = describe(run, &attempt, &fault, &file.path, &small);
                 if let Some(report) = &report {
                     keep(report, &text, faults.len(), ending, &small);
                 }
@@ -92,7 +92,7 @@ fn reduced(bytes: &[u8], fails: &mut dyn FnMut(&[u8]) -> bool) -> Vec<u8> {
     }
 }
 
-fn told(run: u64, attempt: &Attempt, fault: &Fault, path: &Path, small: &[u8]) -> String {
+fn describe(run: u64, attempt: &Attempt, fault: &Fault, path: &Path, small: &[u8]) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "== {}", fault.key);
     let _ = writeln!(

@@ -321,7 +321,10 @@ fn the_command_lists_and_prints_schemas() {
     );
     let (code, _, said) = run(&["schema", "check", "--format", "sarif"]);
     assert_eq!(code, Some(2));
-    assert!(said.contains("has no findings to write as SARIF"), "{said}");
+    assert!(
+        said.contains("has no findings, so it cannot be written as SARIF"),
+        "{said}"
+    );
 }
 
 fn with_input(arguments: &[&str], input: &str) -> Output {

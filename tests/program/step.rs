@@ -160,11 +160,15 @@ fn the_same_seed_gives_the_same_play() {
 }
 
 #[test]
-fn what_cannot_be_played_is_told() {
+fn what_cannot_be_played_is_reported() {
     let sandbox = sandbox();
     let folder = sandbox.path();
     for (arguments, code, words) in [
-        (&["press.lw"][..], 2, "one contract is played at a time"),
+        (
+            &["press.lw"][..],
+            2,
+            "only one contract can be played at a time",
+        ),
         (&["press.lw::Pres"], 2, "has no contract `Pres`"),
         (&["missing.lw"], 2, "missing.lw"),
         (
@@ -181,8 +185,8 @@ fn what_cannot_be_played_is_told() {
     ] {
         let output = piped(folder, arguments, "");
         assert_eq!(output.status.code(), Some(code), "{}", shown(&output));
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(told.contains(words), "{arguments:?}: {told}");
+        let shown = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(shown.contains(words), "{arguments:?}: {shown}");
     }
 }
 

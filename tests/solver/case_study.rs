@@ -40,7 +40,7 @@ fn every_contract_has_a_machine_that_passes_the_verifier() {
             verified - extracted,
             verified.elapsed(),
             won.peak_nodes,
-            findings.well_separated(),
+            findings.is_well_separated(),
             findings.dead_end.is_some(),
         );
     }
@@ -133,13 +133,13 @@ fn the_gr1c_automaton_is_the_machine() {
 fn limits_are_respected() {
     let specification = fixtures::printer3d(2, 3);
     let late = Limits {
-        deadline: Deadline::in_time(std::time::Duration::ZERO),
+        deadline: Deadline::from_now(std::time::Duration::ZERO),
         memory_mib: None,
         ..Limits::default()
     };
     assert!(matches!(
         solve(&specification, &late),
-        Outcome::GaveUp(Limit::Late(StopReason::Time))
+        Outcome::GaveUp(Limit::Stopped(StopReason::Time))
     ));
     let small = Limits {
         deadline: Deadline::NONE,
@@ -155,11 +155,11 @@ fn limits_are_respected() {
     };
     assert_eq!(
         extract(&specification, &won, &late),
-        Err(Limit::Late(StopReason::Time))
+        Err(Limit::Stopped(StopReason::Time))
     );
     let done = machine(&specification);
     assert_eq!(
         verify(&specification, &done, &late),
-        Err(Limit::Late(StopReason::Time))
+        Err(Limit::Stopped(StopReason::Time))
     );
 }

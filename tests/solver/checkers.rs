@@ -257,7 +257,9 @@ const LIMITED: usize = 40;
 
 /// Whether a clause is reported only after everything was examined, like the absence of errors.
 fn last(clause: &str) -> bool {
-    clause == "Won" || clause.starts_with("Starved") || clause.starts_with("Justice")
+    clause == "MachineWins"
+        || clause.starts_with("StarvedAssumption")
+        || clause.starts_with("Justice")
 }
 
 fn has_spare(specification: &Specification) -> bool {
@@ -284,7 +286,7 @@ fn limited(cases: &[Case]) -> Vec<Case> {
             specification: specification.clone(),
             artefact: case.artefact.clone(),
             limits: Limits {
-                most_nodes: most,
+                max_nodes: most,
                 ..Limits::default()
             },
             broken: broken.iter().map(|b| (*b).to_owned()).collect(),
@@ -507,26 +509,33 @@ macro_rules! clauses {
 
 const OF_PLAYS: &[&str] = {
     use verify::Clause;
-    clauses!(Clause: Ports Timing Target Values Domain Guard First Nothing Gap Overlap Unanswered AnsweredTwice
-        Guarantee Justice Assumption Starved Won)
+    clauses!(Clause: Ports Timing MissingTarget OutputCount Domain UnknownInput FirstMover NoTransition
+        MissingTransition AmbiguousTransition Unanswered AnsweredTwice Guarantee Justice Assumption
+        StarvedAssumption MachineWins)
 };
 
 /// Clauses that apply only to counterstrategies, and only to machines.
 const OF_COUNTERSTRATEGIES: [&str; 6] = [
-    "Nothing",
+    "NoTransition",
     "Unanswered",
     "AnsweredTwice",
     "Assumption",
-    "Starved",
-    "Won",
+    "StarvedAssumption",
+    "MachineWins",
 ];
-const OF_MACHINES: [&str; 4] = ["Gap", "Overlap", "Guarantee", "Justice"];
+const OF_MACHINES: [&str; 4] = [
+    "MissingTransition",
+    "AmbiguousTransition",
+    "Guarantee",
+    "Justice",
+];
 
 const OF_FUNCTIONS: &[&str] = {
     use certify::Clause;
-    clauses!(Clause: Ports Diagram SetOfStates LayerAssumption OutputKnown OutputTwice OutputMissing ModeKnown ModeLayer
-        ModeMissing AssumptionKnown Domain Invariant Layers Refused NotRefused Initial Start Safety Reached Missed Strays
-        Back Waits Nowhere)
+    clauses!(Clause: Ports Diagram SetOfStates LayerAssumption OutputDependency OutputTwice OutputMissing
+        ModeDependency ModeLayer ModeMissing AssumptionCheck Domain Invariant Layers LegalInputRefused
+        IllegalInputAccepted Initial InitialRegion Safety GoalSwitch GoalMissed LayerMissed MovesAway
+        UnjustifiedWait OutsideLayers)
 };
 
 const OF_PROOFS: &[&str] = {

@@ -9,9 +9,9 @@ mod shared;
 use crate::random::{Random, specification};
 use crate::support;
 use legal::legal;
-use linewright::game::{Limits, Outcome, advise, attack, reduced, solve};
+use linewright::game::{Limits, Outcome, advise, attack, select_guarantees, solve};
 use linewright::gr1::Timing;
-use linewright::mealy::counter::machine;
+use linewright::mealy::counter::to_machine;
 use linewright::mealy::verify::verify_counterstrategy;
 
 #[test]
@@ -25,12 +25,12 @@ fn repairs_of_random_specifications() {
         };
         lost += 1;
         let core = found.core.expect("no limit");
-        let small = reduced(&spec, &core);
+        let small = select_guarantees(&spec, &core);
         let attack = attack(&small, &[], &limits).expect("no limit");
         let play = attack.expect("it is lost").play;
         let advice = advise(&spec, &core, &play, &limits).expect("no limit");
-        let told = mended::holds(&spec, &core, &advice);
-        assert_eq!(told, Ok(()), "seed {seed}: {advice:#?}\n{spec:#?}");
+        let shown = mended::holds(&spec, &core, &advice);
+        assert_eq!(shown, Ok(()), "seed {seed}: {advice:#?}\n{spec:#?}");
         assumptions += u32::from(!advice.assumptions.is_empty());
         weakenings += u32::from(!advice.weakenings.is_empty());
         hopeless += u32::from(advice.contradictory);
@@ -113,14 +113,14 @@ fn counterstrategies_of_random_specifications() {
         lost += 1;
         moore += u32::from(spec.timing == Timing::Moore);
         let core = found.core.expect("no limit");
-        for spec in [spec.clone(), reduced(&spec, &core)] {
+        for spec in [spec.clone(), select_guarantees(&spec, &core)] {
             let attack = attack(&spec, &[], &limits).expect("no limit");
             let attack = attack.unwrap_or_else(|| panic!("seed {seed}: nothing beats {spec:#?}"));
-            let machine = machine(&spec, &attack);
+            let machine = to_machine(&spec, &attack);
             let verdict = verify_counterstrategy(&spec, &machine, &limits).expect("no limit");
             assert_eq!(verdict, Ok(()), "seed {seed}: {machine:#?}\n{spec:#?}");
-            let told = legal(&spec, &attack.play);
-            assert_eq!(told, Ok(()), "seed {seed}: {:#?}\n{spec:#?}", attack.play);
+            let shown = legal(&spec, &attack.play);
+            assert_eq!(shown, Ok(()), "seed {seed}: {:#?}\n{spec:#?}", attack.play);
             starved += u32::from(matches!(
                 attack.play.ending,
                 linewright::game::Ending::Starved { .. }

@@ -11,8 +11,8 @@ fn solve(spec: &Specification, kernel: KernelChoice, hints: Option<&Version>) ->
     let hints = hints.map(|v| v.hints(spec)).unwrap_or_default();
     let options = Options {
         kernel,
-        first_order: hints.order,
-        first_region: hints.region,
+        initial_order: hints.order,
+        initial_region: hints.region,
         ..Options::default()
     };
     solve_with(spec, &options)

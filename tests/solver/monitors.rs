@@ -148,10 +148,10 @@ fn equal_pieces_are_shared() {
     let scope = Scope::After(q.clone());
     monitors.pattern(&Pattern::Absence(p.clone()), &scope, &origin);
     monitors.pattern(&Pattern::Universality(r.clone()), &scope, &origin);
-    assert_eq!(monitors.made().len(), 1);
+    assert_eq!(monitors.all().len(), 1);
     let once = monitors.once(&q, &origin);
     assert_eq!(monitors.previous(&once, &origin), Expr::now(VarId(3)));
-    assert_eq!(monitors.made().len(), 1);
+    assert_eq!(monitors.all().len(), 1);
     monitors.pattern(&Pattern::Existence(p.clone(), None), &scope, &origin);
     monitors.pattern(&Pattern::Existence(r, None), &scope, &origin);
     let names: Vec<&str> = monitors.variables().map(|v| v.name.as_str()).collect();
@@ -163,7 +163,7 @@ fn equal_pieces_are_shared() {
         assert_eq!(monitors.since(&p, &constant, &origin), constant);
     }
     assert_eq!(monitors.since(&Expr::FALSE, &p, &origin), p);
-    assert_eq!(monitors.made().len(), 3);
+    assert_eq!(monitors.all().len(), 3);
 }
 
 /// Precedence after q differs from Dwyer's formula, but is never weaker, and the same if q holds

@@ -137,7 +137,7 @@ fn findings_about_the_environment() {
         let [dead_end, can_force] = [expected.dead_end[0] != 0, expected.forced[0] != 0];
         stuck += u32::from(dead_end);
         forced += u32::from(can_force && !dead_end);
-        separated += u32::from(found.well_separated());
+        separated += u32::from(found.is_well_separated());
     }
     println!(
         "dead ends {stuck}, forced otherwise {forced}, well-separated {separated}, unsatisfiable {hopeless}"
@@ -178,9 +178,9 @@ fn shapes_of_realizable_specifications() {
             continue;
         };
         checked += 1;
-        let found = won.shape(&spec, &limits).expect("no limit");
-        let told = Board::new(&spec).agrees(&found);
-        assert_eq!(told, Ok(()), "seed {seed}: {found:#?}\n{spec:#?}");
+        let found = won.find_weaknesses(&spec, &limits).expect("no limit");
+        let shown = Board::new(&spec).agrees(&found);
+        assert_eq!(shown, Ok(()), "seed {seed}: {found:#?}\n{spec:#?}");
         let open = found.requests.iter().any(|r| r.enforceable);
         let chance = found.requests.iter().any(|r| !r.enforceable);
         for (count, is) in seen.iter_mut().zip([

@@ -20,7 +20,7 @@ pub fn controlled(
     let loaded = files::load(&[file.display().to_string()], &StandardLibrary::default());
     let machine = loaded.library.machines.iter().find(|m| m.name == name);
     let machine = Arc::new(machine.expect("a machine").clone());
-    let mut jobs = Jobs::examining().wishing(wish);
+    let mut jobs = Jobs::examining().with_extraction(wish);
     let planned = MachinePlan::new(&machine, &mut jobs);
     let settings = Settings {
         limits: Limits::default(),

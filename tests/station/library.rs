@@ -143,7 +143,7 @@ fn made() -> &'static (Vec<Controlled>, usize) {
 }
 
 fn controlled(specifications: Vec<Arc<Specification>>) -> Vec<Controlled> {
-    let mut jobs = Jobs::default().wishing(ExtractionOptions {
+    let mut jobs = Jobs::default().with_extraction(ExtractionOptions {
         functions: true,
         ..ExtractionOptions::default()
     });

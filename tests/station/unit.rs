@@ -77,7 +77,7 @@ pub fn pick_and_place(recalls: bool) -> Table {
     }
     Table {
         name: "PickAndPlace".to_owned(),
-        kept: "at the level valid".to_owned(),
+        options_text: "at the level valid".to_owned(),
         skills: SKILLS.iter().map(|(name, ..)| (*name).to_owned()).collect(),
         rules: vec![
             cited("trays", "after Down until Up: never Left, Right"),
@@ -85,7 +85,7 @@ pub fn pick_and_place(recalls: bool) -> Table {
         ],
         calls,
         next,
-        why,
+        reasons: why,
         states: 8,
         start: 0,
     }

@@ -16,7 +16,7 @@ pub fn specifications(folder: &Path) -> Vec<(Format, PathBuf)> {
             let path = entry.expect("an entry").path();
             if path.is_dir() {
                 open.push(path);
-            } else if let Some(format) = Format::of_path(&path.to_string_lossy()) {
+            } else if let Some(format) = Format::from_path(&path.to_string_lossy()) {
                 found.push((format, path));
             }
         }

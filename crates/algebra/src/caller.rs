@@ -1,34 +1,35 @@
-//! A machine and its caller: the operations that a line requests, against the assumptions that the
-//! machine hands on to its caller.
+//! Composition of a machine with its caller, to check that the operations requested by a line keep
+//! the assumptions that the machine exports to its caller.
 //!
-//! On its own, a machine may hand on its assumptions about the requested operations
-//! ([`super::proof::Exports`]). In a line, operations are requested in sequences, one per part,
-//! repeatedly and in any order of parts. This module adds a caller beside the components that does
-//! exactly this and sets every input that the machine does not set. Then nothing is handed on any
-//! more: an assumption is either proved, or there is a series of parts after which it is broken.
+//! The proof of a machine alone can export its assumptions about the requested operations
+//! ([`super::proof::Exports`]). In a line, operations are requested in sequences, one sequence for
+//! each part, repeatedly and with the parts in any order. This module adds a caller to the
+//! components that makes exactly these requests and sets every input that the machine does not set.
+//! Then nothing is exported any more: each assumption is either proved, or refuted by a series of
+//! parts after which it is broken.
 
 use super::machine::of_machine;
 use super::proof::Claim;
-use super::system::{ContractSide, FormulaRef, Part, System, formulas};
+use super::system::{Component, ContractSide, FormulaRef, System, formulas};
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Timing, VarId, Variable};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, PlantSource, PropertyKind, RealExpr};
 use linewright_solver::game::RuleKind;
 
-/// A machine with its caller, and what is to be shown about it.
+/// A machine with its caller, and the claim about it.
 #[derive(Debug, Clone)]
 pub struct CalledMachine {
     /// The machine's components and the caller.
     pub system: System,
-    /// Additional givens. The components' assumptions are to be shown.
+    /// Claim with the givens and without a goal: the obligations are the assumptions of the
+    /// components.
     pub claim: Claim,
-    /// The components' assumptions about the requested operations, except those about infinitely
-    /// many calls.
-    pub asked: Vec<FormulaRef>,
-    /// Those of `asked` that depend on properties of parts, which are unknown here. If one is not
-    /// shown, nothing is reported.
-    pub unsure: Vec<FormulaRef>,
-    /// Variable of the requested operation.
+    /// Assumptions of the components about the requested operations, without justice.
+    pub operation_assumptions: Vec<FormulaRef>,
+    /// The assumptions in `operation_assumptions` that depend on properties of parts, which are
+    /// unknown here. If the proof of one fails, that is not a finding.
+    pub uncertain_assumptions: Vec<FormulaRef>,
+    /// Variable with the requested operation.
     pub operation: VarId,
 }
 
@@ -37,14 +38,15 @@ pub struct CalledMachine {
 pub struct OperationRequest {
     /// Index among the machine's operations.
     pub operation: usize,
-    /// Known values of other inputs while it runs, by index among the machine's plant inputs.
+    /// Known values of other inputs while the operation runs: index among the machine's plant
+    /// inputs, and value.
     pub known: Vec<(usize, i64)>,
 }
 
 impl OperationRequest {
-    /// Creates a request with these values of parameters (index into the machine's properties,
-    /// value). A property that no part carries here has its default; one that parts carry is
-    /// unknown.
+    /// Creates a request with these values of parameters (index among the machine's properties,
+    /// value). A property for which `carried` is true belongs to a part, so its value is unknown;
+    /// any other property without a given value has its default.
     pub fn new(
         machine: &Machine,
         operation: usize,
@@ -87,8 +89,9 @@ impl OperationRequest {
 }
 
 impl CalledMachine {
-    /// Builds a machine that is called with these sequences of operations, one after the other.
-    /// `None` if it has no assumptions about requested operations.
+    /// Composes a machine with a caller that requests these sequences, each any number of times and
+    /// in any order. Returns `None` if no assumption is about the requested operations, or if there
+    /// are no requests.
     pub fn of(machine: &Machine, sequences: &[Vec<OperationRequest>]) -> Option<Self> {
         let done = machine.done.as_ref()?;
         let mut plant = machine.plant.iter();
@@ -98,19 +101,21 @@ impl CalledMachine {
         let steps = || sequences.iter().flatten();
         let mut unknown: Vec<VarId> = Vec::new();
         for (place, input) in machine.plant.iter().enumerate() {
-            let is_known = |asks: &OperationRequest| asks.known.iter().any(|(at, _)| *at == place);
+            let is_known =
+                |request: &OperationRequest| request.known.iter().any(|(at, _)| *at == place);
             if matches!(input.source, PlantSource::Property(_)) && !steps().all(is_known) {
                 unknown.push(VarId(place as u32));
             }
         }
-        let (asked, unsure) = asked(&system, operation, &unknown);
-        if asked.is_empty() || sequences.iter().all(Vec::is_empty) {
+        let (operation_assumptions, uncertain_assumptions) =
+            operation_assumptions(&system, operation, &unknown);
+        if operation_assumptions.is_empty() || sequences.iter().all(Vec::is_empty) {
             return None;
         }
-        // Nothing here is about justice.
-        for part in &mut system.parts {
-            part.assumptions.justice.clear();
-            part.guarantees.justice.clear();
+        // Justice is not examined here.
+        for component in &mut system.components {
+            component.assumptions.justice.clear();
+            component.guarantees.justice.clear();
         }
         let place = VarId(system.variables.len() as u32);
         let count = sequences.iter().map(Vec::len).sum::<usize>() as i64;
@@ -127,7 +132,7 @@ impl CalledMachine {
         });
         let all = (0..system.variables.len() as u32).map(VarId);
         let drives = all.filter(|v| system.driver(*v).is_none()).collect();
-        system.parts.push(Part {
+        system.components.push(Component {
             name: "caller".to_owned(),
             timing: Timing::Moore,
             drives,
@@ -142,14 +147,14 @@ impl CalledMachine {
         Some(Self {
             system,
             claim,
-            asked,
-            unsure,
+            operation_assumptions,
+            uncertain_assumptions,
             operation,
         })
     }
 
-    /// Returns the operations requested on a run, as indices into the machine's operations.
-    pub fn asked_for(&self, machine: &Machine, run: &[Vec<i64>]) -> Vec<usize> {
+    /// Returns the operations requested on a run, as indices among the machine's operations.
+    pub fn requested_operations(&self, machine: &Machine, run: &[Vec<i64>]) -> Vec<usize> {
         let is_done = |values: &[i64]| {
             let done = machine.done.as_ref();
             done.is_some_and(|d| linewright_core::gr1::eval::holds(d, values, &[]))
@@ -161,39 +166,40 @@ impl CalledMachine {
     }
 }
 
-/// Returns the assumptions that mention the requested operation, and those of them that also
-/// mention something unknown.
-fn asked(
+/// Returns the assumptions that mention the requested operation, without justice, and those of them
+/// that also mention an unknown input.
+fn operation_assumptions(
     system: &System,
     operation: VarId,
     unknown: &[VarId],
 ) -> (Vec<FormulaRef>, Vec<FormulaRef>) {
-    let (mut asked, mut unsure) = (Vec::new(), Vec::new());
-    for (place, part) in system.parts.iter().enumerate() {
-        for (kind, index, formula) in formulas(&part.assumptions) {
-            let (mut speaks, mut is_unsure) = (false, false);
+    let (mut found, mut uncertain) = (Vec::new(), Vec::new());
+    for (place, component) in system.components.iter().enumerate() {
+        for (kind, index, formula) in formulas(&component.assumptions) {
+            let (mut mentions_operation, mut is_uncertain) = (false, false);
             formula.expr.for_each_var(&mut |v, _| {
-                speaks |= v == operation;
-                is_unsure |= unknown.contains(&v);
+                mentions_operation |= v == operation;
+                is_uncertain |= unknown.contains(&v);
             });
             let at = FormulaRef {
-                part: Some(place),
+                component: Some(place),
                 half: ContractSide::Assumptions,
                 kind,
                 index,
             };
-            if speaks && kind != RuleKind::Justice {
-                asked.push(at);
-                if is_unsure {
-                    unsure.push(at);
+            if mentions_operation && kind != RuleKind::Justice {
+                found.push(at);
+                if is_uncertain {
+                    uncertain.push(at);
                 }
             }
         }
     }
-    (asked, unsure)
+    (found, uncertain)
 }
 
-/// Builds the sequences, one after the other: the position in them, and the operation there.
+/// Returns the definitions of the caller: the position in the sequences, and the operation
+/// requested at each position.
 fn calls(
     machine: &Machine,
     sequences: &[Vec<OperationRequest>],
@@ -203,7 +209,7 @@ fn calls(
 ) -> Side {
     let rule = |text: &str, expr: &Expr, span: Span| Formula {
         defines: false,
-        name: "asked in sequences".to_owned(),
+        name: "requests in sequences".to_owned(),
         requirement: None,
         expr: expr.simplify(),
         span,
@@ -215,11 +221,11 @@ fn calls(
     let (mut starts, mut ends) = (Vec::new(), Vec::new());
     let (mut asks, mut moves) = (Expr::TRUE, Expr::TRUE);
     for sequence in sequences.iter().filter(|s| !s.is_empty()) {
-        for (index, asked) in sequence.iter().enumerate() {
+        for (index, request) in sequence.iter().enumerate() {
             let here = at(first + index);
-            let value = machine.operations[asked.operation].value;
+            let value = machine.operations[request.operation].value;
             let mut asks_here = Expr::now(operation).equals(Expr::Const(value));
-            for (input, value) in &asked.known {
+            for (input, value) in &request.known {
                 let input = Expr::now(VarId(*input as u32));
                 asks_here = asks_here.and(input.equals(Expr::Const(*value)));
             }
@@ -248,9 +254,9 @@ fn calls(
             &any(starts.iter().map(|s| at(*s)).collect()),
             span,
         )],
-        invariants: vec![rule("the operation at the place in it", &asks, span)],
+        invariants: vec![rule("the operation at its current position", &asks, span)],
         safety: vec![rule(
-            "the next one once an operation is done, and then any sequence",
+            "the next position when an operation is done, and any sequence after the last",
             &moves,
             span,
         )],

@@ -1,63 +1,66 @@
-//! Compatibility: is there an environment that keeps the parts' assumptions, whatever they do
-//! within their guarantees?
+//! Compatibility of components: whether some environment keeps the components' assumptions,
+//! whatever they do within their guarantees.
 //!
-//! This is a game with swapped roles. The player sets what comes from outside; the opponent sets
-//! the parts' outputs and keeps all guarantees. The player has to keep the assumptions for as long
-//! as the opponent keeps the guarantees: the strict semantics of GR(1), with the parts' assumptions
-//! as its guarantees. For a single contract without guarantees, the question is simply whether its
-//! assumption can be realized.
+//! This is a game with swapped roles. The player (the environment) sets the outside variables; the
+//! opponent sets the components' outputs and keeps all guarantees. The player has to keep the
+//! assumptions for as long as the opponent keeps the guarantees. This is the strict semantics of
+//! GR(1), with the components' assumptions as the guarantees of the player. For a single contract
+//! without guarantees, the question is simply whether its assumption is realizable.
 //!
-//! The order of moves is swapped as well: Moore machines answer before the environment, which sees
-//! their answer, and Mealy machines after it.
+//! The order of moves is also swapped: Moore machines answer before the environment, which sees
+//! their answer, and Mealy machines answer after it.
 //!
-//! Either side can leave the other no way to keep its promise. An environment that does so has won,
-//! but only if it keeps the assumptions itself, in that step too. That "some answer" does so is no
-//! formula of GR(1), so the side that needs the answer names it, in variables of its own.
+//! Either side can leave the other without an allowed move. An environment that leaves the
+//! components none has won, but only if it keeps the assumptions in that step as well. "Some answer
+//! keeps the formula" is not a formula of GR(1), so the side that needs such an answer names one,
+//! in additional variables (*named answer*).
 
 mod between;
 
 use super::proof::{Refutation, last_step, latest};
-use super::system::{KINDS, Part, System, formulas, list, list_mut, rule};
+use super::system::{Component, KINDS, System, formulas, list, list_mut, rule};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId, Variable,
 };
 use linewright_core::source::Span;
 use linewright_solver::game::{
-    self, Ending, Lasso, Limit, Limits, Outcome, RuleKind, Runs, SafetyViolationQuery,
+    self, Ending, Lasso, Limit, Limits, Outcome, PlayEnd, RuleKind, Runs, SafetyViolationQuery,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Result of the compatibility check.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Compatibility {
-    /// There is such an environment.
+    /// Some environment keeps the assumptions.
     Compatible,
-    /// There is none: the parts can keep their guarantees in such a way that an assumption is
-    /// broken.
+    /// No environment keeps the assumptions: the components can keep their guarantees in such a way
+    /// that an assumption is broken.
     Incompatible {
-        /// Names of assumptions that cannot be kept together, although any fewer of them could.
+        /// Names of a minimal set of assumptions that cannot be kept together.
         assumptions: Vec<String>,
-        /// Play in which one of them is broken. `None` if a limit was reached before one was found.
+        /// Play in which one of these assumptions is broken; `None` if a limit was reached before a
+        /// play was found.
         play: Option<Refutation>,
     },
 }
 
-/// Decides whether there is an environment for all parts of a system together.
+/// Decides whether all components of a system together are compatible.
 ///
 /// # Errors
 /// When a limit was reached.
 pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Limit> {
-    let is_moore = |part: &Part| part.timing == Timing::Moore;
-    let order = if system.parts.iter().all(is_moore) {
+    let is_moore = |component: &Component| component.timing == Timing::Moore;
+    let order = if system.components.iter().all(is_moore) {
         Turn::Last
-    } else if system.parts.iter().any(is_moore) {
+    } else if system.components.iter().any(is_moore) {
         Turn::Between
     } else {
         Turn::First
     };
     let late = |v: &VarId| {
         let driver = system.driver(*v);
-        driver.is_some_and(|part| !is_moore(&system.parts[part])) || defined(system, *v)
+        driver.is_some_and(|component| !is_moore(&system.components[component]))
+            || is_monitor(system, *v)
     };
     let game = match order {
         Turn::First => environment_first(system),
@@ -69,8 +72,8 @@ pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Lim
         Outcome::Unrealizable(lost) => lost,
         Outcome::GaveUp(limit) => return Err(limit),
     };
-    let play = match game::attack(&game, &[], limits) {
-        Ok(Some(attack)) => Some(shown(&attack.play, order, system, &late, limits)),
+    let play = match game::attack_until(PlayEnd::NoMove, &game, &[], limits) {
+        Ok(Some(attack)) => Some(counterexample(&attack.play, order, system, &late, limits)),
         _ => None,
     };
     Ok(Compatibility::Incompatible {
@@ -79,7 +82,7 @@ pub fn compatible(system: &System, limits: &Limits) -> Result<Compatibility, Lim
     })
 }
 
-/// Position of the environment's move in a step: before the parts, after those that are Moore
+/// Position of the environment's move in a step: before the components, after those that are Moore
 /// machines, or after all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Turn {
@@ -88,25 +91,25 @@ enum Turn {
     Last,
 }
 
-/// Returns whether a variable belongs to a monitor.
-fn defined(system: &System, v: VarId) -> bool {
+/// Returns whether a variable is a monitor.
+fn is_monitor(system: &System, v: VarId) -> bool {
     let place = system.variables[v.index()].span;
-    let sides = system.parts.iter().map(|p| &p.definitions);
+    let sides = system.components.iter().map(|p| &p.definitions);
     sides
         .flat_map(formulas)
-        .any(|(_, _, f)| f.span.holds(place))
+        .any(|(_, _, f)| f.span.contains(place))
 }
 
-/// A game of the environment under construction. Its variables are the machine's; those that the
-/// parts set are inputs.
+/// A game under construction, in which the environment plays the machine: its outside variables are
+/// outputs, and the variables that components set are inputs.
 struct Game<'s> {
     system: &'s System,
     specification: Specification,
 }
 
 impl<'s> Game<'s> {
-    /// Creates the game from the parts' assumptions and their justice guarantees. The environment
-    /// is the player and sets what is `outside`.
+    /// Creates the game with the components' assumptions as guarantees and their justice guarantees
+    /// as assumptions. The player sets the variables for which `outside` is true.
     fn new(system: &'s System, timing: Timing, outside: impl Fn(&VarId) -> bool) -> Self {
         let variables = (0..).map(VarId).zip(&system.variables);
         let variables = variables.map(|(v, variable)| Variable {
@@ -133,10 +136,10 @@ impl<'s> Game<'s> {
             guarantees,
             ..
         } = &mut game.specification;
-        for part in &system.parts {
-            extend(guarantees, &part.assumptions);
-            let owed = part.guarantees.justice.iter().cloned();
-            assumptions.justice.extend(owed);
+        for component in &system.components {
+            extend(guarantees, &component.assumptions);
+            let guaranteed = component.guarantees.justice.iter().cloned();
+            assumptions.justice.extend(guaranteed);
         }
         game
     }
@@ -162,28 +165,29 @@ impl<'s> Game<'s> {
         copied.collect()
     }
 
-    /// Creates variables for whether a guarantee has been broken so far, and had been a step
-    /// earlier, and the rules that set them.
-    fn breach(&mut self, owner: Owner) -> (VarId, VarId, Side) {
-        let over = self.add(owner, Domain::Bool);
-        let before = self.add(owner, Domain::Bool);
-        let promised = |kind| asked(self.system, &|p| &p.guarantees, kind);
-        let (first, later) = (promised(RuleKind::Initial), promised(RuleKind::Safety));
+    /// Creates two variables that tell whether a guarantee was broken so far (`violated`), and
+    /// whether one had been broken a step earlier (`violated_before`); also returns the rules that
+    /// define them.
+    fn add_violation_tracking(&mut self, owner: Owner) -> (VarId, VarId, Side) {
+        let violated = self.add(owner, Domain::Bool);
+        let violated_before = self.add(owner, Domain::Bool);
+        let guaranteed = |kind| requirement(self.system, &|p| &p.guarantees, kind);
+        let (first, later) = (guaranteed(RuleKind::Initial), guaranteed(RuleKind::Safety));
         let rules = Side {
             initial: vec![
-                unnamed(Expr::now(before).not()),
-                unnamed(Expr::now(over).equals(first.not())),
+                auxiliary(Expr::now(violated_before).not()),
+                auxiliary(Expr::now(violated).equals(first.not())),
             ],
             safety: vec![
-                unnamed(Expr::next(before).equals(Expr::now(over))),
-                unnamed(Expr::next(over).equals(Expr::now(over).or(later.not()))),
+                auxiliary(Expr::next(violated_before).equals(Expr::now(violated))),
+                auxiliary(Expr::next(violated).equals(Expr::now(violated).or(later.not()))),
             ],
             ..Side::default()
         };
-        (over, before, rules)
+        (violated, violated_before, rules)
     }
 
-    /// Replaces each assumption that the environment has to keep.
+    /// Replaces the expression of each assumption that the environment has to keep.
     fn rewrite(&mut self, put: impl Fn(RuleKind, &Formula) -> Expr) {
         for kind in KINDS {
             for f in list_mut(&mut self.specification.guarantees, kind) {
@@ -193,30 +197,31 @@ impl<'s> Game<'s> {
     }
 }
 
-/// Builds the game in which the environment moves first: all parts are Mealy machines.
+/// Builds the game in which the environment moves first: all components are Mealy machines.
 ///
-/// The environment is responsible for its assumptions even if it leaves the parts no answer. The
-/// parts may break a guarantee here: `over` is true once they have, `before` one step later. Until
-/// `over`, the environment keeps each assumption with the parts' answer; until `before`, with an
-/// answer that it names itself. The second matters only if the parts have no answer: an assumption
-/// that all allowed answers keep is kept by one of them.
+/// The environment has to keep the assumptions even if it leaves the components no allowed answer.
+/// In this game the components can break a guarantee: `violated` is true once they have,
+/// `violated_before` one step later. Until `violated`, the environment keeps each assumption with
+/// the components' answer; until `violated_before`, also with an answer that it names itself. The
+/// named answer matters only if the components have no allowed answer: an assumption that all
+/// allowed answers keep is kept by one of them.
 fn environment_first(system: &System) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Moore, |v| !driven(v));
-    let definitions = || system.parts.iter().map(|p| &p.definitions);
-    let assumed = system.parts.iter().map(|p| &p.assumptions);
+    let definitions = || system.components.iter().map(|p| &p.definitions);
+    let assumed = system.components.iter().map(|p| &p.assumptions);
     let answers = assumed.chain(definitions()).flat_map(of_last_step);
     let named = game.copies(answers.filter(driven).collect(), Owner::System);
-    let (over, before, rules) = game.breach(Owner::Environment);
+    let (violated, violated_before, rules) = game.add_violation_tracking(Owner::Environment);
     game.rewrite(|kind, f| {
         if kind == RuleKind::Justice {
-            return f.expr.clone().or(Expr::now(over));
+            return f.expr.clone().or(Expr::now(violated));
         }
         let time = last_step(kind);
         let defined = definitions().flat_map(|side| list(side, kind));
         let defined = defined.fold(f.expr.clone(), |all, d| all.and(d.expr.clone()));
-        let answered = Expr::Var(over, time).or(f.expr.clone());
-        answered.and(Expr::Var(before, time).or(with_copies(&defined, kind, &named)))
+        let answered = Expr::Var(violated, time).or(f.expr.clone());
+        answered.and(Expr::Var(violated_before, time).or(with_copies(&defined, kind, &named)))
     });
     for side in definitions().chain([&rules]) {
         extend(&mut game.specification.assumptions, side);
@@ -224,19 +229,19 @@ fn environment_first(system: &System) -> Specification {
     game.specification
 }
 
-/// Builds the game in which the environment moves last: all parts are Moore machines. A step's
-/// monitor values are known after it.
+/// Builds the game in which the environment moves last: all components are Moore machines. The
+/// values of monitors in a step are known after the environment's move.
 ///
-/// An answer counts if some outside values make it an allowed one: the parts name these. With other
-/// values the environment may leave the parts with a broken guarantee (`over`), as long as it keeps
-/// the assumptions itself, in that step too.
+/// An answer is allowed if, with some outside values, it keeps the guarantees: the components name
+/// these values. With other values the environment can make the components break a guarantee
+/// (`violated`), as long as it keeps the assumptions in that step as well.
 fn environment_last(system: &System) -> Specification {
-    let definitions: Vec<&Side> = system.parts.iter().map(|p| &p.definitions).collect();
-    let defined = |v: &VarId| defined(system, *v);
+    let definitions: Vec<&Side> = system.components.iter().map(|p| &p.definitions).collect();
+    let defined = |v: &VarId| is_monitor(system, *v);
     let late = |v: &VarId| system.driver(*v).is_none() || defined(v);
     let mut game = Game::new(system, Timing::Mealy, late);
-    let promised = system.parts.iter().map(|p| &p.guarantees);
-    let mut read: BTreeSet<VarId> = promised.flat_map(of_last_step).filter(late).collect();
+    let guaranteed = system.components.iter().map(|p| &p.guarantees);
+    let mut read: BTreeSet<VarId> = guaranteed.flat_map(of_last_step).filter(late).collect();
     let monitored = read.iter().any(defined);
     if monitored {
         let also = definitions.iter().copied().flat_map(of_last_step);
@@ -244,10 +249,12 @@ fn environment_last(system: &System) -> Specification {
     }
     let is_blind = read.is_empty();
     let named = game.copies(read, Owner::Environment);
-    for part in &system.parts {
+    for component in &system.components {
         for kind in [RuleKind::Initial, RuleKind::Invariant, RuleKind::Safety] {
-            let also = list(&part.definitions, kind).iter().filter(|_| monitored);
-            for f in list(&part.guarantees, kind).iter().chain(also) {
+            let also = list(&component.definitions, kind)
+                .iter()
+                .filter(|_| monitored);
+            for f in list(&component.guarantees, kind).iter().chain(also) {
                 list_mut(&mut game.specification.assumptions, kind).push(Formula {
                     expr: with_copies(&f.expr, kind, &named),
                     ..f.clone()
@@ -256,23 +263,23 @@ fn environment_last(system: &System) -> Specification {
         }
     }
     if !is_blind {
-        let (over, before, rules) = game.breach(Owner::System);
+        let (violated, violated_before, rules) = game.add_violation_tracking(Owner::System);
         game.rewrite(|kind, f| match kind {
-            RuleKind::Justice => f.expr.clone().or(Expr::now(over)),
-            _ => Expr::Var(before, last_step(kind)).or(f.expr.clone()),
+            RuleKind::Justice => f.expr.clone().or(Expr::now(violated)),
+            _ => Expr::Var(violated_before, last_step(kind)).or(f.expr.clone()),
         });
         extend(&mut game.specification.guarantees, &rules);
     }
     for kind in KINDS {
         let defining = definitions.iter().flat_map(|side| list(side, kind));
-        let defining = defining.map(|f| unnamed(f.expr.clone()));
+        let defining = defining.map(|f| auxiliary(f.expr.clone()));
         list_mut(&mut game.specification.guarantees, kind).extend(defining);
     }
     game.specification
 }
 
-/// Returns the variables whose values in the last step a side's formulas depend on, justice
-/// excluded.
+/// Returns the variables that a side's formulas read in the last step that they constrain, without
+/// justice.
 fn of_last_step(side: &Side) -> BTreeSet<VarId> {
     formulas(side)
         .filter(|(kind, ..)| *kind != RuleKind::Justice)
@@ -280,7 +287,7 @@ fn of_last_step(side: &Side) -> BTreeSet<VarId> {
         .collect()
 }
 
-/// Replaces variables by copies in the last step of a formula.
+/// Replaces variables by their copies in the last step that a formula constrains.
 fn with_copies(expr: &Expr, kind: RuleKind, copies: &BTreeMap<VarId, VarId>) -> Expr {
     expr.substitute(&mut |v, time| {
         let copy = copies.get(&v).filter(|_| time == last_step(kind));
@@ -294,8 +301,8 @@ fn extend(side: &mut Side, more: &Side) {
     }
 }
 
-/// Returns a rule of the game that belongs to no promise.
-fn unnamed(expr: Expr) -> Formula {
+/// Returns a formula of the game that is not a formula of a contract.
+fn auxiliary(expr: Expr) -> Formula {
     Formula {
         name: String::new(),
         requirement: None,
@@ -306,9 +313,9 @@ fn unnamed(expr: Expr) -> Formula {
     }
 }
 
-/// Converts a play to a counterexample: up to the step that breaks an assumption, or round the
-/// cycle that starves one.
-fn shown(
+/// Converts a play to a counterexample: a trace to the step that breaks an assumption, or a lasso
+/// on which an assumed justice never recurs.
+fn counterexample(
     play: &game::Play,
     order: Turn,
     system: &System,
@@ -322,16 +329,16 @@ fn shown(
             Ending::Clash(_) => None,
             Ending::Starved { from, .. } => Some(steps[*from].clone()),
         };
-        steps = between::undelayed(&steps, next.as_ref(), late);
+        steps = between::undo_delay(&steps, next.as_ref(), late);
     }
     match &play.ending {
-        // The outside values of the last step are an example: whatever they are, something is
-        // broken. The answers to them are examples too; an allowed one says more.
+        // The outside values of the last step are an example: with any values, some formula is
+        // broken. The answers to them are also an example; an allowed answer is more helpful.
         Ending::Clash(_) => {
             if order != Turn::Last
                 && let Some(last) = steps.pop()
             {
-                let allowed = breaking(system, steps.last(), &last, limits);
+                let allowed = violating_step(system, steps.last(), &last, limits);
                 steps.push(allowed.unwrap_or(last));
             }
             Refutation::Trace(steps)
@@ -343,10 +350,10 @@ fn shown(
     }
 }
 
-/// Returns a step after `state`, or a first one, in which the parts keep their guarantees and some
-/// assumption is broken; Moore machines answer as in `last`. `None` if every such step leaves the
-/// parts no answer, or if a limit was reached.
-fn breaking(
+/// Returns a step after `state`, or a step 0, in which the components keep their guarantees and an
+/// assumption is broken, and in which Moore machines answer as in `last`. Returns `None` if there
+/// is no such step, or if a limit was reached.
+fn violating_step(
     system: &System,
     state: Option<&Vec<i64>>,
     last: &[i64],
@@ -356,15 +363,17 @@ fn breaking(
         None => RuleKind::Initial,
         Some(_) => RuleKind::Safety,
     };
-    let asked = |pick: &dyn Fn(&Part) -> &Side| asked(system, pick, kind);
-    let mut kept = asked(&|p| &p.guarantees).and(asked(&|p| &p.definitions));
+    let required = |pick: &dyn Fn(&Component) -> &Side| requirement(system, pick, kind);
+    let mut kept = required(&|p| &p.guarantees).and(required(&|p| &p.definitions));
     for (v, value) in (0..).map(VarId).zip(last) {
-        let driver = system.driver(v).map(|part| &system.parts[part]);
-        if driver.is_some_and(|p| p.timing == Timing::Moore) && !defined(system, v) {
+        let driver = system
+            .driver(v)
+            .map(|component| &system.components[component]);
+        if driver.is_some_and(|p| p.timing == Timing::Moore) && !is_monitor(system, v) {
             kept = kept.and(Expr::Var(v, last_step(kind)).equals(Expr::Const(*value)));
         }
     }
-    let assumed = asked(&|p| &p.assumptions);
+    let assumed = required(&|p| &p.assumptions);
     let mut rules = vec![rule(kind, &kept), rule(kind, &assumed)];
     if let Some(state) = state {
         let values = (0..).map(VarId).zip(state);
@@ -375,22 +384,22 @@ fn breaking(
         ));
     }
     let keep: Vec<usize> = (0..rules.len()).filter(|i| *i != 1).collect();
-    let slip = SafetyViolationQuery {
+    let query = SafetyViolationQuery {
         before: keep.clone(),
         last: keep,
         broken: 1,
     };
     let mut runs = Runs::new(&system.variables, rules, limits).ok()?;
-    let mut run = runs.step(&slip).ok()??;
+    let mut run = runs.find_violation(&query).ok()??;
     let length = 1 + usize::from(state.is_some());
     (run.len() == length).then(|| run.pop())?
 }
 
-/// Returns what one side of all parts requires of the first step (`Initial`) or of a later one
-/// (`Safety`), invariants included.
-fn asked(system: &System, pick: &dyn Fn(&Part) -> &Side, kind: RuleKind) -> Expr {
+/// Returns the conjunction of what one side of all components requires of step 0 (`Initial`) or of
+/// a later step (`Safety`), including invariants.
+fn requirement(system: &System, pick: &dyn Fn(&Component) -> &Side, kind: RuleKind) -> Expr {
     let mut all = Expr::Const(1);
-    for side in system.parts.iter().map(pick) {
+    for side in system.components.iter().map(pick) {
         for f in list(side, kind) {
             all = all.and(f.expr.clone());
         }

@@ -1,8 +1,9 @@
-//! Contracts as sets of runs, built from the assumptions and guarantees of a system's parts.
+//! Contracts as pairs of sets of runs, built from the assumptions and guarantees of a system's
+//! components.
 //!
 //! | operation | guarantee (saturated) | assumption |
 //! |---|---|---|
-//! | a part | Ĝ = ¬A ∨ G | A |
+//! | a component | Ĝ = ¬A ∨ G | A |
 //! | composition C₁ ⊗ C₂ | Ĝ₁ ∧ Ĝ₂ | (A₁ ∧ A₂) ∨ ¬(Ĝ₁ ∧ Ĝ₂) |
 //! | conjunction C₁ ∧ C₂ | Ĝ₁ ∧ Ĝ₂ | A₁ ∨ A₂ |
 //! | quotient C / C₁ | (Ĝ ∧ A₁) ∨ ¬(A ∧ Ĝ₁) | A ∧ Ĝ₁ |
@@ -10,23 +11,26 @@
 
 use super::system::ContractSide;
 
-/// A set of runs.
+/// A set of infinite runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Words {
-    /// The runs that keep one half of a part.
+pub enum RunSet {
+    /// Runs that keep the assumptions, or the guarantees, of the component with this index.
     Side(usize, ContractSide),
     /// Runs that are not in the set.
-    Not(Box<Words>),
+    Not(Box<RunSet>),
     /// Intersection.
-    All(Vec<Words>),
+    All(Vec<RunSet>),
     /// Union.
-    Any(Vec<Words>),
+    Any(Vec<RunSet>),
 }
 
-impl Words {
+impl RunSet {
     /// Returns the complement.
     #[must_use]
-    #[expect(clippy::should_implement_trait, reason = "the logic's own word")]
+    #[expect(
+        clippy::should_implement_trait,
+        reason = "`not` is the usual name in logic"
+    )]
     pub fn not(self) -> Self {
         match self {
             Self::Not(inner) => *inner,
@@ -50,26 +54,26 @@ impl Words {
 /// A saturated contract: assumption and guarantee.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Contract {
-    /// Environments the contract is made for.
-    pub assumption: Words,
-    /// Behaviour allowed to an implementation.
-    pub guarantee: Words,
+    /// Runs that the environment is allowed.
+    pub assumption: RunSet,
+    /// Runs that an implementation is allowed.
+    pub guarantee: RunSet,
 }
 
 impl Contract {
-    /// Returns the contract of a single part.
-    pub fn part(index: usize) -> Self {
-        let assumption = Words::Side(index, ContractSide::Assumptions);
+    /// Returns the saturated contract of the component with this index.
+    pub fn component(index: usize) -> Self {
+        let assumption = RunSet::Side(index, ContractSide::Assumptions);
         Self {
             guarantee: assumption
                 .clone()
                 .not()
-                .or(Words::Side(index, ContractSide::Guarantees)),
+                .or(RunSet::Side(index, ContractSide::Guarantees)),
             assumption,
         }
     }
 
-    /// Returns the composition C₁ ⊗ C₂: both side by side.
+    /// Returns the composition C₁ ⊗ C₂ of two components side by side.
     #[must_use]
     pub fn compose(&self, other: &Self) -> Self {
         let both = self.both(other);
@@ -83,8 +87,8 @@ impl Contract {
         }
     }
 
-    /// Returns the conjunction C₁ ∧ C₂ of two viewpoints of one component: the greatest lower
-    /// bound.
+    /// Returns the conjunction C₁ ∧ C₂ of two views of one component: the greatest lower bound in
+    /// the refinement order.
     #[must_use]
     pub fn conjoin(&self, other: &Self) -> Self {
         Self {
@@ -108,7 +112,8 @@ impl Contract {
         }
     }
 
-    /// Returns the merging C₁ • C₂: two requirements that hold at once, under both assumptions.
+    /// Returns the merging C₁ • C₂ of two requirements that hold at the same time, under both
+    /// assumptions.
     #[must_use]
     pub fn merge(&self, other: &Self) -> Self {
         let assumption = self.assumption.clone().and(other.assumption.clone());
@@ -118,7 +123,7 @@ impl Contract {
         }
     }
 
-    fn both(&self, other: &Self) -> Words {
+    fn both(&self, other: &Self) -> RunSet {
         self.guarantee.clone().and(other.guarantee.clone())
     }
 }

@@ -1,30 +1,31 @@
-//! Exact questions about sets of runs: is a set empty, is it included in another?
+//! Exact decisions about sets of runs: whether a set is empty, and whether it is included in
+//! another.
 //!
-//! A set is split into cases, each a list of halves of parts that are kept or broken. For a broken
-//! half, either its safety is broken once, which a Boolean records, or one of its justice formulas
-//! is not met any more from some step on. So every case is one question to [`Runs`], and the
-//! counterexample is a lasso.
+//! A set is split into cases. A case states for some halves of contracts whether the run keeps or
+//! breaks them. A half is broken either if its safety is broken once, which a Boolean records, or
+//! if one of its justice formulas never holds again from some step on. So every case is a few
+//! queries to [`Runs`], and a run that is found is a lasso.
 
-use super::contract::{Contract, Words};
+use super::contract::{Contract, RunSet};
 use super::system::{ContractSide, System, formulas, rule};
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Time, VarId, Variable};
 use linewright_core::source::Span;
 use linewright_solver::game::{Lasso, Limit, Limits, Rule, RuleKind, RunQuery, Runs};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// One half of a part as rules.
+/// Rules of one half of a contract.
 #[derive(Debug, Clone, Default)]
 struct HalfRules {
     /// Initial conditions, invariants and safety.
     keep: Vec<usize>,
-    /// Justice.
-    again: Vec<usize>,
-    /// Rules that make a Boolean record that safety was broken, and the rule that it was; `None` if
-    /// there is no safety.
+    /// Justice rules.
+    justice: Vec<usize>,
+    /// Rules that define the Boolean that records a violation of safety, and the justice rule that
+    /// the Boolean is true; `None` if the half has justice only.
     broken: Option<(Vec<usize>, usize)>,
 }
 
-/// Answers questions about the runs of a system.
+/// Decision procedure for sets of runs of a system.
 #[derive(Debug)]
 pub struct Decider<'a> {
     system: &'a System,
@@ -33,11 +34,11 @@ pub struct Decider<'a> {
     definitions: Vec<Vec<usize>>,
 }
 
-/// Halves that are kept or broken.
+/// For some halves of contracts, whether a run keeps them.
 type Case = BTreeMap<(usize, ContractSide), bool>;
 
 impl<'a> Decider<'a> {
-    /// Prepares the system for questions.
+    /// Prepares decisions about a system.
     ///
     /// # Errors
     /// When the variables do not fit into the limits.
@@ -46,17 +47,17 @@ impl<'a> Decider<'a> {
         let mut rules = Vec::new();
         let mut halves = BTreeMap::new();
         let mut definitions = Vec::new();
-        for (i, part) in system.parts.iter().enumerate() {
+        for (i, component) in system.components.iter().enumerate() {
             let mut own = Vec::new();
-            for (kind, _, formula) in formulas(&part.definitions) {
+            for (kind, _, formula) in formulas(&component.definitions) {
                 own.push(rules.len());
                 rules.push(rule(kind, &formula.expr));
             }
             definitions.push(own);
             for half in [ContractSide::Assumptions, ContractSide::Guarantees] {
                 let bit = VarId(variables.len() as u32);
-                let written = write(part.half(half), bit, &mut rules);
-                if written.broken.is_some() {
+                let half_rules = add_half(component.half(half), bit, &mut rules);
+                if half_rules.broken.is_some() {
                     variables.push(Variable {
                         name: system.fresh_name(&format!("broken {}", variables.len())),
                         owner: Owner::System,
@@ -66,7 +67,7 @@ impl<'a> Decider<'a> {
                         span: Span::default(),
                     });
                 }
-                halves.insert((i, half), written);
+                halves.insert((i, half), half_rules);
             }
         }
         Ok(Self {
@@ -77,26 +78,27 @@ impl<'a> Decider<'a> {
         })
     }
 
-    /// Returns a run of a set, over the system's variables; `None` if there is none.
+    /// Returns a run in a set, over the system's variables; `None` if the set is empty.
     ///
     /// # Errors
     /// When a limit was reached.
-    pub fn find(&mut self, words: &Words) -> Result<Option<Lasso>, Limit> {
+    pub fn find(&mut self, set: &RunSet) -> Result<Option<Lasso>, Limit> {
         let mut seen = BTreeSet::new();
-        self.cases(vec![(words.clone(), true)], Case::new(), &mut seen)
+        self.find_in_cases(vec![(set.clone(), true)], Case::new(), &mut seen)
     }
 
-    /// Returns a run of the first set that is not in the second; `None` if there is none.
+    /// Returns a run that is in `small` but not in `large`; `None` if `large` includes `small`.
     ///
     /// # Errors
     /// When a limit was reached.
-    pub fn difference(&mut self, small: &Words, large: &Words) -> Result<Option<Lasso>, Limit> {
+    pub fn difference(&mut self, small: &RunSet, large: &RunSet) -> Result<Option<Lasso>, Limit> {
         self.find(&small.clone().and(large.clone().not()))
     }
 
-    /// Returns why a contract does not refine another: a run that the other's environments allow
-    /// and it does not, or one that it allows an implementation and the other forbids. `None` if it
-    /// does.
+    /// Returns a run that shows that `small` does not refine `large`; `None` if it does. With
+    /// `Assumptions`, `large` assumes less: it allows the environment this run and `small` does
+    /// not. With `Guarantees`, `small` guarantees less: it allows an implementation this run and
+    /// `large` does not.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -112,7 +114,7 @@ impl<'a> Decider<'a> {
         Ok(found.map(|run| (ContractSide::Guarantees, run)))
     }
 
-    /// Returns whether two contracts are equal.
+    /// Returns whether two contracts refine each other.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -120,28 +122,32 @@ impl<'a> Decider<'a> {
         Ok(self.refutation(a, b)?.is_none() && self.refutation(b, a)?.is_none())
     }
 
-    /// Splits the remaining sets, and decides every case.
-    fn cases(
+    /// Splits the remaining sets, each to be kept or not, into cases, and returns a run of the
+    /// first case that has one.
+    fn find_in_cases(
         &mut self,
-        mut left: Vec<(Words, bool)>,
+        mut left: Vec<(RunSet, bool)>,
         mut case: Case,
         seen: &mut BTreeSet<Vec<((usize, ContractSide), bool)>>,
     ) -> Result<Option<Lasso>, Limit> {
-        while let Some((words, kept)) = left.pop() {
-            match (words, kept) {
-                (Words::Not(inner), kept) => left.push((*inner, !kept)),
-                (Words::Side(part, half), kept) => {
-                    if case.insert((part, half), kept).is_some_and(|k| k != kept) {
+        while let Some((set, kept)) = left.pop() {
+            match (set, kept) {
+                (RunSet::Not(inner), kept) => left.push((*inner, !kept)),
+                (RunSet::Side(component, half), kept) => {
+                    if case
+                        .insert((component, half), kept)
+                        .is_some_and(|k| k != kept)
+                    {
                         return Ok(None);
                     }
                 }
-                (Words::All(all), true) => left.extend(all.into_iter().map(|w| (w, true))),
-                (Words::Any(any), false) => left.extend(any.into_iter().map(|w| (w, false))),
-                (Words::All(list), false) | (Words::Any(list), true) => {
+                (RunSet::All(all), true) => left.extend(all.into_iter().map(|w| (w, true))),
+                (RunSet::Any(any), false) => left.extend(any.into_iter().map(|w| (w, false))),
+                (RunSet::All(list), false) | (RunSet::Any(list), true) => {
                     for one in list {
                         let mut rest = left.clone();
                         rest.push((one, kept));
-                        if let Some(run) = self.cases(rest, case.clone(), seen)? {
+                        if let Some(run) = self.find_in_cases(rest, case.clone(), seen)? {
                             return Ok(Some(run));
                         }
                     }
@@ -153,54 +159,62 @@ impl<'a> Decider<'a> {
         if !seen.insert(key.clone()) {
             return Ok(None);
         }
-        self.ask(&key)
+        self.decide_case(&key)
     }
 
-    /// Decides one case: every way in which its broken halves may be broken.
-    fn ask(&mut self, case: &[((usize, ContractSide), bool)]) -> Result<Option<Lasso>, Limit> {
+    /// Returns a run of one case; `None` if it has none.
+    fn decide_case(
+        &mut self,
+        case: &[((usize, ContractSide), bool)],
+    ) -> Result<Option<Lasso>, Limit> {
         let mut wanted = RunQuery::default();
-        let parts: BTreeSet<usize> = case.iter().map(|((part, _), _)| *part).collect();
-        for part in parts {
-            wanted.keep.extend(&self.definitions[part]);
+        let components: BTreeSet<usize> =
+            case.iter().map(|((component, _), _)| *component).collect();
+        for component in components {
+            wanted.keep.extend(&self.definitions[component]);
         }
         let mut broken = Vec::new();
         for (at, kept) in case {
             let half = &self.halves[at];
             if *kept {
                 wanted.keep.extend(&half.keep);
-                wanted.again.extend(&half.again);
+                wanted.infinitely_often.extend(&half.justice);
             } else {
                 broken.push(half.clone());
             }
         }
-        self.ways(&wanted, &broken)
+        self.find_broken(&wanted, &broken)
     }
 
-    fn ways(&mut self, wanted: &RunQuery, broken: &[HalfRules]) -> Result<Option<Lasso>, Limit> {
+    fn find_broken(
+        &mut self,
+        wanted: &RunQuery,
+        broken: &[HalfRules],
+    ) -> Result<Option<Lasso>, Limit> {
         let Some((half, rest)) = broken.split_first() else {
-            let found = self.runs.lasso(wanted)?;
-            return Ok(found.map(|run| self.visible(run)));
+            let found = self.runs.find_lasso(wanted)?;
+            return Ok(found.map(|run| self.without_bits(run)));
         };
-        if let Some((remember, seen)) = &half.broken {
+        if let Some((definitions, seen)) = &half.broken {
             let mut more = wanted.clone();
-            more.keep.extend(remember);
-            more.again.push(*seen);
-            if let Some(run) = self.ways(&more, rest)? {
+            more.keep.extend(definitions);
+            more.infinitely_often.push(*seen);
+            if let Some(run) = self.find_broken(&more, rest)? {
                 return Ok(Some(run));
             }
         }
-        for justice in &half.again {
+        for justice in &half.justice {
             let mut more = wanted.clone();
-            more.never_again.push(*justice);
-            if let Some(run) = self.ways(&more, rest)? {
+            more.finitely_often.push(*justice);
+            if let Some(run) = self.find_broken(&more, rest)? {
                 return Ok(Some(run));
             }
         }
         Ok(None)
     }
 
-    /// Removes the Booleans that only the questions needed.
-    fn visible(&self, mut run: Lasso) -> Lasso {
+    /// Removes the Booleans that record violations from a run.
+    fn without_bits(&self, mut run: Lasso) -> Lasso {
         let count = self.system.variables.len();
         for step in run.prefix.iter_mut().chain(&mut run.cycle) {
             step.truncate(count);
@@ -209,9 +223,9 @@ impl<'a> Decider<'a> {
     }
 }
 
-/// Writes one half as rules; `bit` records that its safety was broken.
-fn write(side: &Side, bit: VarId, rules: &mut Vec<Rule>) -> HalfRules {
-    let mut written = HalfRules::default();
+/// Adds the rules of one half; `bit` records that its safety was broken.
+fn add_half(side: &Side, bit: VarId, rules: &mut Vec<Rule>) -> HalfRules {
+    let mut half_rules = HalfRules::default();
     let mut first = Expr::FALSE;
     let mut later = Expr::FALSE;
     for (kind, _, formula) in formulas(side) {
@@ -220,7 +234,7 @@ fn write(side: &Side, bit: VarId, rules: &mut Vec<Rule>) -> HalfRules {
         let broken = formula.expr.clone().not();
         match kind {
             RuleKind::Justice => {
-                written.again.push(index);
+                half_rules.justice.push(index);
                 continue;
             }
             RuleKind::Initial => first = first.or(broken),
@@ -231,9 +245,9 @@ fn write(side: &Side, bit: VarId, rules: &mut Vec<Rule>) -> HalfRules {
             }
             RuleKind::Safety => later = later.or(broken),
         }
-        written.keep.push(index);
+        half_rules.keep.push(index);
     }
-    if !written.keep.is_empty() {
+    if !half_rules.keep.is_empty() {
         let start = rules.len();
         rules.push(Rule {
             kind: RuleKind::Initial,
@@ -247,7 +261,7 @@ fn write(side: &Side, bit: VarId, rules: &mut Vec<Rule>) -> HalfRules {
             kind: RuleKind::Justice,
             expr: Expr::now(bit),
         });
-        written.broken = Some((vec![start, start + 1], start + 2));
+        half_rules.broken = Some((vec![start, start + 1], start + 2));
     }
-    written
+    half_rules
 }

@@ -1,19 +1,19 @@
-//! Brings separate contracts together: after renaming ports, variables of the same name are one
-//! variable.
+//! Joins separate contracts into a system: after ports are renamed, variables with the same name
+//! are one variable.
 
-use super::system::{Part, System};
+use super::system::{Component, System};
 use linewright_core::gr1::{Domain, Expr, Specification, Time, VarId, Variable};
 use linewright_core::source::Span;
 
-/// A contract to join, and the renaming of its ports.
+/// A contract to be joined, with new names for its ports.
 #[derive(Debug, Clone)]
 pub struct Member<'a> {
     /// Contract.
     pub specification: &'a Specification,
-    /// Name of this use; distinguishes two uses of one contract.
+    /// Name of the component, which distinguishes two uses of one contract.
     pub name: String,
-    /// Ports and their new names. An array's name stands for all its elements.
-    pub renamed: Vec<(String, String)>,
+    /// Ports and their new names. The name of an array renames all its elements.
+    pub renamings: Vec<(String, String)>,
 }
 
 /// Whether several contracts may set one variable.
@@ -22,33 +22,33 @@ pub enum Sharing {
     /// At most one contract sets each variable, as in a composition.
     #[default]
     OneDriver,
-    /// Several contracts may describe one component, as two viewpoints or versions do.
+    /// Several contracts describe one component, such as two views or two versions.
     SeveralViews,
 }
 
-/// Reason why contracts cannot be brought together.
+/// Reason why contracts cannot be joined.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Mismatch {
-    /// Two contracts use one name for variables of different domains.
-    Domains {
+    /// Two contracts use one name for variables with different domains or units.
+    DifferentDomains {
         /// Name of the variable.
         name: String,
-        /// First contract, its domain as displayed, and its place.
+        /// First contract, domain of its variable as displayed, and place of the declaration.
         first: (String, String, Span),
         /// Second contract, likewise.
         second: (String, String, Span),
     },
-    /// Two contracts set one variable.
-    Drivers {
+    /// Two contracts set the same variable.
+    SeveralDrivers {
         /// Name of the variable.
         name: String,
-        /// First contract, and the place of its declaration.
+        /// First contract, and place of its declaration of the variable.
         first: (String, Span),
         /// Second contract, likewise.
         second: (String, Span),
     },
     /// A renamed port does not exist.
-    NoPort {
+    UnknownPort {
         /// Name of the contract.
         contract: String,
         /// Name of the port.
@@ -56,23 +56,23 @@ pub enum Mismatch {
         /// Existing ports.
         ports: Vec<String>,
     },
-    /// Two ports of one contract get the same name.
-    Twice {
+    /// Two ports of one contract have the same name after renaming.
+    DuplicatePortName {
         /// Name of the contract.
         contract: String,
-        /// The shared name.
+        /// Common name of the ports.
         name: String,
     },
 }
 
-/// Brings contracts together.
+/// Joins contracts into a system.
 ///
-/// Monitors, and internal variables of composed contracts, stay separate: if another has the same
-/// name, they are prefixed with their contract's. If the contracts are views of one component,
-/// internal variables of the same name are identified.
+/// Monitors are not shared, nor are internal variables of different components: if another variable
+/// has the same name, theirs is prefixed with the name of their member. If the contracts are views
+/// of one component, internal variables with the same name are one variable.
 ///
 /// # Errors
-/// All mismatches.
+/// If contracts cannot be joined; returns all mismatches.
 pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mismatch>> {
     let mut system = System::default();
     let mut declared: Vec<(usize, Span)> = Vec::new();
@@ -84,13 +84,13 @@ pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mism
             let id = VarId(i as u32);
             let apart = member.specification.is_auxiliary(id)
                 || (variable.internal && sharing == Sharing::OneDriver);
-            let mut name = renamed(&variable.name, &member.renamed);
+            let mut name = renamed(&variable.name, &member.renamings);
             let known = system.variables.iter().position(|v| v.name == name);
             match known {
                 Some(place) if !apart => {
                     let place = VarId(place as u32);
                     if own.contains(&place) {
-                        mismatches.push(Mismatch::Twice {
+                        mismatches.push(Mismatch::DuplicatePortName {
                             contract: member.name.clone(),
                             name: name.clone(),
                         });
@@ -119,14 +119,15 @@ pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mism
                 }
             }
         }
-        let part = Part::mapped(member.specification, &member.name, &mut |v, time: Time| {
-            Expr::Var(own[v.index()], time)
-        });
+        let component =
+            Component::mapped(member.specification, &member.name, &mut |v, time: Time| {
+                Expr::Var(own[v.index()], time)
+            });
         if sharing == Sharing::OneDriver {
-            for v in &part.drives {
+            for v in &component.drives {
                 if let Some(first) = system.driver(*v) {
                     let at = own.iter().position(|o| o == v).unwrap_or(0);
-                    mismatches.push(Mismatch::Drivers {
+                    mismatches.push(Mismatch::SeveralDrivers {
                         name: system.variables[v.index()].name.clone(),
                         first: (members[first].name.clone(), declared[v.index()].1),
                         second: (member.name.clone(), member.specification.variables[at].span),
@@ -134,7 +135,7 @@ pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mism
                 }
             }
         }
-        system.parts.push(part);
+        system.components.push(component);
     }
     if mismatches.is_empty() {
         Ok(system)
@@ -143,9 +144,9 @@ pub fn join(members: &[Member<'_>], sharing: Sharing) -> Result<System, Vec<Mism
     }
 }
 
-/// Returns a port's name after renaming, either its own or that of its array.
-fn renamed(name: &str, renamed: &[(String, String)]) -> String {
-    for (from, to) in renamed {
+/// Returns the name of a port after its own renaming or that of its array.
+fn renamed(name: &str, renamings: &[(String, String)]) -> String {
+    for (from, to) in renamings {
         if name == from {
             return to.clone();
         }
@@ -160,14 +161,14 @@ fn renamed(name: &str, renamed: &[(String, String)]) -> String {
 
 fn unknown_ports(member: &Member<'_>, mismatches: &mut Vec<Mismatch>) {
     let variables = &member.specification.variables;
-    for (from, _) in &member.renamed {
+    for (from, _) in &member.renamings {
         let one = std::slice::from_ref(from);
         let is = |name: &str| {
             let to = (one[0].clone(), String::new());
             renamed(name, &[to]) != name
         };
         if !variables.iter().any(|v| is(&v.name)) {
-            mismatches.push(Mismatch::NoPort {
+            mismatches.push(Mismatch::UnknownPort {
                 contract: member.name.clone(),
                 port: from.clone(),
                 ports: variables.iter().map(|v| v.name.clone()).collect(),
@@ -176,7 +177,8 @@ fn unknown_ports(member: &Member<'_>, mismatches: &mut Vec<Mismatch>) {
     }
 }
 
-/// Checks that one name has one domain. Types declared in two files are equal if their labels are.
+/// Checks that a variable has the same domain in both contracts. Enumerations are equal if their
+/// labels are, even if their types have different names.
 fn same_domain(
     system: &System,
     place: VarId,
@@ -193,7 +195,7 @@ fn same_domain(
     };
     if !same {
         let (first, span) = declared[place.index()];
-        mismatches.push(Mismatch::Domains {
+        mismatches.push(Mismatch::DifferentDomains {
             name: known.name.clone(),
             first: (members[first].name.clone(), known.describe(), span),
             second: (member.name.clone(), variable.describe(), variable.span),

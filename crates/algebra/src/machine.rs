@@ -1,22 +1,22 @@
-//! A machine as a system: its components over the machine's wires, and its file's facts about the
-//! plant.
+//! Machines as systems: components over the machine's wires, and the facts about the plant that the
+//! machine's file declares.
 
 use super::proof::{Claim, Exports};
-use super::system::{Part, System};
+use super::system::{Component, System};
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
 };
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, PlantInput, PlantSource, RefinedContract};
 
-/// Returns a machine's components side by side, and the claim that they discharge one another's
-/// assumptions.
+/// Returns a machine's components as a system, and the claim that they discharge one another's
+/// assumptions and keep the machine's guarantees.
 ///
-/// The facts of the machine's file are given: constant signals, scripts that restart with every
-/// call, and that the operation and the values read from the part stay until the operation is done.
-/// Assumptions about those may be handed on to the machine's caller, for the first step of a call.
-/// A machine without operations is only stepped: everything from outside is the caller's
-/// responsibility.
+/// The givens are the facts that the machine's file declares: signals that are constant, signals
+/// whose script restarts with every call, and that the operation and the values read from the part
+/// stay until the operation is done. Assumptions about outside values can be exported to the
+/// machine's caller, for the first step of a call. A machine without operations is only stepped:
+/// the caller is responsible for everything from outside.
 pub fn of_machine(machine: &Machine) -> (System, Claim) {
     let mut system = components(machine);
     let rules = &machine.guarantees;
@@ -24,7 +24,7 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
     if !rules.monitors.is_empty() {
         let first = machine.wire_count() as u32;
         let monitors = (0..rules.monitors.len() as u32).map(|i| VarId(first + i));
-        system.parts.push(monitors_alone(
+        system.components.push(monitor_component(
             monitors.collect(),
             rules.definitions.clone(),
         ));
@@ -50,8 +50,7 @@ pub fn of_machine(machine: &Machine) -> (System, Claim) {
     (system, claim)
 }
 
-/// Goal of every machine with operations: calls follow one another, so each has to be done
-/// eventually.
+/// Name of the goal of every machine with operations: each call is done eventually.
 pub const COMPLETES: &str = "every request completes";
 
 fn completes(machine: &Machine, done: &Expr) -> Formula {
@@ -65,13 +64,14 @@ fn completes(machine: &Machine, done: &Expr) -> Formula {
     }
 }
 
-/// Returns a machine's components side by side, and the claim that together they refine a contract:
-/// under its assumptions only, they discharge one another's assumptions and keep its guarantees.
-pub fn of_promise(machine: &Machine, promised: &RefinedContract) -> (System, Claim) {
+/// Returns a machine's components as a system, and the claim that together they refine a contract:
+/// under the assumptions of that contract only, they discharge one another's assumptions and keep
+/// its guarantees.
+pub fn of_refined_contract(machine: &Machine, refined: &RefinedContract) -> (System, Claim) {
     let mut system = components(machine);
-    let specification = &promised.specification;
+    let specification = &refined.specification;
     let mut monitors = Vec::new();
-    let places: Vec<Expr> = promised
+    let places: Vec<Expr> = refined
         .bindings
         .iter()
         .zip(&specification.variables)
@@ -89,13 +89,13 @@ pub fn of_promise(machine: &Machine, promised: &RefinedContract) -> (System, Cla
             Expr::now(id)
         })
         .collect();
-    let whole = Part::mapped(specification, &promised.contract, &mut |v, time| {
+    let whole = Component::mapped(specification, &refined.contract, &mut |v, time| {
         places[v.index()].substitute(&mut |w, _| Expr::Var(w, time))
     });
     if !monitors.is_empty() {
         system
-            .parts
-            .push(monitors_alone(monitors, whole.definitions));
+            .components
+            .push(monitor_component(monitors, whole.definitions));
     }
     let claim = Claim {
         given: whole.assumptions,
@@ -106,9 +106,9 @@ pub fn of_promise(machine: &Machine, promised: &RefinedContract) -> (System, Cla
     (system, claim)
 }
 
-/// Returns a part that consists of monitors only.
-fn monitors_alone(drives: Vec<VarId>, definitions: Side) -> Part {
-    Part {
+/// Creates a component that only defines monitors.
+fn monitor_component(drives: Vec<VarId>, definitions: Side) -> Component {
+    Component {
         name: "monitors".to_owned(),
         timing: Timing::Moore,
         drives,
@@ -118,7 +118,7 @@ fn monitors_alone(drives: Vec<VarId>, definitions: Side) -> Part {
     }
 }
 
-/// Returns a machine's components, over its wires.
+/// Returns a machine's components over its wires.
 fn components(machine: &Machine) -> System {
     let mut system = System::default();
     for wire in 0..machine.wire_count() {
@@ -127,7 +127,7 @@ fn components(machine: &Machine) -> System {
     for (index, component) in machine.components.iter().enumerate() {
         let first = machine.first_wire(index);
         let specification = &component.specification;
-        system.parts.push(Part::mapped(
+        system.components.push(Component::mapped(
             specification,
             &component.name,
             &mut |v, time| over_wires(specification, &component.bindings, first, v, time),
@@ -136,7 +136,8 @@ fn components(machine: &Machine) -> System {
     system
 }
 
-/// Returns a component's variable over wires: an input is its binding, an output its wire.
+/// Returns the expression over wires for a component's variable: the binding of an input, or the
+/// wire of an output. `first` is the component's first wire.
 pub fn over_wires(
     specification: &Specification,
     bindings: &[Expr],
@@ -169,17 +170,17 @@ fn wire_variable(machine: &Machine, wire: usize) -> Variable {
         let specification = &c.specification;
         specification.outputs().map(|v| specification.variable(v))
     });
-    let own = outputs.nth(wire - machine.plant.len());
+    let output = outputs.nth(wire - machine.plant.len());
     Variable {
         name,
         owner: Owner::System,
-        ..own
-            .expect("a wire of this machine; please report this")
+        ..output
+            .expect("the wire belongs to this machine; please report this")
             .clone()
     }
 }
 
-/// Returns the machine file's facts about the plant while operations run.
+/// Returns the facts that the machine's file declares about the plant while operations run.
 fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
     let mut side = Side::default();
     let at = |name: String, text: String, expr: Expr, span: Span| Formula {
@@ -221,7 +222,7 @@ fn facts(machine: &Machine, done: &Expr, system: &mut System) -> Side {
     side
 }
 
-/// Adds a signal: a constant, or a script whose position restarts with every call.
+/// Adds the facts about a signal: a constant value, or a script that restarts with every call.
 fn signal(
     input: &PlantInput,
     wire: VarId,

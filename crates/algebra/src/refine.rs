@@ -1,23 +1,26 @@
-//! Refinement, with its reasons: which assumption of the new contract follows from which of the old
-//! one, and which guarantee of the old contract is kept by which of the new one.
+//! Refinement between two contracts, with reasons: from which old assumptions each new assumption
+//! follows, and from which new guarantees each old guarantee follows.
 //!
-//! `C₁ ≼ C₂` when `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: the old environments are sufficient for the new
-//! contract, and under them it keeps the old guarantees. Decided exactly on infinite runs.
+//! `C₁ ≼ C₂` holds if `A₂ ⊆ A₁` and `A₂ ∧ G₁ ⊆ G₂`: every environment of the old contract is one of
+//! the new contract, and in it the new contract keeps the old guarantees. This is decided exactly
+//! on infinite runs.
 
 use super::proof::{Claim, Exports, Proof, prove};
-use super::system::{Part, System};
+use super::system::{Component, System};
 use linewright_core::gr1::{Expr, Formula, Side};
 use linewright_core::source::Span;
 use linewright_solver::game::{Limit, Limits};
 
-/// Result of the check. In both proofs the environment is that of the refined contract.
+/// Result of a refinement check. In both proofs, the givens are the assumptions of the refined
+/// contract.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refinement {
-    /// The refining contract's assumptions are the goal; the environment alone has to meet them.
+    /// Proof whose goal is the refining contract's assumptions; they have to follow from the
+    /// givens.
     pub assumptions: Question,
-    /// The refined contract's guarantees are the goal.
+    /// Proof whose goal is the refined contract's guarantees.
     pub guarantees: Question,
-    /// Whether no run keeps the refined contract's assumptions: then every contract refines it.
+    /// Whether no run keeps the refined contract's assumptions, so that every contract refines it.
     pub is_vacuous: bool,
 }
 
@@ -28,7 +31,7 @@ pub struct Question {
     pub system: System,
     /// Claim of the proof.
     pub claim: Claim,
-    /// Result.
+    /// Result of the proof.
     pub proof: Proof,
 }
 
@@ -39,7 +42,7 @@ impl Refinement {
     }
 }
 
-/// Decides whether one part of a system refines another.
+/// Decides whether component `small` of a system refines component `large`.
 ///
 /// # Errors
 /// When a limit was reached.
@@ -49,20 +52,20 @@ pub fn refine(
     large: usize,
     limits: &Limits,
 ) -> Result<Refinement, Limit> {
-    let (new, old) = (&system.parts[small], &system.parts[large]);
-    // Both keep their monitors, independent of the promises.
-    let views = |promised: &Side| {
-        let view = |part: &Part, guarantees: &Side| Part {
+    let (new, old) = (&system.components[small], &system.components[large]);
+    // Both views keep the definitions of their monitors, whatever guarantees are used.
+    let views = |guaranteed: &Side| {
+        let view = |component: &Component, guarantees: &Side| Component {
             assumptions: Side::default(),
             guarantees: guarantees.clone(),
-            ..part.clone()
+            ..component.clone()
         };
-        vec![view(new, promised), view(old, &Side::default())]
+        vec![view(new, guaranteed), view(old, &Side::default())]
     };
-    let question = |promised: &Side, goal: &Side| -> Result<Question, Limit> {
+    let question = |guaranteed: &Side, goal: &Side| -> Result<Question, Limit> {
         let system = System {
             variables: system.variables.clone(),
-            parts: views(promised),
+            components: views(guaranteed),
         };
         let claim = Claim {
             given: old.assumptions.clone(),

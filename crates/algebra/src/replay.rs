@@ -1,35 +1,35 @@
-//! Evaluator of counterexamples: evaluates formulas on plain values, step by step, and relies on
-//! nothing else.
+//! Independent check of counterexamples: evaluates formulas on plain values, step by step.
 
-use super::contract::Words;
+use super::contract::RunSet;
 use super::proof::{Claim, Exports, Open, Proof, Refutation};
 use super::system::{ContractSide, FormulaRef, System, formulas, list};
 use linewright_core::gr1::{Formula, Side, VarId, eval};
 use linewright_solver::game::{Lasso, RuleKind};
 use std::collections::BTreeSet;
 
-/// Returns whether an infinite run keeps one side: initial conditions, invariants, safety, justice.
+/// Returns whether an infinite run keeps all formulas of one side.
 pub fn keeps(side: &Side, run: &Lasso) -> bool {
     formulas(side).all(|(kind, _, formula)| keeps_formula(kind, formula, run))
 }
 
-/// Returns whether an infinite run is in a set of runs. Does not check the definitions of monitors.
-pub fn contains(system: &System, words: &Words, run: &Lasso) -> bool {
-    match words {
-        Words::Side(part, half) => keeps(system.parts[*part].half(*half), run),
-        Words::Not(inner) => !contains(system, inner, run),
-        Words::All(all) => all.iter().all(|w| contains(system, w, run)),
-        Words::Any(any) => any.iter().any(|w| contains(system, w, run)),
+/// Returns whether an infinite run is in a set of runs. The definitions of monitors are not
+/// checked.
+pub fn contains(system: &System, set: &RunSet, run: &Lasso) -> bool {
+    match set {
+        RunSet::Side(component, half) => keeps(system.components[*component].half(*half), run),
+        RunSet::Not(inner) => !contains(system, inner, run),
+        RunSet::All(all) => all.iter().all(|w| contains(system, w, run)),
+        RunSet::Any(any) => any.iter().any(|w| contains(system, w, run)),
     }
 }
 
-/// Returns whether every value is in its variable's domain, every monitor matches its definition,
-/// and the cycle is not empty.
+/// Returns whether a lasso is a run of the system: every value is in its variable's domain, every
+/// monitor has the value that its definition gives, and the cycle is not empty.
 pub fn is_run(system: &System, run: &Lasso) -> bool {
     let steps = run.prefix.iter().chain(&run.cycle);
     !run.cycle.is_empty()
         && steps.into_iter().all(|step| within_domains(system, step))
-        && system.parts.iter().all(|p| keeps(&p.definitions, run))
+        && system.components.iter().all(|p| keeps(&p.definitions, run))
 }
 
 /// Returns whether an infinite run keeps a formula.
@@ -50,15 +50,16 @@ pub fn keeps_formula(kind: RuleKind, formula: &Formula, run: &Lasso) -> bool {
     }
 }
 
-/// Checks that a counterexample shows an obligation not to be met.
+/// Checks that a counterexample proves that an obligation is not met.
 ///
-/// A trace has to keep everything up to the step before the last one. In the last step it has to
-/// keep the givens and the exported assumptions, and, for a goal, everything; and it has to break
-/// the open obligation. A lasso has to keep all safety, meet the givens and the justice that
-/// reliable parts guarantee, and starve the open obligation.
+/// A trace has to keep all formulas in all steps but the last. In the last step it has to keep the
+/// givens, the definitions of monitors and the exported assumptions (for a goal also all
+/// guarantees), and it has to break the open obligation. A lasso has to keep all safety, the
+/// givens, and the justice guarantees of components without open justice assumptions, and it has to
+/// break the open obligation.
 ///
 /// # Errors
-/// What is wrong with it, as text.
+/// If it does not prove it; the text says what is wrong with the counterexample.
 pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Result<(), String> {
     let what = formula(system, claim, open.what);
     match &open.why {
@@ -67,7 +68,7 @@ pub fn accepts(system: &System, claim: &Claim, proof: &Proof, open: &Open) -> Re
     }
 }
 
-/// Returns the referenced formula, of a part or of the claim.
+/// Returns the referenced formula, of a component or of the claim.
 pub fn formula<'a>(system: &'a System, claim: &'a Claim, at: FormulaRef) -> &'a Formula {
     match (system.formula(at), at.half) {
         (Some(formula), _) => formula,
@@ -81,14 +82,14 @@ fn within_domains(system: &System, step: &[i64]) -> bool {
     step.len() >= system.variables.len() && values.into_iter().all(|(v, x)| v.domain.contains(*x))
 }
 
-/// Returns all formulas that a run has to keep, by name: givens, assumptions, guarantees and
-/// definitions of parts.
+/// Returns all formulas that a run has to keep: definitions, guarantees and assumptions of
+/// components, and givens.
 fn everything<'a>(
     system: &'a System,
     claim: &'a Claim,
 ) -> impl Iterator<Item = (RuleKind, &'a Formula)> {
     let sides = system
-        .parts
+        .components
         .iter()
         .flat_map(|p| [&p.definitions, &p.guarantees, &p.assumptions]);
     sides
@@ -96,8 +97,8 @@ fn everything<'a>(
         .flat_map(|side| formulas(side).map(|(kind, _, formula)| (kind, formula)))
 }
 
-/// Returns whether a formula holds in a step and the one before it; justice requires nothing of a
-/// step.
+/// Returns whether a formula holds in step `at`: safety is evaluated on the step before and this
+/// step, and justice is always true.
 pub fn holds_at(kind: RuleKind, formula: &Formula, steps: &[Vec<i64>], at: usize) -> bool {
     match kind {
         RuleKind::Initial => at > 0 || eval::holds(&formula.expr, &steps[0], &[]),
@@ -116,12 +117,12 @@ fn trace(
     steps: &[Vec<i64>],
 ) -> Result<(), String> {
     let Some(last) = steps.len().checked_sub(1) else {
-        return Err("it has no step".to_owned());
+        return Err("the trace has no steps".to_owned());
     };
     if !steps.iter().all(|s| within_domains(system, s)) {
         return Err("a value is outside its domain".to_owned());
     }
-    let is_goal = at.part.is_none();
+    let is_goal = at.component.is_none();
     for (kind, formula) in everything(system, claim) {
         let steps_kept = if is_goal && !is_assumed(system, formula) {
             last + 1
@@ -134,7 +135,7 @@ fn trace(
     }
     let binding = formulas(&claim.given).map(|(k, _, f)| (k, f)).chain(
         system
-            .parts
+            .components
             .iter()
             .flat_map(|p| formulas(&p.definitions).map(|(k, _, f)| (k, f))),
     );
@@ -148,7 +149,7 @@ fn trace(
             let formula = self::formula(system, claim, discharge.what);
             if !holds_at(discharge.what.kind, formula, steps, last) {
                 return Err(format!(
-                    "the last step breaks {}, which was handed on",
+                    "the last step breaks {}, which is exported",
                     formula.name
                 ));
             }
@@ -161,13 +162,15 @@ fn trace(
         (&claim.exports, last > 0 && is_outside(system, at, what))
         && eval::holds(after, &steps[last - 1], &[])
     {
-        return Err("it is the environment's own choice".to_owned());
+        return Err(
+            "the environment is responsible for the assumption in the last step".to_owned(),
+        );
     }
     Ok(())
 }
 
 fn is_assumed(system: &System, formula: &Formula) -> bool {
-    let mut assumed = system.parts.iter().flat_map(|p| p.assumptions.all());
+    let mut assumed = system.components.iter().flat_map(|p| p.assumptions.all());
     assumed.any(|f| std::ptr::eq(f, formula))
 }
 
@@ -187,32 +190,32 @@ fn lasso(
     run: &Lasso,
 ) -> Result<(), String> {
     if !is_run(system, run) {
-        return Err("it is not a run".to_owned());
+        return Err("the lasso is not a run of the system".to_owned());
     }
     let waiting: BTreeSet<usize> = proof
         .open
         .iter()
         .filter(|o| o.what.kind == RuleKind::Justice)
-        .filter_map(|o| o.what.part)
+        .filter_map(|o| o.what.component)
         .collect();
     for (kind, formula) in everything(system, claim) {
         if kind != RuleKind::Justice && !keeps_formula(kind, formula, run) {
-            return Err(format!("it breaks {}", formula.name));
+            return Err(format!("the run breaks {}", formula.name));
         }
     }
     let reliable = system
-        .parts
+        .components
         .iter()
         .enumerate()
         .filter(|(i, _)| !waiting.contains(i));
     let owed = reliable.flat_map(|(_, p)| &p.guarantees.justice);
     for formula in owed.chain(&claim.given.justice) {
         if !keeps_formula(RuleKind::Justice, formula, run) {
-            return Err(format!("it starves {}", formula.name));
+            return Err(format!("the run starves {}", formula.name));
         }
     }
     if keeps_formula(at.kind, what, run) {
-        return Err(format!("it keeps {}", what.name));
+        return Err(format!("the run keeps {}", what.name));
     }
     Ok(())
 }

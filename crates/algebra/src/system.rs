@@ -1,36 +1,37 @@
-//! Contracts side by side, over one set of variables.
+//! Systems of contracts over one set of variables.
 
 use linewright_core::gr1::{Expr, Formula, Side, Specification, Time, Timing, VarId, Variable};
 use linewright_solver::game::{Rule, RuleKind};
 
-/// Contracts over one set of variables. Variables of the same name are one variable: this is how
-/// contracts are wired.
+/// Components over one set of variables. Components are wired by the names of their ports: ports
+/// with the same name are one variable.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct System {
     /// All variables.
     pub variables: Vec<Variable>,
-    /// Contracts of the system.
-    pub parts: Vec<Part>,
+    /// Components with their contracts.
+    pub components: Vec<Component>,
 }
 
-/// One contract of a [`System`]. Its formulas are over the system's variables.
+/// A component of a [`System`] with its contract. Formulas are over the system's variables.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Part {
+pub struct Component {
     /// Name of the contract or component.
     pub name: String,
-    /// Whether it sees the inputs of the step that it answers.
+    /// Whether the component sees the inputs of a step before it sets its outputs (Mealy) or not
+    /// (Moore).
     pub timing: Timing,
-    /// Variables that it sets.
+    /// Variables that the component sets.
     pub drives: Vec<VarId>,
     /// Formulas that it assumes.
     pub assumptions: Side,
     /// Formulas that it guarantees.
     pub guarantees: Side,
-    /// Definitions of its monitors: they cannot be broken and promise nothing.
+    /// Definitions of its monitors: they cannot be broken, and constrain nothing else.
     pub definitions: Side,
 }
 
-/// One half of a contract.
+/// The two halves of a contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ContractSide {
     /// Formulas that it assumes.
@@ -42,11 +43,9 @@ pub enum ContractSide {
 /// Reference to one formula of a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FormulaRef {
-    /// Index of the part; `None` for the environment's side of a [`super::proof::Claim`], or its
-    /// goal.
-    pub part: Option<usize>,
-    /// Half of the contract. For a claim, the givens are the assumptions and the goal is the
-    /// guarantees.
+    /// Index of the component; `None` for a given or the goal of a [`super::proof::Claim`].
+    pub component: Option<usize>,
+    /// Half of the contract. For a claim, assumptions are the givens and guarantees are the goal.
     pub half: ContractSide,
     /// List that contains the formula.
     pub kind: RuleKind,
@@ -74,7 +73,7 @@ pub fn list_mut(side: &mut Side, kind: RuleKind) -> &mut Vec<Formula> {
     }
 }
 
-/// All kinds, in the order of a side's lists.
+/// All kinds, in the order of the lists of a [`Side`].
 pub const KINDS: [RuleKind; 4] = [
     RuleKind::Initial,
     RuleKind::Invariant,
@@ -82,7 +81,7 @@ pub const KINDS: [RuleKind; 4] = [
     RuleKind::Justice,
 ];
 
-/// Returns all formulas of a side with kind and index.
+/// Returns all formulas of a side, each with its kind and its index in the list of that kind.
 pub fn formulas(side: &Side) -> impl Iterator<Item = (RuleKind, usize, &Formula)> {
     KINDS.into_iter().flat_map(|kind| {
         list(side, kind)
@@ -92,7 +91,7 @@ pub fn formulas(side: &Side) -> impl Iterator<Item = (RuleKind, usize, &Formula)
     })
 }
 
-/// Returns a formula as a rule of runs.
+/// Returns the rule for a formula of this kind.
 pub fn rule(kind: RuleKind, expr: &Expr) -> Rule {
     Rule {
         kind,
@@ -100,8 +99,8 @@ pub fn rule(kind: RuleKind, expr: &Expr) -> Rule {
     }
 }
 
-impl Part {
-    /// Returns one half of the part.
+impl Component {
+    /// Returns one half of the component.
     pub fn half(&self, half: ContractSide) -> &Side {
         match half {
             ContractSide::Assumptions => &self.assumptions,
@@ -109,15 +108,16 @@ impl Part {
         }
     }
 
-    /// Returns the part of a contract, over its own variables and numbering.
+    /// Creates a component from a contract, with the variable ids of the contract.
     pub fn of(specification: &Specification) -> Self {
         Self::mapped(specification, &specification.name, &mut |v, time| {
             Expr::Var(v, time)
         })
     }
 
-    /// Returns the part of a contract whose variables are replaced by expressions over others. The
-    /// variables it drives must be replaced by variables.
+    /// Creates a component from a contract and replaces the contract's variables by expressions.
+    /// `put` must return a variable for each output. Guarantees that define monitors become the
+    /// component's definitions.
     pub fn mapped(
         specification: &Specification,
         name: &str,
@@ -158,18 +158,22 @@ impl Part {
 }
 
 impl System {
-    /// Returns the referenced formula if it belongs to a part.
+    /// Returns the referenced formula; `None` if it does not belong to a component or does not
+    /// exist.
     pub fn formula(&self, at: FormulaRef) -> Option<&Formula> {
-        let part = &self.parts[at.part?];
-        list(part.half(at.half), at.kind).get(at.index)
+        let component = &self.components[at.component?];
+        list(component.half(at.half), at.kind).get(at.index)
     }
 
-    /// Returns the part that sets a variable; `None` if it comes from outside.
+    /// Returns the index of the component that sets a variable; `None` if the variable is set from
+    /// outside.
     pub fn driver(&self, variable: VarId) -> Option<usize> {
-        self.parts.iter().position(|p| p.drives.contains(&variable))
+        self.components
+            .iter()
+            .position(|p| p.drives.contains(&variable))
     }
 
-    /// Returns an unused name for a variable.
+    /// Returns `wanted`, extended by underscores until no variable has this name.
     pub fn fresh_name(&self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         while self.variables.iter().any(|v| v.name == name) {

@@ -1,53 +1,54 @@
-//! Conditions built from "and" and "or" alone, in minimal form.
+//! Conditions built with "and" and "or" only, in minimal form.
 //!
-//! Such a condition is a set of sets. Read as *terms*, all elements of at least one set have to
-//! hold; read as *clauses*, at least one element of every set. In both readings a set that contains
-//! another one is redundant, and without these the condition has only one form (Quine, "The problem
-//! of simplifying truth functions", 1952): equal conditions are equal values. "And" in one reading
-//! is "or" in the other.
+//! A condition is a set of sets of elements. Read as *terms*, all elements of at least one set have
+//! to hold; read as *clauses*, at least one element of every set has to hold. In both readings, a
+//! set that contains another one is redundant. Without redundant sets, each condition has only one
+//! form (Quine, "The problem of simplifying truth functions", 1952), so equivalent conditions are
+//! equal values. The operation that is "and" in one reading is "or" in the other.
 
 use std::collections::BTreeSet;
 
-/// Sets none of which contains another one.
+/// A set of sets, none of which contains another one.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Antichain<T>(BTreeSet<BTreeSet<T>>);
 
 impl<T: Clone + Ord> Antichain<T> {
-    /// Returns the empty set of sets: false as terms, true as clauses.
+    /// Creates the condition without sets: false as terms, true as clauses.
     pub fn none() -> Self {
         Self(BTreeSet::new())
     }
 
-    /// Returns the empty set alone: true as terms, false as clauses.
+    /// Creates the condition with only the empty set: true as terms, false as clauses.
     pub fn unit() -> Self {
         Self(BTreeSet::from([BTreeSet::new()]))
     }
 
-    /// Returns one element alone.
+    /// Creates the condition that one element holds.
     pub fn of(element: T) -> Self {
         Self(BTreeSet::from([BTreeSet::from([element])]))
     }
 
-    /// Returns the sets of both: "or" of terms, "and" of clauses.
+    /// Returns the sets of both conditions: "or" of terms, "and" of clauses.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        Self(least(&self.0.union(&other.0).cloned().collect()))
+        Self(minimal_sets(&self.0.union(&other.0).cloned().collect()))
     }
 
-    /// Returns each set of one joined with each set of the other: "and" of terms, "or" of clauses.
+    /// Returns the unions of each set of one condition with each set of the other: "and" of terms,
+    /// "or" of clauses.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
         let pairs = self
             .0
             .iter()
             .flat_map(|a| other.0.iter().map(move |b| a | b));
-        Self(least(&pairs.collect()))
+        Self(minimal_sets(&pairs.collect()))
     }
 
-    /// Returns only the chosen sets.
+    /// Returns the condition with only the sets for which `keep` is true.
     #[must_use]
-    pub fn filter(&self, chosen: impl Fn(&BTreeSet<T>) -> bool) -> Self {
-        Self(self.0.iter().filter(|set| chosen(set)).cloned().collect())
+    pub fn filter(&self, keep: impl Fn(&BTreeSet<T>) -> bool) -> Self {
+        Self(self.0.iter().filter(|set| keep(set)).cloned().collect())
     }
 
     /// Returns the sets in ascending order.
@@ -60,14 +61,14 @@ impl<T: Clone + Ord> Antichain<T> {
         self.0.len()
     }
 
-    /// Returns whether there is no set.
+    /// Returns whether the condition has no sets.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 }
 
 /// Removes the sets that contain another one.
-fn least<T: Clone + Ord>(sets: &BTreeSet<BTreeSet<T>>) -> BTreeSet<BTreeSet<T>> {
+fn minimal_sets<T: Clone + Ord>(sets: &BTreeSet<BTreeSet<T>>) -> BTreeSet<BTreeSet<T>> {
     let contains_another = |set: &BTreeSet<T>| sets.iter().any(|s| s != set && s.is_subset(set));
     let kept = sets.iter().filter(|set| !contains_another(set));
     kept.cloned().collect()
@@ -88,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn constants_are_neutral_or_win() {
+    fn constants_are_neutral_or_absorbing() {
         let (none, unit) = (Antichain::none(), Antichain::unit());
         let a = Antichain::of('a');
         assert_eq!(a.union(&none), a);

@@ -3,45 +3,48 @@
 use linewright_core::deadline::{Deadline, StopReason};
 
 /// Default maximum number of states of an automaton.
-pub const MOST_STATES: usize = 1 << 16;
+pub const MAX_DFA_STATES: usize = 1 << 16;
 
-/// Error for a result or a computation beyond its limits.
+/// Error for a computation that exceeded its limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum BoundExceeded {
     /// A count would exceed its limit.
     #[error("there would be more than {limit} {what}")]
     Count {
-        /// What is counted: `states`.
+        /// Counted objects in the plural, such as `states`.
         what: &'static str,
         /// Maximum count.
         limit: usize,
     },
-    /// The deadline has passed.
+    /// The deadline has passed, or the user interrupted the command.
     #[error(transparent)]
-    Late(#[from] StopReason),
+    Stopped(#[from] StopReason),
 }
 
-/// Limits on exploring an automaton. Made from a number alone, it has no deadline.
+/// Limits on exploring an automaton. Converted from a number of states, it has no deadline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExplorationBound {
     /// Maximum number of states.
-    pub states: usize,
+    pub max_states: usize,
     /// Deadline.
-    pub until: Deadline,
+    pub deadline: Deadline,
 }
 
 impl ExplorationBound {
-    /// Creates a bound of `states` states and a deadline.
-    pub fn new(states: usize, until: Deadline) -> Self {
-        Self { states, until }
+    /// Creates a bound of `max_states` states and a deadline.
+    pub fn new(max_states: usize, deadline: Deadline) -> Self {
+        Self {
+            max_states,
+            deadline,
+        }
     }
 }
 
 impl From<usize> for ExplorationBound {
-    fn from(states: usize) -> Self {
+    fn from(max_states: usize) -> Self {
         Self {
-            states,
-            until: Deadline::NONE,
+            max_states,
+            deadline: Deadline::NONE,
         }
     }
 }

@@ -1,16 +1,18 @@
-//! Regular expressions with complement and intersection over steps, as deterministic automata over
-//! finite words.
+//! Regular expressions over steps, with complement and intersection, and their conversion to
+//! deterministic automata.
 //!
-//! Uses derivatives (Brzozowski, "Derivatives of regular expressions", 1964), which support
-//! complement and intersection directly: the derivative of r after a step is what may follow that
-//! step. A state is an expression; equal ones are found because sums and intersections are sets.
+//! The conversion uses derivatives (Brzozowski, "Derivatives of regular expressions", 1964), which
+//! support complement and intersection directly: the derivative of an expression after a step
+//! matches the words that can follow that step. A state of the automaton is an expression. Equal
+//! states are recognized because unions and intersections are sets.
 
 use crate::bound::BoundExceeded;
 use crate::symbolic::{Automaton, Values};
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// An extended regular expression; steps are numbered conditions.
+/// A regular expression over steps, with complement and intersection. Conditions on a step are
+/// numbered.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ExtendedRegex {
     /// No word at all.
@@ -36,7 +38,10 @@ pub enum ExtendedRegex {
 impl ExtendedRegex {
     /// Returns the complement.
     #[must_use]
-    #[expect(clippy::should_implement_trait, reason = "as the other operators")]
+    #[expect(
+        clippy::should_implement_trait,
+        reason = "a method like the other operators"
+    )]
     pub fn not(self) -> Self {
         match self {
             Self::Not(inner) => (*inner).clone(),
@@ -50,7 +55,7 @@ impl ExtendedRegex {
         match (self, next) {
             (Self::Never, _) | (_, Self::Never) => Self::Never,
             (Self::Empty, r) | (r, Self::Empty) => r,
-            // Nested to the right, so that equal expressions look alike.
+            // Nested to the right, so that equal sequences have equal representations.
             (Self::Sequence(a, b), next) => Self::Sequence(a, Rc::new((*b).clone().then(next))),
             (a, b) => Self::Sequence(Rc::new(a), Rc::new(b)),
         }
@@ -66,6 +71,7 @@ impl ExtendedRegex {
         }
     }
 
+    /// Returns whether the expression is one of the two forms that match every word.
     fn is_all(&self) -> bool {
         matches!(self, Self::Not(inner) if **inner == Self::Never)
             || matches!(self, Self::Star(inner) if **inner == Self::Any)
@@ -123,57 +129,59 @@ impl ExtendedRegex {
         }
     }
 
-    /// Collects the conditions that matter for the next step.
-    fn heads(&self, found: &mut BTreeSet<usize>) {
+    /// Collects the conditions that the derivative depends on.
+    fn next_conditions(&self, found: &mut BTreeSet<usize>) {
         match self {
             Self::Never | Self::Empty | Self::Any => {}
             Self::Step(atom) => {
                 found.insert(*atom);
             }
-            Self::Not(r) | Self::Star(r) => r.heads(found),
+            Self::Not(r) | Self::Star(r) => r.next_conditions(found),
             Self::Sequence(a, b) => {
-                a.heads(found);
+                a.next_conditions(found);
                 if a.matches_empty() {
-                    b.heads(found);
+                    b.next_conditions(found);
                 }
             }
-            Self::And(set) | Self::Or(set) => set.iter().for_each(|r| r.heads(found)),
+            Self::And(set) | Self::Or(set) => set.iter().for_each(|r| r.next_conditions(found)),
         }
     }
 
-    /// Returns the derivative: what may follow a step in which the conditions have these values.
-    fn after(&self, values: &Values) -> Self {
+    /// Returns the derivative: an expression for the words that can follow a step in which the
+    /// conditions have these values.
+    fn derivative(&self, values: &Values) -> Self {
         match self {
             Self::Any => Self::Empty,
             Self::Step(atom) if values.get(atom) == Some(&true) => Self::Empty,
             Self::Never | Self::Empty | Self::Step(_) => Self::Never,
-            Self::Not(r) => r.after(values).not(),
-            Self::Star(r) => r.after(values).then(self.clone()),
+            Self::Not(r) => r.derivative(values).not(),
+            Self::Star(r) => r.derivative(values).then(self.clone()),
             Self::Sequence(a, b) => {
-                let first = a.after(values).then((**b).clone());
+                let first = a.derivative(values).then((**b).clone());
                 if a.matches_empty() {
-                    Self::or([first, b.after(values)])
+                    Self::or([first, b.derivative(values)])
                 } else {
                     first
                 }
             }
-            Self::And(set) => Self::and(set.iter().map(|r| r.after(values))),
-            Self::Or(set) => Self::or(set.iter().map(|r| r.after(values))),
+            Self::And(set) => Self::and(set.iter().map(|r| r.derivative(values))),
+            Self::Or(set) => Self::or(set.iter().map(|r| r.derivative(values))),
         }
     }
 
-    /// Returns the automaton that is in an accepting state after the words that match.
+    /// Returns the minimal automaton that is in an accepting state exactly after the words that the
+    /// expression matches.
     ///
     /// # Errors
-    /// When it is too large for [`Automaton::explore`].
+    /// When the automaton exceeds the limits of [`Automaton::explore`].
     pub fn automaton(&self) -> Result<Automaton, BoundExceeded> {
-        let heads = |state: &Self| {
-            let mut heads = BTreeSet::new();
-            state.heads(&mut heads);
-            heads.into_iter().collect()
+        let conditions = |state: &Self| {
+            let mut conditions = BTreeSet::new();
+            state.next_conditions(&mut conditions);
+            conditions.into_iter().collect()
         };
-        let step = |state: &Self, values: &Values| Ok(state.after(values));
-        let found = Automaton::explore(self.clone(), heads, step, Self::matches_empty)?;
+        let step = |state: &Self, values: &Values| Ok(state.derivative(values));
+        let found = Automaton::explore(self.clone(), conditions, step, Self::matches_empty)?;
         Ok(found.minimal())
     }
 }
@@ -199,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn complement_and_intersection_are_taken_as_they_come() {
+    fn complement_and_intersection_are_converted() {
         use ExtendedRegex as R;
         let all = || R::Any.star();
         let some = all().then(R::Step(0)).then(all());

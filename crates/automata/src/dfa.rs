@@ -1,8 +1,9 @@
-//! Deterministic finite automata over the letters `0..letters`, with no state for refused letters.
+//! Deterministic finite automata over the letters `0..letters`. A state can refuse letters; there
+//! is no sink state for them.
 //!
-//! Breadth-first exploration of any transition function, partition refinement for the minimal
-//! automaton (Hopcroft, "An n log n algorithm for minimizing states in a finite automaton", 1971),
-//! and the product for comparing two.
+//! This module provides breadth-first exploration of a transition function, minimization by
+//! partition refinement (Hopcroft, "An n log n algorithm for minimizing states in a finite
+//! automaton", 1971), and comparison of two automata by their product.
 
 use crate::bound::{BoundExceeded, ExplorationBound};
 use crate::partition::Partition;
@@ -13,17 +14,17 @@ use std::hash::Hash;
 /// Number of explored states between two checks of the deadline.
 const DEADLINE_CHECK_INTERVAL: usize = 64;
 
-/// Placeholder for the next state where a letter is refused.
+/// Value that takes the place of the next state if a letter is refused.
 pub const REFUSED: u32 = u32::MAX;
 
-/// A deterministic automaton. States are numbered in the order in which they are found from the
-/// start, letters ascending.
+/// A deterministic automaton. States are numbered in breadth-first order from the start, with
+/// letters in ascending order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Dfa {
     letters: usize,
     /// Next states in row-major order: one row per state.
     next: Vec<u32>,
-    /// Whether a word may end here.
+    /// Whether a word may end in each state.
     complete: Vec<bool>,
 }
 
@@ -32,16 +33,16 @@ pub struct Dfa {
 pub struct Exploration<S> {
     /// Automaton.
     pub dfa: Dfa,
-    /// Numbers of the start states, in ascending order.
+    /// Distinct numbers of the start states, in ascending order.
     pub starts: Vec<u32>,
     /// Explored value of each state.
     pub states: Vec<S>,
 }
 
 impl Dfa {
-    /// Explores everything that can be reached from `start`, which becomes state 0. `step` gives
-    /// the state after a letter, `None` where it is refused; `complete` says whether a word may
-    /// end.
+    /// Explores all states that are reachable from `start`, which becomes state 0. `step` returns
+    /// the state after a letter, or `None` to refuse the letter; `complete` returns whether a word
+    /// may end in a state.
     ///
     /// # Errors
     /// When there are more states than `bound` allows, or the deadline has passed.
@@ -55,7 +56,7 @@ impl Dfa {
         Self::explore_all(letters, &[start], bound, step, complete).map(|found| found.dfa)
     }
 
-    /// Like [`explore`](Self::explore), from several starts. The first one becomes state 0.
+    /// Like [`explore`](Self::explore), but from several starts. The first one becomes state 0.
     ///
     /// # Errors
     /// When there are more states than `bound` allows, or the deadline has passed.
@@ -70,11 +71,11 @@ impl Dfa {
         Self::explore_within(letters, starts, bound.into(), step, complete)
     }
 
-    /// Like [`explore`](Self::explore), with a step that may be too large itself.
+    /// Like [`explore`](Self::explore), but with a `step` that can itself exceed a limit.
     ///
     /// # Errors
-    /// When a step is too large, when there are more states than `bound` allows, or the deadline
-    /// has passed.
+    /// When `step` fails, when there are more states than `bound` allows, or when the deadline has
+    /// passed.
     pub fn try_explore<S: Clone + Eq + Hash>(
         letters: usize,
         start: S,
@@ -94,8 +95,8 @@ impl Dfa {
         complete: impl Fn(&S) -> bool,
     ) -> Result<Exploration<S>, BoundExceeded> {
         let ExplorationBound {
-            states: limit,
-            until,
+            max_states: limit,
+            deadline,
         } = bound;
         let mut numbers: FxHashMap<S, u32> = FxHashMap::default();
         let mut states: Vec<S> = Vec::new();
@@ -112,17 +113,17 @@ impl Dfa {
                 Ok(number)
             }
         };
-        let mut begin = Vec::new();
+        let mut start_numbers = Vec::new();
         for start in starts {
-            begin.push(number(start.clone(), &mut states)?);
+            start_numbers.push(number(start.clone(), &mut states)?);
         }
-        begin.sort_unstable();
-        begin.dedup();
+        start_numbers.sort_unstable();
+        start_numbers.dedup();
         let mut next = Vec::new();
         let mut at = 0;
         while at < states.len() {
             if at.is_multiple_of(DEADLINE_CHECK_INTERVAL) {
-                until.check()?;
+                deadline.check()?;
             }
             for letter in 0..letters {
                 next.push(match step(&states[at], letter)? {
@@ -139,18 +140,18 @@ impl Dfa {
         };
         Ok(Exploration {
             dfa,
-            starts: begin,
+            starts: start_numbers,
             states,
         })
     }
 
     /// Returns the number of letters.
-    pub fn letters(&self) -> usize {
+    pub fn letter_count(&self) -> usize {
         self.letters
     }
 
     /// Returns the number of states; at least 1.
-    pub fn states(&self) -> usize {
+    pub fn state_count(&self) -> usize {
         self.complete.len()
     }
 
@@ -159,7 +160,7 @@ impl Dfa {
         self.next[state as usize * self.letters + letter]
     }
 
-    /// Returns the state after a letter, or `None` where that is refused.
+    /// Returns the state after a letter, or `None` if the letter is refused.
     pub fn step(&self, state: u32, letter: usize) -> Option<u32> {
         let to = self.next(state, letter);
         (to != REFUSED).then_some(to)
@@ -170,32 +171,33 @@ impl Dfa {
         self.complete[state as usize]
     }
 
-    /// Returns the state after a word, or `None` where a letter of it is refused.
+    /// Returns the state after a word, or `None` if one of its letters is refused.
     pub fn run(&self, word: &[usize]) -> Option<u32> {
         word.iter()
             .try_fold(0, |state, letter| self.step(state, *letter))
     }
 
-    /// Returns whether a letter leaves every state as it is.
+    /// Returns whether a letter changes no state and is never refused.
     pub fn is_idle(&self, letter: usize) -> bool {
-        (0..self.states() as u32).all(|state| self.next(state, letter) == state)
+        (0..self.state_count() as u32).all(|state| self.next(state, letter) == state)
     }
 
-    /// Replaces the states in which a word may end; `complete` has one value per state.
+    /// Replaces the set of states in which a word may end; `complete` has one value per state.
     ///
     /// # Panics
     /// When the number of values differs from the number of states.
     #[must_use]
     pub fn with_complete(mut self, complete: Vec<bool>) -> Self {
-        assert_eq!(complete.len(), self.complete.len(), "one value a state");
+        assert_eq!(complete.len(), self.complete.len(), "one value per state");
         self.complete = complete;
         self
     }
 
-    /// Removes the last letter; also returns, for every state, where that letter led.
+    /// Removes the letter with the highest number. Also returns, for every state, the state after
+    /// that letter, or [`REFUSED`].
     ///
     /// # Panics
-    /// When there is no letter.
+    /// When there are no letters.
     #[must_use]
     pub fn without_last_letter(self) -> (Self, Vec<u32>) {
         let letters = self.letters.checked_sub(1).expect("there is a letter");
@@ -212,17 +214,18 @@ impl Dfa {
         (dfa, rows.map(|row| row[letters]).collect())
     }
 
-    /// Makes every prefix of a word a word.
+    /// Lets a word end in every state, so that every prefix of a word is a word.
     #[must_use]
     pub fn prefix_closed(mut self) -> Self {
         self.complete.fill(true);
         self
     }
 
-    /// Refuses letters after which no complete word is possible. Only the start always stays.
+    /// Refuses letters after which no complete word is possible, and removes unreachable states.
+    /// The start is always kept.
     #[must_use]
     pub fn trimmed(self) -> Self {
-        let states = self.states();
+        let states = self.state_count();
         let mut alive = self.complete.clone();
         let mut before: Vec<Vec<usize>> = vec![Vec::new(); states];
         for state in 0..states {
@@ -245,13 +248,13 @@ impl Dfa {
         let step =
             |state: &u32, letter: usize| self.step(*state, letter).filter(|to| alive[*to as usize]);
         Self::explore(self.letters, 0, states, step, |s| self.is_complete(*s))
-            .expect("no more states than before; please report this")
+            .expect("trimming adds no states; please report this")
     }
 
-    /// Returns the minimal automaton with the same words and the same refusals.
+    /// Returns the minimal automaton with the same words and the same refused letters.
     #[must_use]
     pub fn minimal(&self) -> Self {
-        let states = self.states();
+        let states = self.state_count();
         let (class, count) = self.classes();
         let mut member = vec![0; count];
         for state in (0..states).rev() {
@@ -263,21 +266,21 @@ impl Dfa {
         };
         let complete = |c: &u32| self.is_complete(member[*c as usize]);
         Self::explore(self.letters, class[0], states, step, complete)
-            .expect("no more states than before; please report this")
+            .expect("minimization adds no states; please report this")
     }
 
-    /// Returns the class of every state, and the number of classes: states of one class have the
-    /// same words and the same refusals.
+    /// Returns the equivalence class of every state, and the number of classes. States of one class
+    /// have the same words and the same refused letters.
     fn classes(&self) -> (Vec<u32>, usize) {
-        let states = self.states();
+        let states = self.state_count();
         // Refused letters lead to an additional sink state.
         let sink = states as u32;
         let to = |state: usize, letter: usize| match self.next[state * self.letters + letter] {
             REFUSED => sink,
             to => to,
         };
-        // The predecessors of each state, letter by letter. The sink precedes itself, which splits
-        // nothing off.
+        // The predecessors of each state, letter by letter. The sink's transitions to itself are
+        // omitted, since they never split a block.
         let places = states + 1;
         let mut first = vec![0_u32; self.letters * places + 1];
         for state in 0..states {
@@ -317,8 +320,8 @@ impl Dfa {
                 }
                 partition.split(|old, new, new_is_smaller| {
                     waits.push(false);
-                    // If a block is waiting, both halves must wait; otherwise the smaller one is
-                    // enough.
+                    // If the block is in the worklist, both halves must be; otherwise the smaller
+                    // half is sufficient.
                     let next = if waits[old as usize] || new_is_smaller {
                         new
                     } else {
@@ -329,7 +332,7 @@ impl Dfa {
                 });
             }
         }
-        // Ordered by their smallest states.
+        // Number the classes in the order of their smallest states.
         let mut numbers: Vec<Option<u32>> = vec![None; partition.count()];
         let mut count = 0;
         let class = (0..states).map(|state| {
@@ -343,16 +346,16 @@ impl Dfa {
         (class, count as usize)
     }
 
-    /// Returns the shortest word that is in only one of the languages, the smallest among those of
-    /// its length. `None` if the languages are equal. Takes time proportional to the product of the
-    /// numbers of states.
+    /// Returns a shortest word that only one of the two automata accepts, the lexicographically
+    /// smallest one; `None` if they accept the same words. The time is proportional to the product
+    /// of the numbers of states.
     ///
     /// # Panics
     /// When the numbers of letters differ.
     pub fn difference(&self, other: &Self) -> Option<Vec<usize>> {
         assert_eq!(
             self.letters, other.letters,
-            "automata over the same letters"
+            "both automata must have the same letters"
         );
         let complete = |dfa: &Self, state: u32| state != REFUSED && dfa.is_complete(state);
         let after = |dfa: &Self, state: u32, letter| {
@@ -391,7 +394,7 @@ mod tests {
     }
 
     #[test]
-    fn the_smallest_automaton_has_the_same_words() {
+    fn the_minimal_automaton_has_the_same_words() {
         let doubled = Dfa::explore(
             2,
             (0, false),
@@ -400,9 +403,9 @@ mod tests {
             |s| s.0 == 0,
         )
         .expect("it is small");
-        assert_eq!(doubled.states(), 6);
+        assert_eq!(doubled.state_count(), 6);
         let minimal = doubled.minimal();
-        assert_eq!(minimal.states(), 3);
+        assert_eq!(minimal.state_count(), 3);
         assert_eq!(doubled.difference(&minimal), None);
     }
 
@@ -414,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn what_leads_nowhere_is_trimmed() {
+    fn dead_ends_are_trimmed() {
         // A word may end only after a one, and after two zeros no one may follow.
         let step = |&(zeros, one): &(u32, bool), letter: usize| match letter {
             _ if one => None,
@@ -429,10 +432,10 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_is_kept() {
+    fn the_limit_is_respected() {
         let counter = Dfa::explore(1, 0_u32, 10, |n, _| Some(n + 1), |_| true);
         assert_eq!(
-            counter.map(|d| d.states()),
+            counter.map(|d| d.state_count()),
             Err(BoundExceeded::Count {
                 what: "states",
                 limit: 10

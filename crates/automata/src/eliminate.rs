@@ -1,29 +1,29 @@
-//! From an automaton to a short regular expression.
+//! Conversion of an automaton to a short regular expression.
 //!
 //! States are eliminated one after the other (Brzozowski and `McCluskey`, "Signal flow graph
 //! techniques for sequential circuit state diagrams", 1963). The order determines the length of the
-//! expression. For few states all orders are tried; otherwise the state through which the least
-//! text would be copied goes first (Delgado and Morais, "Approximation to the smallest regular
-//! expression for a given regular language", 2004). The result is converted back to an automaton
-//! and compared.
+//! expression. For few states all orders are tried; otherwise the state whose elimination copies
+//! the least text is eliminated first (Delgado and Morais, "Approximation to the smallest regular
+//! expression for a given regular language", 2004). The result is checked: it is converted back to
+//! an automaton, which is compared with the original.
 
-use crate::bound::{BoundExceeded, ExplorationBound, MOST_STATES};
+use crate::bound::{BoundExceeded, ExplorationBound, MAX_DFA_STATES};
 use crate::dfa::{Dfa, REFUSED};
 use crate::regex::{Regex, automaton};
 use linewright_core::deadline::Deadline;
 
 /// Maximum number of states for which all orders are tried.
-const ALL_ORDERS: usize = 7;
+const MAX_STATES_FOR_ALL_ORDERS: usize = 7;
 
-/// Maximum number of states of the minimal automaton. With more, an expression would be too long or
-/// take too long to make.
-pub const MOST_ELIMINATED: usize = 512;
+/// Maximum number of states of the minimal automaton. With more states, the expression would be too
+/// long or take too long to compute.
+pub const MAX_ELIMINATED_STATES: usize = 512;
 
-/// Maximum size of a useful expression.
-pub const MOST_SIZE: usize = 1 << 16;
+/// Maximum size of an expression, in letters and operators. Longer ones are not useful.
+pub const MAX_REGEX_SIZE: usize = 1 << 16;
 
-/// Expressions between any two states. The last two states are a start before the start and an end
-/// behind all complete states.
+/// Graph whose edges are expressions. The last two states are additional: a start that precedes the
+/// start of the automaton, and an end that follows all complete states.
 #[derive(Clone)]
 struct Graph {
     states: usize,
@@ -32,12 +32,12 @@ struct Graph {
 
 impl Graph {
     fn new(dfa: &Dfa) -> Self {
-        let inner = dfa.states();
+        let inner = dfa.state_count();
         let states = inner + 2;
         let (start, end) = (inner, inner + 1);
         let mut classes: Vec<Vec<Regex>> = vec![Vec::new(); states * states];
         for from in 0..inner {
-            for letter in 0..dfa.letters() {
+            for letter in 0..dfa.letter_count() {
                 let to = dfa.next(from as u32, letter);
                 if to != REFUSED {
                     classes[from * states + to as usize].push(Regex::Letter(letter));
@@ -48,7 +48,7 @@ impl Graph {
             }
         }
         classes[start * states].push(Regex::Empty);
-        let letters = dfa.letters();
+        let letters = dfa.letter_count();
         Self {
             states,
             between: classes.into_iter().map(|c| class(c, letters)).collect(),
@@ -68,7 +68,8 @@ impl Graph {
         (before, after)
     }
 
-    /// Removes a state and replaces the paths through it.
+    /// Removes a state and adds expressions for the paths through it. `left` are the other states
+    /// that have not been eliminated.
     fn eliminate(&mut self, state: usize, left: &[usize]) {
         let (before, after) = self.neighbours(state, left);
         let around = self.at(state, state).clone().star();
@@ -89,7 +90,7 @@ impl Graph {
         }
     }
 
-    /// Returns how much text eliminating a state copies.
+    /// Returns the size of the expressions that eliminating a state would copy.
     fn weight(&self, state: usize, left: &[usize]) -> usize {
         let (before, after) = self.neighbours(state, left);
         let size = |from, to| self.at(from, to).size();
@@ -107,7 +108,8 @@ impl Graph {
     }
 }
 
-/// Returns one of several letters, written as a complement if that is shorter.
+/// Returns the union of `parts`, which are letters and the empty word. A union of letters is
+/// written as a complement if that is shorter.
 fn class(parts: Vec<Regex>, letters: usize) -> Regex {
     let is = |letter: &usize| parts.contains(&Regex::Letter(*letter));
     let missing: Vec<usize> = (0..letters).filter(|l| !is(l)).collect();
@@ -117,40 +119,41 @@ fn class(parts: Vec<Regex>, letters: usize) -> Regex {
     Regex::either(parts)
 }
 
-/// Returns a short expression with the words of an automaton.
+/// Returns a short expression that matches the words of an automaton.
 ///
 /// # Errors
-/// When there are more than [`MOST_ELIMINATED`] states, when the expression would be longer than
-/// [`MOST_SIZE`] or is too large to be compared, or when the deadline has passed.
+/// When the minimal automaton has more than [`MAX_ELIMINATED_STATES`] states, when the expression
+/// would be larger than [`MAX_REGEX_SIZE`] or too large to be checked, or when the deadline has
+/// passed.
 ///
 /// # Panics
-/// When the expression does not have the words of the automaton, which would be a bug in this
+/// When the expression does not match the words of the automaton, which would be a bug in this
 /// module.
-pub fn regex(dfa: &Dfa, until: Deadline) -> Result<Regex, BoundExceeded> {
+pub fn regex(dfa: &Dfa, deadline: Deadline) -> Result<Regex, BoundExceeded> {
     let dfa = dfa.clone().trimmed().minimal();
-    if dfa.states() > MOST_ELIMINATED {
+    if dfa.state_count() > MAX_ELIMINATED_STATES {
         return Err(BoundExceeded::Count {
-            what: "states to make a regular expression of",
-            limit: MOST_ELIMINATED,
+            what: "states to convert to a regular expression",
+            limit: MAX_ELIMINATED_STATES,
         });
     }
     let graph = Graph::new(&dfa);
-    let left: Vec<usize> = (0..dfa.states()).collect();
-    let found = if left.len() <= ALL_ORDERS {
+    let left: Vec<usize> = (0..dfa.state_count()).collect();
+    let found = if left.len() <= MAX_STATES_FOR_ALL_ORDERS {
         let mut best = None;
         shortest(&graph, &left, &mut best);
-        best.expect("some order; please report this")
+        best.expect("at least one order was tried; please report this")
     } else {
-        lightest_first(graph, left, until)?
+        lightest_first(graph, left, deadline)?
     };
     let again = automaton(
         &found,
-        dfa.letters(),
-        ExplorationBound::new(MOST_STATES, until),
+        dfa.letter_count(),
+        ExplorationBound::new(MAX_DFA_STATES, deadline),
     )?;
     assert!(
         again.difference(&dfa).is_none(),
-        "the regular expression has other words than the automaton; please report this"
+        "the regular expression and the automaton have different words; please report this"
     );
     Ok(found)
 }
@@ -168,7 +171,7 @@ fn shortest(graph: &Graph, left: &[usize], best: &mut Option<Regex>) {
         rest.remove(i);
         let mut graph = graph.clone();
         graph.eliminate(*state, &rest);
-        // If the expression between the ends is already longer, it can only grow.
+        // The expression only grows, so one that is already longer cannot become the shortest.
         let size = graph.result().size();
         if best.as_ref().is_none_or(|b| size <= b.size()) {
             shortest(&graph, &rest, best);
@@ -179,19 +182,21 @@ fn shortest(graph: &Graph, left: &[usize], best: &mut Option<Regex>) {
 fn lightest_first(
     mut graph: Graph,
     mut left: Vec<usize>,
-    until: Deadline,
+    deadline: Deadline,
 ) -> Result<Regex, BoundExceeded> {
     while !left.is_empty() {
-        until.check()?;
+        deadline.check()?;
         let weights = left.iter().enumerate();
         let lightest = weights.min_by_key(|(_, state)| graph.weight(**state, &left));
-        let (place, _) = lightest.expect("some are left; please report this");
+        let (place, _) = lightest.expect("`left` is not empty; please report this");
         let state = left.remove(place);
         graph.eliminate(state, &left);
-        if graph.between.iter().map(Regex::size).sum::<usize>() > MOST_SIZE + graph.between.len() {
+        if graph.between.iter().map(Regex::size).sum::<usize>()
+            > MAX_REGEX_SIZE + graph.between.len()
+        {
             return Err(BoundExceeded::Count {
                 what: "skills and operators in the regular expression",
-                limit: MOST_SIZE,
+                limit: MAX_REGEX_SIZE,
             });
         }
     }

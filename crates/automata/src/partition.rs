@@ -2,12 +2,13 @@
 
 /// A partition of elements into blocks.
 pub(crate) struct Partition {
-    /// Elements, block by block; the marked ones of a block come first.
+    /// Elements, block by block; within a block, marked elements come first.
     elements: Vec<u32>,
     /// Position of each element in `elements`.
     place: Vec<u32>,
+    /// Block of each element.
     block_of: Vec<u32>,
-    /// Begin and end of each block, and the number of its marked elements.
+    /// Start and end of each block in `elements`, and the number of its marked elements.
     blocks: Vec<[u32; 3]>,
     /// Blocks with marked elements.
     touched: Vec<u32>,
@@ -24,7 +25,7 @@ impl Partition {
         self.block_of[element]
     }
 
-    /// Creates one block for each kind that occurs.
+    /// Creates a partition of `0..elements` with one block for each value of `kind`.
     pub fn new(elements: usize, kind: impl Fn(usize) -> usize) -> Self {
         let mut order: Vec<u32> = (0..elements as u32).collect();
         order.sort_by_key(|e| kind(*e as usize));
@@ -74,10 +75,10 @@ impl Partition {
         self.place[other as usize] = at;
     }
 
-    /// Splits the blocks that have both marked and unmarked elements; the marked ones become a new
-    /// block. Afterwards nothing is marked. `seen` receives the old block, the new one, and whether
-    /// the new one is the smaller half.
-    pub fn split(&mut self, mut seen: impl FnMut(u32, u32, bool)) {
+    /// Splits the blocks that have both marked and unmarked elements; the marked elements become a
+    /// new block. Clears all marks. For each split, calls `on_split` with the old block, the new
+    /// block, and whether the new block is at most as large as the old one.
+    pub fn split(&mut self, mut on_split: impl FnMut(u32, u32, bool)) {
         for old in std::mem::take(&mut self.touched) {
             let [begin, end, marked] = self.blocks[old as usize];
             self.blocks[old as usize][2] = 0;
@@ -90,7 +91,7 @@ impl Partition {
             for at in begin..begin + marked {
                 self.block_of[self.elements[at as usize] as usize] = new;
             }
-            seen(old, new, marked <= end - begin - marked);
+            on_split(old, new, marked <= end - begin - marked);
         }
     }
 }

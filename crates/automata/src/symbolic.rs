@@ -1,35 +1,37 @@
 //! Deterministic automata over the conditions that hold in a step: each state branches on the
 //! conditions relevant to it.
 //!
-//! Conditions are numbered and tested in ascending order (Akers, "Binary decision diagrams", 1978,
-//! without sharing). Every step has a successor. The user of the automaton defines what *accepting*
-//! means: that a word may end, or that such a state recurs for ever (Büchi).
+//! Conditions are numbered and tested in ascending order, as in binary decision diagrams without
+//! sharing (Akers, "Binary decision diagrams", 1978). Every step has a successor. The user of the
+//! automaton defines the meaning of *accepting*: either a word may end in the state, or such states
+//! must recur for ever (Büchi).
 
 use crate::bound::BoundExceeded;
 use std::collections::BTreeMap;
 
 /// Maximum number of states before minimization.
 pub const MAX_STATES: usize = 2000;
-/// Maximum number of conditions that decide one transition.
+/// Maximum number of conditions that one transition depends on.
 pub const MAX_CONDITIONS: usize = 12;
 
-/// Truth values of conditions in a step.
+/// Truth value of each condition in a step.
 pub type Values = BTreeMap<usize, bool>;
 
-/// Computes the state after these values.
+/// Computes the next state, given the values of the conditions.
 type Successor<'a> = dyn FnMut(&Values) -> Result<usize, BoundExceeded> + 'a;
 
-/// A decision between successors, conditions in ascending order.
+/// A decision tree whose leaves are successors; conditions ascend from the root to each leaf.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decision {
     /// Next state.
     To(usize),
-    /// Branch on a condition: where it holds, and where it does not.
+    /// Branch on a condition: the decision if it holds, and the decision if it does not.
     If(usize, Box<Decision>, Box<Decision>),
 }
 
 impl Decision {
-    /// Builds the decision over some conditions, in ascending order, whose successors are `to`.
+    /// Builds the decision over these conditions, which must be in ascending order. `to` computes
+    /// the successor for each choice of values.
     fn over(conditions: &[usize], to: &mut Successor<'_>) -> Result<Self, BoundExceeded> {
         fn grow(
             conditions: &[usize],
@@ -44,12 +46,12 @@ impl Decision {
             values.insert(*condition, false);
             let no = grow(rest, values, to)?;
             values.remove(condition);
-            Ok(Decision::by(*condition, yes, no))
+            Ok(Decision::branch(*condition, yes, no))
         }
         grow(conditions, &mut Values::new(), to)
     }
 
-    fn by(condition: usize, yes: Self, no: Self) -> Self {
+    fn branch(condition: usize, yes: Self, no: Self) -> Self {
         if yes == no {
             yes
         } else {
@@ -57,17 +59,19 @@ impl Decision {
         }
     }
 
-    /// Replaces the successors.
+    /// Replaces each successor `s` by `to(s)`, and merges branches that become equal.
     #[must_use]
-    pub fn renamed(&self, to: &dyn Fn(usize) -> usize) -> Self {
+    pub fn map_successors(&self, to: &dyn Fn(usize) -> usize) -> Self {
         match self {
             Self::To(state) => Self::To(to(*state)),
-            Self::If(condition, yes, no) => Self::by(*condition, yes.renamed(to), no.renamed(to)),
+            Self::If(condition, yes, no) => {
+                Self::branch(*condition, yes.map_successors(to), no.map_successors(to))
+            }
         }
     }
 }
 
-/// A deterministic automaton; it begins in state 0.
+/// A deterministic automaton; state 0 is the initial state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Automaton {
     /// Decision of every state.
@@ -77,13 +81,13 @@ pub struct Automaton {
 }
 
 impl Automaton {
-    /// Explores everything that can be reached from `start`, which becomes state 0. `conditions`
-    /// gives the conditions relevant to a state, in ascending order; `step` gives the state after
-    /// it.
+    /// Explores all states that are reachable from `start`, which becomes state 0. `conditions`
+    /// returns the conditions relevant to a state, in ascending order; `step` returns the next
+    /// state for their values.
     ///
     /// # Errors
     /// When there are more than [`MAX_STATES`] states, when more than [`MAX_CONDITIONS`] conditions
-    /// decide a step, or when `step` fails.
+    /// are relevant to a state, or when `step` fails.
     pub fn explore<S: Clone + Ord>(
         start: S,
         conditions: impl Fn(&S) -> Vec<usize>,
@@ -114,9 +118,9 @@ impl Automaton {
         })
     }
 
-    /// Removes states that no run reaches.
+    /// Removes unreachable states and numbers the others in breadth-first order.
     #[must_use]
-    pub fn reached(&self) -> Self {
+    pub fn reachable(&self) -> Self {
         let (mut order, mut at) = (vec![0], 0);
         while at < order.len() {
             let mut open = vec![&self.steps[order[at]]];
@@ -133,14 +137,14 @@ impl Automaton {
         Self {
             steps: order
                 .iter()
-                .map(|s| self.steps[*s].renamed(&place))
+                .map(|s| self.steps[*s].map_successors(&place))
                 .collect(),
             accepting: order.iter().map(|s| self.accepting[*s]).collect(),
         }
     }
 
     /// Merges indistinguishable states (Moore, "Gedanken-experiments on sequential machines",
-    /// 1956). Decisions are compared as a whole, so no letter is enumerated.
+    /// 1956). Whole decisions are compared, so letters are not enumerated.
     #[must_use]
     pub fn minimal(&self) -> Self {
         let mut class: Vec<usize> = self.accepting.iter().map(|a| usize::from(*a)).collect();
@@ -149,7 +153,7 @@ impl Automaton {
             let mut known = BTreeMap::new();
             let next: Vec<usize> = (0..class.len())
                 .map(|s| {
-                    let key = (class[s], self.steps[s].renamed(&|t| class[t]));
+                    let key = (class[s], self.steps[s].map_successors(&|t| class[t]));
                     let new = known.len();
                     *known.entry(key).or_insert(new)
                 })
@@ -167,7 +171,7 @@ impl Automaton {
         Self {
             steps: first
                 .iter()
-                .map(|s| self.steps[*s].renamed(&|t| class[t]))
+                .map(|s| self.steps[*s].map_successors(&|t| class[t]))
                 .collect(),
             accepting: first.iter().map(|s| self.accepting[*s]).collect(),
         }
@@ -193,25 +197,25 @@ mod tests {
     }
 
     #[test]
-    fn states_that_nothing_tells_apart_are_one() {
+    fn indistinguishable_states_are_merged() {
         let minimal = counting(3, 12).expect("it is small").minimal();
         assert_eq!(minimal, counting(3, 3).expect("it is small"));
     }
 
     #[test]
-    fn what_no_run_reaches_is_left_out() {
+    fn unreachable_states_are_removed() {
         let mut automaton = counting(2, 2).expect("it is small");
-        let reached = automaton.clone();
+        let reachable = automaton.clone();
         automaton.steps.insert(1, Decision::To(0));
         automaton.accepting.insert(1, true);
         let moved = |s: usize| if s == 1 { 2 } else { s };
-        automaton.steps[0] = automaton.steps[0].renamed(&moved);
-        automaton.steps[2] = automaton.steps[2].renamed(&moved);
-        assert_eq!(automaton.reached(), reached);
+        automaton.steps[0] = automaton.steps[0].map_successors(&moved);
+        automaton.steps[2] = automaton.steps[2].map_successors(&moved);
+        assert_eq!(automaton.reachable(), reachable);
     }
 
     #[test]
-    fn a_limit_is_kept() {
+    fn the_limit_is_respected() {
         assert!(counting(1, MAX_STATES).is_ok());
         let limit = MAX_STATES;
         let too_large = Err(BoundExceeded::Count {

@@ -1,10 +1,10 @@
-//! Deadlines and cancellation: `--timeout` and Ctrl-C. Made once per command and passed down.
-//! Outside of `cli`, nothing else may depend on a clock.
+//! Deadlines and cancellation: `--timeout` and Ctrl-C. Each command creates one deadline and passes
+//! it down. Outside of `cli`, no other module may depend on a clock.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Reason for giving up work.
+/// Reason why work was stopped before it was complete.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum StopReason {
     /// The deadline has passed.
@@ -25,8 +25,8 @@ impl StopReason {
     }
 }
 
-/// An instant after which work is given up, and a flag that ends it at once. By default there is
-/// neither.
+/// A time limit and an interrupt flag, both optional: work stops when the time has passed or the
+/// flag is set. The default has neither.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Deadline {
     instant: Option<Instant>,
@@ -49,27 +49,27 @@ impl Deadline {
         interrupt: None,
     };
 
-    /// Creates a deadline `patience` after `began`. A time too far away for the clock is no
-    /// deadline.
-    pub fn after(began: Instant, patience: Duration) -> Self {
+    /// Creates a deadline `limit` after `start`; without a time limit if that instant is beyond the
+    /// range of the clock.
+    pub fn after(start: Instant, limit: Duration) -> Self {
         Self {
-            instant: began.checked_add(patience),
+            instant: start.checked_add(limit),
             interrupt: None,
         }
     }
 
-    /// Adds a flag: the deadline also counts as past as soon as the flag is set.
+    /// Adds an interrupt flag: the deadline is also past once the flag is set.
     #[must_use]
-    pub fn or_when(self, interrupt: &'static AtomicBool) -> Self {
+    pub fn with_interrupt(self, interrupt: &'static AtomicBool) -> Self {
         Self {
             interrupt: Some(interrupt),
             ..self
         }
     }
 
-    /// Creates a deadline `patience` from now.
-    pub fn in_time(patience: Duration) -> Self {
-        Self::after(Instant::now(), patience)
+    /// Creates a deadline `limit` from now.
+    pub fn from_now(limit: Duration) -> Self {
+        Self::after(Instant::now(), limit)
     }
 
     /// Returns this deadline, extended by a grace period.
@@ -87,16 +87,16 @@ impl Deadline {
         self.check().is_err()
     }
 
-    /// Returns the remaining time; `None` if there is no deadline.
-    pub fn left(self) -> Option<Duration> {
-        let left = |instant: Instant| instant.saturating_duration_since(Instant::now());
-        self.instant.map(left)
+    /// Returns the remaining time, zero once the time has passed; `None` without a time limit.
+    pub fn remaining(self) -> Option<Duration> {
+        let remaining = |instant: Instant| instant.saturating_duration_since(Instant::now());
+        self.instant.map(remaining)
     }
 
-    /// Checks the deadline; call it in loops that may take long.
+    /// Checks the deadline; call this in loops that may take long.
     ///
     /// # Errors
-    /// When the deadline is past.
+    /// When the flag is set or the time has passed; the flag takes precedence.
     pub fn check(self) -> Result<(), StopReason> {
         if self
             .interrupt
@@ -121,29 +121,29 @@ mod tests {
     #[test]
     fn a_deadline_passes_and_none_never_does() {
         assert!(!Deadline::NONE.is_past());
-        assert_eq!(Deadline::NONE.left(), None);
-        let now = Deadline::in_time(Duration::ZERO);
+        assert_eq!(Deadline::NONE.remaining(), None);
+        let now = Deadline::from_now(Duration::ZERO);
         assert_eq!(now.check(), Err(StopReason::Time));
-        assert_eq!(now.left(), Some(Duration::ZERO));
+        assert_eq!(now.remaining(), Some(Duration::ZERO));
         let later = now.extended(Duration::from_hours(1));
         assert_eq!(later.check(), Ok(()));
         assert!(
             later
-                .left()
-                .is_some_and(|left| left > Duration::from_mins(59))
+                .remaining()
+                .is_some_and(|remaining| remaining > Duration::from_mins(59))
         );
     }
 
     #[test]
     fn a_time_too_far_away_is_no_deadline() {
-        assert_eq!(Deadline::in_time(Duration::MAX), Deadline::NONE);
+        assert_eq!(Deadline::from_now(Duration::MAX), Deadline::NONE);
     }
 
     #[test]
     fn an_interrupt_comes_before_the_time() {
         static FLAG: AtomicBool = AtomicBool::new(false);
         let [never, now] =
-            [Deadline::NONE, Deadline::in_time(Duration::ZERO)].map(|d| d.or_when(&FLAG));
+            [Deadline::NONE, Deadline::from_now(Duration::ZERO)].map(|d| d.with_interrupt(&FLAG));
         assert_eq!(
             [never.check(), now.check()],
             [Ok(()), Err(StopReason::Time)]

@@ -5,10 +5,9 @@
 //! itself. A *version* is stored under a contract's name. It records the final variable order of
 //! the contract's last large game and the winning region, for use once the contract has changed.
 //!
-//! No file is required: any file can be deleted at any time, is written atomically, and is ignored
-//! if its checksum does not match. If nothing can be written, nothing is. Entries hold results but
-//! no messages, so that findings point at the right place after a contract has moved within its
-//! file.
+//! Every file is written atomically, can be deleted at any time, and is ignored if its checksum
+//! does not match. Failures to write are ignored. Entries hold results but no messages, so that
+//! findings point to the right place after a contract has moved within its file.
 
 use super::controller::ExtractionOptions;
 use super::pipeline::Explanation;
@@ -17,7 +16,7 @@ use linewright_core::gr1::{Expr, Formula, Specification, Variable};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::game::{
     Diagram, DiagramNode, Edge, EnvironmentFindings, GuaranteeRef, Heuristic, KernelChoice, Order,
-    Shape,
+    WeaknessFindings,
 };
 use linewright_solver::mealy::{self, Controller, functions::Functions};
 use linewright_solver::symbolic::Bit;
@@ -35,12 +34,12 @@ use std::time::SystemTime;
 /// Identifies the program that makes the entries: its version and a hash of its sources.
 const PROGRAM: &str = concat!(env!("CARGO_PKG_VERSION"), " ", env!("LINEWRIGHT_SOURCES"));
 
-/// Maximum size of the folder in bytes. Beyond it, the oldest files are deleted until half of it is
-/// left.
-const MOST_BYTES: u64 = 512 << 20;
+/// Maximum size of the folder in bytes. Beyond it, the oldest files are deleted until half of this
+/// size is left.
+const MAX_BYTES: u64 = 512 << 20;
 
-/// Maximum node count of a region that is stored.
-const MOST_REGION_NODES: usize = 500_000;
+/// Maximum number of nodes of a winning region that is stored.
+const MAX_REGION_NODES: usize = 500_000;
 
 /// A cache folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,47 +55,47 @@ pub struct Entry {
     /// For an unrealizable contract, the guarantees that clash; `None` if a limit was reached
     /// first.
     pub core: Option<Vec<GuaranteeRef>>,
-    /// Which checks were made beside the verdict.
+    /// Checks that were made in addition to the verdict.
     pub examined: ExaminationDepth,
-    /// Findings about the environment. Also `None` if the game was too large.
+    /// Findings about the environment; `None` if it was not examined, or the game was too large.
     pub environment: Option<EnvironmentFindings>,
-    /// Places where the contract demands less than it seems to. Also `None` if the game was too
+    /// Formulas that demand less than they seem to; `None` if not examined, or the game was too
     /// large.
-    pub shape: Option<Shape>,
+    pub shape: Option<WeaknessFindings>,
     /// For an unrealizable contract, the explanation.
     pub lost: Option<Box<Explanation>>,
     /// Whether a controller was requested.
     pub extracted: bool,
-    /// The verified controller; also `None` if it was too large to be written as a machine.
+    /// The verified controller as a machine; `None` if not requested, or too large for a machine.
     pub machine: Option<mealy::Machine>,
-    /// The certified controller, if it has the form of functions.
+    /// The certified controller as functions, if it has this form.
     pub functions: Option<Box<Functions>>,
     /// Peak number of BDD nodes.
     pub peak_nodes: u64,
-    /// Effort and times of the solver.
+    /// Statistics of the solver.
     pub statistics: Statistics,
 }
 
-/// Nodes of a winning region as (bit, high, low), and its root.
+/// Nodes of a winning region as (bit, high edge, low edge), and the edge to the root.
 type Region = (Vec<(u16, u32, u32)>, u32);
 
-/// Which checks of a contract were made beside its verdict.
+/// Checks of a contract that were made in addition to its verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ExaminationDepth {
     /// None.
     Nothing,
     /// The environment only.
     Plant,
-    /// The environment, and whether the guarantees demand less than they seem to.
+    /// The environment, and the formulas that may demand less than they seem to.
     Whole,
 }
 
-/// Stored data of the last version of a contract.
+/// Stored data of the last solved version of a contract.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Version {
-    /// Hash of its variables and of which side moves first.
+    /// Hash of the variables and of the timing (Mealy or Moore).
     variables: String,
-    /// Variables from the top of the diagrams to the bottom.
+    /// Names of the variables from the top of the diagrams to the bottom.
     order_of_variables: Vec<String>,
     /// Pairs of bits from top to bottom.
     order: Vec<u16>,
@@ -106,7 +105,7 @@ pub struct Version {
     region: Option<Region>,
 }
 
-/// Hashes of the formulas that a winning region depends on. Initial conditions are not among them.
+/// Hashes of the formulas that a winning region depends on: all except initial conditions.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Formulas {
     assumed_invariants: BTreeSet<String>,
@@ -117,12 +116,12 @@ struct Formulas {
     justice: BTreeSet<String>,
 }
 
-/// Data that speeds up the start of a solve.
+/// Results of an earlier version of a contract from which a solve can start.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Hints {
     /// Variable order to start with.
     pub order: Option<Order>,
-    /// Whether the order belongs to exactly the same variables; then no reordering is needed.
+    /// Whether the order is for exactly the same variables; then no reordering is needed.
     pub exact: bool,
     /// A set of states that contains the winning region.
     pub region: Option<Diagram>,
@@ -138,7 +137,7 @@ pub struct Options<'a> {
     /// Memory limit in MiB.
     pub memory_mib: Option<u64>,
     /// Requested properties of the controller.
-    pub wish: ExtractionOptions,
+    pub extraction: ExtractionOptions,
 }
 
 /// File name of an entry.
@@ -240,28 +239,28 @@ impl Formulas {
         }
     }
 
-    /// Whether a region won with these formulas contains every region won with `new`.
+    /// Whether the winning region for these formulas contains the winning region for `new`.
     ///
     /// Let `F(Z) = ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre((Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′))`, whose greatest fixpoint
     /// within the legal states S is the region. If `F′(Z) ⊆ F(Z)` for all Z, and `S′ ⊆ S`, then
     /// `νF′ = F′(νF′) ⊆ F(νF′)`, so `νF′ ⊆ νF`. This holds when
     ///
-    /// - the assumed invariants are the same and no guaranteed one is gone: `S′ ⊆ S`. With fewer
-    ///   assumed invariants there would be new states, about which nothing is known;
+    /// - the assumed invariants are the same and every guaranteed invariant remains: `S′ ⊆ S`. With
+    ///   fewer assumed invariants there would be new states, about which nothing is known;
     /// - no assumed safety is new: the plant can do everything it could before, so `∀x′. ρe → …`
     ///   became harder;
-    /// - no guaranteed safety is gone: the machine can do no more than before, so `∃y′. ρs ∧ …`
-    ///   became harder;
-    /// - no assumed justice is new: `⋁ᵢ` ranges over no more than before. None at all is
-    ///   `Aᵢ = true`, which makes `νX` smaller than any other assumption does;
-    /// - no guaranteed justice is gone: `⋀ⱼ` ranges over no fewer than before. None at all is
+    /// - every guaranteed safety remains: the machine can do at most what it could before, so
+    ///   `∃y′. ρs ∧ …` became harder;
+    /// - no assumed justice is new: `⋁ᵢ` ranges over a subset. The empty list means `Aᵢ = true`,
+    ///   which makes `νX` smaller than any other assumption does;
+    /// - every guaranteed justice remains: `⋀ⱼ` ranges over a superset. The empty list means
     ///   `Gⱼ = true`, which makes `μY` larger than any other goal does.
     ///
-    /// Initial conditions only decide whether the region is enough. Searching from `S′ ∧ νF`
-    /// instead of S′ ends in the same region: every step maps a set that holds νF′ to one that
-    /// does, none grows, and where no step changes anything the set is a fixpoint of F′, hence
-    /// within νF′.
-    fn hold_regions_of(&self, new: &Self) -> bool {
+    /// Initial conditions only decide whether the region is large enough. Searching from `S′ ∧ νF`
+    /// instead of `S′` ends in the same region: every step maps a set that contains `νF′` to
+    /// another such set, no step enlarges the set, and a set that no step changes is a fixpoint of
+    /// `F′`, hence within `νF′`.
+    fn contain_regions_of(&self, new: &Self) -> bool {
         self.assumed_invariants == new.assumed_invariants
             && new.assumed_safety.is_subset(&self.assumed_safety)
             && new.assumed_justice.is_subset(&self.assumed_justice)
@@ -271,7 +270,7 @@ impl Formulas {
     }
 }
 
-/// Hash of the variables and of which side moves first.
+/// Hash of the variables and of the timing (Mealy or Moore).
 fn variables(specification: &Specification) -> String {
     let mut feed = Feed::new("variables");
     feed.variables(specification);
@@ -286,7 +285,7 @@ impl Version {
         order_of_variables: &[String],
         region: Option<Diagram>,
     ) -> Self {
-        let region = region.filter(|r| r.nodes.len() <= MOST_REGION_NODES && r.roots.len() == 1);
+        let region = region.filter(|r| r.nodes.len() <= MAX_REGION_NODES && r.roots.len() == 1);
         Self {
             variables: variables(specification),
             order_of_variables: order_of_variables.to_vec(),
@@ -299,8 +298,8 @@ impl Version {
         }
     }
 
-    /// Returns what a new solve can start with. The solver checks the region itself and uses it
-    /// only if it fits.
+    /// Returns what a solve of `specification` can start with. The solver checks the region itself
+    /// and uses it only if it fits.
     pub fn hints(&self, specification: &Specification) -> Hints {
         if self.variables != variables(specification) {
             return Hints {
@@ -308,7 +307,9 @@ impl Version {
                 ..Hints::default()
             };
         }
-        let sound = self.formulas.hold_regions_of(&Formulas::of(specification));
+        let sound = self
+            .formulas
+            .contain_regions_of(&Formulas::of(specification));
         Hints {
             order: Order::new(self.order.clone()),
             exact: true,
@@ -326,8 +327,8 @@ impl Version {
         }
     }
 
-    /// The order of the variables that both versions share; each new variable follows the one
-    /// declared before it. `None` if fewer than half are known.
+    /// Order of the variables that both versions share; each new variable follows the variable
+    /// declared before it. `None` if fewer than half of the variables are shared.
     fn order_by_name(&self, specification: &Specification) -> Option<Order> {
         let places: BTreeMap<&str, usize> = self
             .order_of_variables
@@ -349,7 +350,7 @@ impl Version {
             ranked.push((last, index));
         }
         ranked.sort_unstable();
-        linewright_solver::game::order_of_variables(
+        linewright_solver::game::order_from_variables(
             specification,
             ranked.into_iter().map(|(_, i)| i),
         )
@@ -357,8 +358,8 @@ impl Version {
 }
 
 impl Cache {
-    /// Returns the folder named by `LINEWRIGHT_CACHE`, or else one in the user's cache folder.
-    /// `None` if the variable is `off` or there is no such folder.
+    /// Uses the folder named by `LINEWRIGHT_CACHE`, or else one in the user's cache folder. `None`
+    /// if the environment variable is `off`, or the user has no cache folder.
     pub fn of_user() -> Option<Self> {
         let named = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty());
         if let Some(folder) = named("LINEWRIGHT_CACHE") {
@@ -387,33 +388,33 @@ impl Cache {
         &self.folder
     }
 
-    /// Reads the entry of a key.
+    /// Reads the entry of a key, if there is one.
     pub fn find(&self, key: &Key) -> Option<Entry> {
         self.read(&format!("entry-{}", key.0))
     }
 
     /// Stores an entry.
-    pub fn keep(&self, key: &Key, entry: &Entry) {
+    pub fn store(&self, key: &Key, entry: &Entry) {
         self.write(&format!("entry-{}", key.0), entry);
     }
 
-    /// Whether the machine was stored as free of findings.
+    /// Whether a machine is recorded to have no findings.
     pub fn is_sound(&self, key: &Key) -> bool {
         self.read(&format!("entry-{}", key.0)) == Some(true)
     }
 
     /// Records that a machine has no findings.
-    pub fn keep_sound(&self, key: &Key) {
+    pub fn store_sound(&self, key: &Key) {
         self.write(&format!("entry-{}", key.0), &true);
     }
 
-    /// Reads the last version of a contract.
+    /// Reads the last version of the contract with this specification's name.
     pub fn version(&self, specification: &Specification) -> Option<Version> {
         self.read(&Self::version_name(specification))
     }
 
-    /// Stores the last version of a contract.
-    pub fn keep_version(&self, specification: &Specification, version: &Version) {
+    /// Stores a version of a contract and replaces the previous one.
+    pub fn store_version(&self, specification: &Specification, version: &Version) {
         self.write(&Self::version_name(specification), version);
     }
 
@@ -439,7 +440,7 @@ impl Cache {
         // If writing fails, the next run solves again.
         let _ = self.try_write(name, content);
         TIDIED.call_once(|| {
-            let _ = tidy(&self.folder, MOST_BYTES);
+            let _ = tidy(&self.folder, MAX_BYTES);
         });
     }
 
@@ -456,15 +457,16 @@ impl Cache {
     }
 }
 
-/// Includes the name, so that a file copied over another one is detected.
+/// Checksum of a file's name and content: thus, a file copied over another one is detected.
 fn checksum(name: &str, content: &[u8]) -> String {
     let mut hash = Sha256::new_with_prefix(name);
     hash.update(content);
     hex(&hash.finalize())
 }
 
-/// Deletes the oldest files if the folder is too large, and temporary files left by killed runs.
-fn tidy(folder: &Path, most: u64) -> std::io::Result<()> {
+/// Deletes the oldest files, including temporary files of killed runs, if the folder is larger than
+/// `max` bytes, until half of that is left.
+fn tidy(folder: &Path, max: u64) -> std::io::Result<()> {
     let mut files: Vec<(SystemTime, u64, PathBuf)> = Vec::new();
     for file in std::fs::read_dir(folder)? {
         let file = file?;
@@ -480,11 +482,11 @@ fn tidy(folder: &Path, most: u64) -> std::io::Result<()> {
     }
     files.sort();
     let mut total: u64 = files.iter().map(|f| f.1).sum();
-    if total <= most {
+    if total <= max {
         return Ok(());
     }
     for (_, length, path) in files {
-        if total <= most / 2 {
+        if total <= max / 2 {
             break;
         }
         std::fs::remove_file(path)?;
@@ -514,12 +516,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_found() {
+    fn a_stored_entry_is_found() {
         let folder = tempfile::tempdir().unwrap();
         let cache = Cache::in_folder(folder.path().join("a/b"));
         let key = Key("1".to_owned());
         assert!(cache.find(&key).is_none());
-        cache.keep(&key, &entry());
+        cache.store(&key, &entry());
         assert_eq!(cache.find(&key).unwrap().peak_nodes, 17);
         assert!(cache.find(&Key("2".to_owned())).is_none());
     }
@@ -529,7 +531,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let cache = Cache::in_folder(folder.path());
         let key = Key("1".to_owned());
-        cache.keep(&key, &entry());
+        cache.store(&key, &entry());
         let path = folder.path().join("entry-1");
         let whole = std::fs::read(&path).unwrap();
         for damaged in [
@@ -545,7 +547,7 @@ mod tests {
             std::fs::write(&path, damaged).unwrap();
             assert!(cache.find(&key).is_none());
         }
-        cache.keep(&key, &entry());
+        cache.store(&key, &entry());
         assert!(cache.find(&key).is_some());
         // Intact, but it belongs to another contract.
         std::fs::copy(&path, folder.path().join("entry-2")).unwrap();
@@ -553,18 +555,18 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_can_be_written_nothing_is() {
+    fn failures_to_write_are_ignored() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         std::fs::write(&file, "mine").unwrap();
         let cache = Cache::in_folder(&file);
-        cache.keep(&Key("1".to_owned()), &entry());
+        cache.store(&Key("1".to_owned()), &entry());
         assert!(cache.find(&Key("1".to_owned())).is_none());
         assert_eq!(std::fs::read_to_string(&file).unwrap(), "mine");
     }
 
     #[test]
-    fn the_oldest_go_first() {
+    fn the_oldest_files_are_deleted_first() {
         let folder = tempfile::tempdir().unwrap();
         let now = SystemTime::now();
         for (name, age) in [

@@ -1,10 +1,10 @@
-//! Checks whether a line calls its stations as their machines assume, in particular in the order of
-//! skills, which a machine called from outside leaves to its caller.
+//! Checks whether a line calls its stations as their machines assume. In particular, a machine that
+//! is called from outside leaves the order of its skills to the caller.
 
 use super::closed;
 use crate::controlled::ControlledMachine;
 use linewright_algebra::caller::{CalledMachine, OperationRequest};
-use linewright_algebra::closed::Closed;
+use linewright_algebra::closed::ClosedComposition;
 use linewright_algebra::proof::{Open, Refutation, decide};
 use linewright_algebra::replay;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -21,19 +21,19 @@ use std::collections::BTreeSet;
 pub struct CallCheck {
     /// Calls that may violate an assumption.
     pub findings: Vec<Diagnostic>,
-    /// Stations for which this was not decided, and the reason.
+    /// Names of stations whose calls could not be decided, with the reason.
     pub undecided: Vec<(String, UndecidedReason)>,
 }
 
-/// Checks the `wanted` stations. If contracts alone prove nothing and `controlled` has the
-/// machine's controllers, those are used too.
+/// Checks the `wanted` stations, given by node index. If the contracts alone do not prove that all
+/// calls are as assumed, the machine's controllers are used too, if `controlled` returns them.
 pub fn examine<'a>(
     line: &Line,
     wanted: impl Fn(usize) -> bool,
     controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
 ) -> CallCheck {
-    let mut asked = CallCheck::default();
+    let mut result = CallCheck::default();
     let nodes = line.nodes.iter().enumerate();
     for (_, node) in nodes.filter(|(i, _)| wanted(*i)) {
         let NodeKind::Station { machine, tasks, .. } = &node.kind else {
@@ -54,36 +54,36 @@ pub fn examine<'a>(
         let Some(called) = CalledMachine::of(machine, &sequences) else {
             continue;
         };
-        match open(&called, controlled(machine), limits) {
+        match open_assumptions(&called, controlled(machine), limits) {
             Ok(open) => {
-                let is_unsure = |o: &Open| called.unsure.contains(&o.what);
+                let is_unsure = |o: &Open| called.uncertain_assumptions.contains(&o.what);
                 let (unsure, open): (Vec<Open>, Vec<Open>) = open.into_iter().partition(is_unsure);
                 if open.is_empty() && !unsure.is_empty() {
-                    let why = UndecidedReason::because("that depends on properties of the parts");
-                    asked.undecided.push((node.name.clone(), why));
+                    let why = UndecidedReason::because("it depends on properties of the parts");
+                    result.undecided.push((node.name.clone(), why));
                 }
-                let mut told = BTreeSet::new();
+                let mut shown = BTreeSet::new();
                 for open in &open {
                     let formula = replay::formula(&called.system, &called.claim, open.what);
-                    if told.insert((open.what.part, formula.span)) {
-                        asked.findings.push(finding(node, machine, &called, open));
+                    if shown.insert((open.what.component, formula.span)) {
+                        result.findings.push(finding(node, machine, &called, open));
                     }
                 }
             }
-            Err(limit) => asked.undecided.push((node.name.clone(), limit.into())),
+            Err(limit) => result.undecided.push((node.name.clone(), limit.into())),
         }
     }
-    asked
+    result
 }
 
-/// Reports an assumption about calls that may be violated.
-fn open(
+/// Returns the assumptions about calls that may be violated.
+fn open_assumptions(
     called: &CalledMachine,
     controlled: Option<ControlledMachine<'_>>,
     limits: &Limits,
 ) -> Result<Vec<Open>, Limit> {
     let about_calls = |mut open: Vec<Open>| {
-        open.retain(|o| called.asked.contains(&o.what));
+        open.retain(|o| called.operation_assumptions.contains(&o.what));
         open
     };
     let proof = decide(&called.system, &called.claim, limits)
@@ -92,11 +92,12 @@ fn open(
         return Ok(Vec::new());
     }
     if let Some(controlled) = controlled {
-        let closed = Closed::of_called(controlled.machine, &controlled.controllers, called);
+        let closed =
+            ClosedComposition::of_called(controlled.machine, &controlled.controllers, called);
         if let Ok(verdict) = closed.decide(&closed::bounded(limits))
             // Once a component is stuck, later calls are not examined.
             && verdict.stuck.is_empty()
-            && called.asked.iter().all(|at| !verdict.undecided.contains(at))
+            && called.operation_assumptions.iter().all(|at| !verdict.undecided.contains(at))
         {
             return Ok(about_calls(verdict.open));
         }
@@ -110,34 +111,34 @@ fn open(
 
 fn finding(station: &Node, machine: &Machine, called: &CalledMachine, open: &Open) -> Diagnostic {
     let formula = replay::formula(&called.system, &called.claim, open.what);
-    let component = &machine.components[open.what.part.unwrap_or_default()];
+    let component = &machine.components[open.what.component.unwrap_or_default()];
     let run = match &open.why {
         Refutation::Trace(run) => run,
         Refutation::Lasso(lasso) => &lasso.prefix,
     };
     let asked: Vec<&str> = called
-        .asked_for(machine, run)
+        .requested_operations(machine, run)
         .into_iter()
         .map(|operation| machine.operations[operation].name.as_str())
         .collect();
     Diagnostic::warning(
-        codes::LINE_ASKS,
+        codes::LINE_FORBIDDEN_REQUEST,
         station.span,
         format!(
             "{} may be asked for what {} forbids: {}",
             station.name,
-            messages::assumed(component, formula),
+            messages::describe_assumption(component, formula),
             formula.text
         ),
     )
     .with_label(formula.span, "this would be broken")
     .with_note(format!(
-        "it comes to that when {} is asked for {}: {} is refused, and the part at work is taken out of the line",
+        "this happens when {} is asked for {}: {} is refused, and the current part is removed from the line",
         station.name,
         in_turn(&asked),
-        if asked.len() == 1 { "that" } else { "the last of these" }
+        if asked.len() == 1 { "this" } else { "the last of these" }
     ))
     .with_help(
-        "let the station perform other operations, or the same ones in another order; or weaken what forbids it",
+        "let the station perform other operations, or the same ones in another order; or weaken the assumption",
     )
 }

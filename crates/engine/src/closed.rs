@@ -1,10 +1,12 @@
-//! Findings of the closed composition of a machine, in words.
+//! Findings about the closed composition of a machine.
 
 use super::findings::list;
 use super::found;
 use super::machine::MachineContext;
 use super::words::{ProofPrinter, lasso_end, steps_table};
-use linewright_algebra::closed::{Closed, FailureKind, OperationFailure, StuckComponent, Verdict};
+use linewright_algebra::closed::{
+    ClosedComposition, FailureKind, OperationFailure, StuckComponent, Verdict,
+};
 use linewright_algebra::machine::COMPLETES;
 use linewright_algebra::proof::{Open, Proof};
 use linewright_algebra::replay;
@@ -19,11 +21,11 @@ use std::collections::BTreeSet;
 
 /// Limits for a closed composition.
 pub fn bounded(limits: &Limits) -> Limits {
-    limits.within(Budget::CLOSED)
+    limits.with_budget(Budget::CLOSED_COMPOSITION)
 }
 
-/// Finding for an obligation that is not met.
-pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {
+/// Finding for an obligation that the closed composition does not meet.
+pub fn open(closed: &ClosedComposition<'_>, whole: &str, open: &Open, span: Span) -> Diagnostic {
     let printer = ProofPrinter {
         system: &closed.system,
         claim: &closed.claim,
@@ -41,11 +43,13 @@ pub fn open(closed: &Closed<'_>, whole: &str, open: &Open, span: Span) -> Diagno
     findings.swap_remove(0)
 }
 
-/// Finding for a component without an answer: after some run its assumptions contradict each other.
+/// Finding for a component without an answer: after some run, its assumptions contradict each
+/// other.
 ///
 /// # Panics
-/// Its table cannot have a gap while its assumptions can be kept: the verifier has excluded that.
-pub fn stuck(closed: &Closed<'_>, stuck: &StuckComponent) -> Diagnostic {
+/// If the component's table has no row although its assumptions are kept, which the verifier has
+/// excluded.
+pub fn stuck(closed: &ClosedComposition<'_>, stuck: &StuckComponent) -> Diagnostic {
     let component = &closed.machine.components[stuck.component];
     assert!(
         stuck.silent,
@@ -78,15 +82,15 @@ pub fn stuck(closed: &Closed<'_>, stuck: &StuckComponent) -> Diagnostic {
     };
     let them = if names.len() == 1 { "it" } else { "them" };
     let mut finding = Diagnostic::error(
-        codes::ASSUMPTION_OPEN,
+        codes::ASSUMPTION_UNDISCHARGED,
         component.span,
-        format!("{what} {place}: no inputs keep {them}, so it has no answer"),
+        format!("{what} {place}: no inputs satisfy {them}, so the component has no answer"),
     );
     for formula in among {
         finding = finding.with_label(formula.span, "this is assumed");
     }
     if before > 0 {
-        let first = closed.taking[stuck.component].first;
+        let first = closed.participants[stuck.component].first;
         let wires = component.specification.outputs().count();
         let mut shown: BTreeSet<VarId> = (first..first + wires).map(|w| VarId(w as u32)).collect();
         for binding in &component.bindings {
@@ -97,37 +101,40 @@ pub fn stuck(closed: &Closed<'_>, stuck: &StuckComponent) -> Diagnostic {
         let shown: Vec<VarId> = shown.into_iter().collect();
         finding = finding.with_note(steps_table(&closed.system, &shown, &stuck.trace[..before]));
     }
-    finding.with_help("weaken one of them, or let the machine avoid what leads there")
+    finding.with_help("weaken an assumption, or let the machine avoid the steps that lead there")
 }
 
-/// Whether this is the completion goal; completion is reported per operation.
-pub fn is_completion(closed: &Closed<'_>, open: &Open) -> bool {
+/// Whether an obligation is the completion goal; completion is reported per operation.
+pub fn is_completion(closed: &ClosedComposition<'_>, open: &Open) -> bool {
     let formula = replay::formula(&closed.system, &closed.claim, open.what);
-    open.what.part.is_none() && formula.name == COMPLETES
+    open.what.component.is_none() && formula.name == COMPLETES
 }
 
-/// Findings about operations. An operation that can never begin is no mistake in a machine that
-/// works only within others.
+/// Findings about operations. In a machine that works only within others, an operation that can
+/// never begin is a warning.
 pub fn operations(
-    closed: &Closed<'_>,
+    closed: &ClosedComposition<'_>,
     verdict: &Verdict,
-    standing: MachineContext,
+    context: MachineContext,
 ) -> Vec<Diagnostic> {
-    let misruns = verdict.misruns.iter().map(|m| {
+    let misruns = verdict.operation_failures.iter().map(|m| {
         let mut finding = misrun(closed, m);
-        if standing == MachineContext::Within && matches!(m.why, FailureKind::NeverBegins(_)) {
+        if context == MachineContext::Within && matches!(m.why, FailureKind::NeverBegins(_)) {
             finding.severity = Severity::Warning;
             let alone =
-                "that is so where the machine stands alone; in others its signals are bound";
+                "this holds for the machine on its own; within another machine its signals are bound";
             finding = finding.with_note(alone);
         }
         finding
     });
-    let unclear = verdict.unclear.iter().map(|o| unclear(closed.machine, *o));
+    let unclear = verdict
+        .undecided_operations
+        .iter()
+        .map(|o| unclear(closed.machine, *o));
     misruns.chain(unclear).collect()
 }
 
-fn misrun(closed: &Closed<'_>, misrun: &OperationFailure) -> Diagnostic {
+fn misrun(closed: &ClosedComposition<'_>, misrun: &OperationFailure) -> Diagnostic {
     let operation = &closed.machine.operations[misrun.operation];
     match &misrun.why {
         FailureKind::NeverBegins(by) => never_begins(closed, operation, by),
@@ -150,17 +157,23 @@ fn misrun(closed: &Closed<'_>, misrun: &OperationFailure) -> Diagnostic {
                 ),
             )
             .with_note(table(closed, &steps) + &lasso_end(run))
-            .with_help("let the coordinator guarantee that it goes on once an action is executed")
+            .with_help("let the coordinator guarantee that it continues once an action is executed")
         }
     }
 }
 
-fn never_begins(closed: &Closed<'_>, operation: &Operation, by: &[FormulaRef]) -> Diagnostic {
-    let printer: Vec<String> = by.iter().map(|at| assumed(closed, *at)).collect();
-    let forbids = match printer.as_slice() {
-        [] => "what is assumed of it forbids it everywhere".to_owned(),
-        [one] => format!("{one} forbids it everywhere"),
-        [several @ .., last] => format!("{} or {last} forbid it everywhere", several.join(", ")),
+fn never_begins(
+    closed: &ClosedComposition<'_>,
+    operation: &Operation,
+    by: &[FormulaRef],
+) -> Diagnostic {
+    let assumptions: Vec<String> = by.iter().map(|at| assumed(closed, *at)).collect();
+    let forbids = match assumptions.as_slice() {
+        [] => "the assumptions forbid it in every state".to_owned(),
+        [one] => format!("{one} forbids it in every state"),
+        [several @ .., last] => {
+            format!("{} or {last} forbids it in every state", several.join(", "))
+        }
     };
     let mut finding = Diagnostic::error(
         codes::OPERATION,
@@ -174,17 +187,18 @@ fn never_begins(closed: &Closed<'_>, operation: &Operation, by: &[FormulaRef]) -
         let formula = replay::formula(&closed.system, &closed.claim, *at);
         finding = finding.with_label(formula.span, "it is forbidden here");
     }
-    finding
-        .with_help("weaken what forbids it, or add an operation that leads to where it is allowed")
+    finding.with_help(
+        "weaken the assumptions, or add an operation that leads to a state where it is allowed",
+    )
 }
 
-fn assumed(closed: &Closed<'_>, at: FormulaRef) -> String {
-    let component = &closed.machine.components[at.part.unwrap_or_default()];
+fn assumed(closed: &ClosedComposition<'_>, at: FormulaRef) -> String {
+    let component = &closed.machine.components[at.component.unwrap_or_default()];
     let formula = replay::formula(&closed.system, &closed.claim, at);
-    messages::assumed(component, formula)
+    messages::describe_assumption(component, formula)
 }
 
-fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnostic {
+fn order(closed: &ClosedComposition<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnostic {
     let machine = closed.machine;
     let operation = &machine.operations[operation];
     let last = &steps[steps.len() - 1];
@@ -208,7 +222,7 @@ fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnosti
     };
     let message = format!(
         "after {} of `{}` {does}, but the operation names {}",
-        messages::actions(before),
+        messages::format_action_count(before),
         operation.name,
         named(before)
     );
@@ -216,7 +230,7 @@ fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnosti
     let next = next.map(|i| &machine.components[*i]);
     let help = match next.filter(|c| c.active.is_none()) {
         Some(action) => format!(
-            "`{}` is never active: say when it is, `action {}: {} when ...`",
+            "`{}` is never active: declare when it is, `action {}: {} when ...`",
             action.name, action.name, action.contract
         ),
         None if coordinated => {
@@ -225,7 +239,7 @@ fn order(closed: &Closed<'_>, operation: usize, steps: &[Vec<i64>]) -> Diagnosti
         None => "make the operation's list agree with `done` and with each `when`".to_owned(),
     };
     Diagnostic::error(codes::OPERATION, operation.span, message)
-        .with_note(table(closed, steps) + &format!("step {} is the one", steps.len() - 1))
+        .with_note(table(closed, steps) + &format!("this happens in step {}", steps.len() - 1))
         .with_help(help)
 }
 
@@ -234,13 +248,13 @@ fn name(machine: &Machine, component: usize) -> String {
 }
 
 /// Number of actions that have begun.
-fn begun(closed: &Closed<'_>, values: &[i64]) -> usize {
+fn begun(closed: &ClosedComposition<'_>, values: &[i64]) -> usize {
     let watch = closed.watch.as_ref();
     watch.map_or(0, |w| usize::try_from(values[w.begun.index()]).unwrap_or(0))
 }
 
 /// The active action; the first declared one if there are several.
-fn active(closed: &Closed<'_>, values: &[i64]) -> Option<String> {
+fn active(closed: &ClosedComposition<'_>, values: &[i64]) -> Option<String> {
     let mut components = closed.machine.components.iter();
     let active = components.position(|c| {
         let active = c.active.as_ref();
@@ -249,9 +263,9 @@ fn active(closed: &Closed<'_>, values: &[i64]) -> Option<String> {
     active.map(|i| name(closed.machine, i))
 }
 
-/// A run as a table: the request, the signals that show an action as active, and the one that shows
-/// the operation as done.
-fn table(closed: &Closed<'_>, steps: &[Vec<i64>]) -> String {
+/// A run as a table: the requested operation, the variables that show an action as active, and
+/// those that show the operation as done.
+fn table(closed: &ClosedComposition<'_>, steps: &[Vec<i64>]) -> String {
     let mut shown: BTreeSet<VarId> = BTreeSet::new();
     let machine = closed.machine;
     shown.extend(closed.watch.as_ref().and_then(|w| w.operation));
@@ -274,26 +288,26 @@ fn unclear(machine: &Machine, operation: usize) -> Diagnostic {
         codes::OPERATION,
         operation.span,
         format!(
-            "whether the operation `{}` runs what it names was not decided: a controller is too large for that",
+            "could not decide whether the operation `{}` runs its actions in order: a controller is too large",
             operation.name
         ),
     )
-    .with_help("it is checked when the library runs; smaller domains let it be decided beforehand")
+    .with_help("the library checks this when it runs; to decide it beforehand, make the domains smaller")
 }
 
 /// Help text for a proof that reached a limit.
-pub fn more(limit: Limit) -> String {
+pub fn limit_help(limit: Limit) -> String {
     let remedy = limit.remedy().map(|remedy| format!("{remedy}, or "));
     format!("{}make the domains smaller", remedy.unwrap_or_default())
 }
 
-/// Finding for a composition on which nothing was decided.
+/// Finding for a composition that was not decided because of a limit.
 pub fn undecided(span: Span, name: &str, limit: Limit) -> Diagnostic {
     Diagnostic::warning(
         codes::GAVE_UP,
         span,
-        format!("whether the parts of `{name}` fit together was not decided: {limit}"),
+        format!("could not decide whether the parts of `{name}` fit together: {limit}"),
     )
-    .with_help(more(limit))
-    .giving_up(limit.is_of_command())
+    .with_help(limit_help(limit))
+    .giving_up(limit.is_external())
 }

@@ -16,18 +16,23 @@ pub struct ControlledMachine<'a> {
 }
 
 impl ControlledMachine<'_> {
-    /// Applies these controllers to a machine that differs from theirs only in numbers.
+    /// Creates an interpreter of `machine` with these controllers. `machine` must have the same
+    /// components as `self.machine`; times and other numbers can differ.
     pub fn interpreter(&self, machine: &Machine) -> Interpreter {
-        Interpreter::new(Arc::new(machine.clone()), Arc::new(self.owned()))
+        Interpreter::new(
+            Arc::new(machine.clone()),
+            Arc::new(self.clone_controllers()),
+        )
     }
 
     /// Clones the controllers.
-    pub fn owned(&self) -> Vec<mealy::Controller> {
+    pub fn clone_controllers(&self) -> Vec<mealy::Controller> {
         self.controllers.iter().map(|c| (*c).clone()).collect()
     }
 }
 
-/// Checks whether a machine's coordinator and actions fit together.
+/// Checks whether a machine's coordinator and actions fit together, by exploring the coordinator's
+/// states.
 pub fn compose(controlled: &ControlledMachine<'_>) -> Composition {
     composition::check(controlled.machine, &controlled.controllers)
 }

@@ -18,8 +18,8 @@ const MACHINE_PEAK_NODES: u64 = 50_000;
 /// Maximum number of bit pairs of games for which a machine is tried.
 const MACHINE_PAIRS: usize = 48;
 
-/// If functions are acceptable: maximum number of nodes at once, and of pairs of state and inputs
-/// to verify, before a machine is abandoned.
+/// If functions are acceptable: maximum number of live nodes, and of pairs of state and inputs to
+/// verify, before a machine is abandoned.
 const MACHINE_NODES: u64 = 500_000;
 
 /// If functions are acceptable: maximum size of a machine's tables in bytes.
@@ -30,7 +30,7 @@ const TABLE_BYTES: usize = 256 << 10;
 pub struct ExtractionOptions {
     /// What a machine is optimized for.
     pub preference: Preference,
-    /// Whether functions may replace a large machine.
+    /// Whether functions are acceptable instead of a large machine.
     pub functions: bool,
 }
 
@@ -48,27 +48,30 @@ pub enum Controller {
 }
 
 /// Extracts and verifies a controller.
+///
+/// # Errors
+/// The verifier rejects the controller, which is a fault of this program.
 pub fn controller(
     specification: &Specification,
     won: &WonGame,
     pairs: usize,
-    wish: ExtractionOptions,
+    options: ExtractionOptions,
     limits: &Limits,
     seconds: Option<&mut Seconds>,
 ) -> Result<Controller, InternalError> {
     let mut work = Work {
         specification,
         won,
-        preference: wish.preference,
+        preference: options.preference,
         seconds,
     };
-    let made = if !wish.functions {
+    let made = if !options.functions {
         work.machine(limits)
     } else if won.peak_nodes > MACHINE_PEAK_NODES || pairs > MACHINE_PAIRS {
         work.functions(limits)
     } else {
         let bounded = Limits {
-            most_nodes: Some(MACHINE_NODES),
+            max_nodes: Some(MACHINE_NODES),
             ..*limits
         };
         match work.machine(&bounded) {
@@ -86,8 +89,8 @@ pub fn controller(
     }
 }
 
-/// A controller, or the rule that it breaks.
-type Made = Result<Result<Controller, String>, Limit>;
+/// A verified controller, or the rule that it breaks.
+type Extracted = Result<Result<Controller, String>, Limit>;
 
 struct Work<'a> {
     specification: &'a Specification,
@@ -97,9 +100,10 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn machine(&mut self, limits: &Limits) -> Made {
+    fn machine(&mut self, limits: &Limits) -> Extracted {
         let (specification, won, preference) = (self.specification, self.won, self.preference);
-        let extract = || mealy::extract::extract_preferring(preference, specification, won, limits);
+        let extract =
+            || mealy::extract::extract_with_preference(preference, specification, won, limits);
         let machine = self.timed(|s| &mut s.extract, extract)?;
         let verify = || mealy::verify::verify(specification, &machine, limits);
         let verdict = self.timed(|s| &mut s.verify, verify)?;
@@ -109,7 +113,7 @@ impl Work<'_> {
         })
     }
 
-    fn functions(&mut self, limits: &Limits) -> Made {
+    fn functions(&mut self, limits: &Limits) -> Extracted {
         let (specification, won) = (self.specification, self.won);
         let extract = || Functions::extract(specification, won, limits);
         let functions = self.timed(|s| &mut s.extract, extract)?;
@@ -121,7 +125,7 @@ impl Work<'_> {
         })
     }
 
-    /// Adds the time that `something` takes to one of the phases.
+    /// Runs `something` and adds the time it takes to one of the phases.
     fn timed<T>(
         &mut self,
         phase: fn(&mut Seconds) -> &mut Option<f64>,

@@ -1,11 +1,11 @@
 //! Finds and reads source files: command-line paths, imports, and the bundled library.
 //!
-//! A file has one name, however it was reached (`Names`), since the resolver identifies files by
-//! name. Names are joined and normalized (`a/../b.lw` becomes `b.lw`). Names in the library begin
-//! with `std/`.
+//! The resolver identifies files by name, so a file that is reached by several paths gets a single
+//! name (`Names`). Names are normalized paths (`a/../b.lw` becomes `b.lw`). Names of library files
+//! begin with `std/`.
 //!
 //! Files of other tools are recognized by their extension. They are read only when named
-//! explicitly; in a folder, only `.lw` files are searched.
+//! explicitly; in a folder, only `.lw` files are found.
 
 use include_dir::{Dir, include_dir};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 static BUNDLED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../contracts");
 
-/// Folder that `check` reads if it is given no path.
+/// Folder that is loaded if no path is given.
 const DEFAULT_FOLDER: &str = "contracts";
 
 /// The library behind `import std...`: the bundled one, or a folder that replaces it.
@@ -30,7 +30,7 @@ pub struct StandardLibrary {
 }
 
 impl StandardLibrary {
-    /// Uses the library in `folder`, or else the bundled one.
+    /// Uses the library in `folder`, or the bundled one if `folder` is `None`.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { folder }
     }
@@ -47,8 +47,8 @@ impl StandardLibrary {
         }
     }
 
-    /// Paths of all its contracts in alphabetical order, with a finding for each folder that cannot
-    /// be read.
+    /// Paths of all `.lw` files of the library in alphabetical order, with a finding for each
+    /// folder that cannot be read.
     fn paths(&self) -> (Vec<String>, Vec<Diagnostic>) {
         let (mut paths, mut findings) = (Vec::new(), Vec::new());
         match &self.folder {
@@ -66,7 +66,8 @@ impl StandardLibrary {
         (paths, findings)
     }
 
-    /// Names and texts of all its files, with a finding for each that cannot be read.
+    /// Names and texts of all files of the library, with a finding for each file or folder that
+    /// cannot be read.
     fn files(&self) -> (Vec<(String, String)>, Vec<Diagnostic>) {
         let (paths, mut findings) = self.paths();
         let mut files = Vec::new();
@@ -80,9 +81,9 @@ impl StandardLibrary {
     }
 
     /// Reads the target of an `import`: `std.handling.turn`, or a path relative to the importing
-    /// file.
+    /// file. Returns its name and text.
     fn import(&self, path: &str, importer: &str) -> Result<(String, String), String> {
-        let name = imported(path, importer);
+        let name = imported_name(path, importer);
         // A library file imports its neighbors from the library.
         let within = library_path(path).is_some() || importer.starts_with("std/");
         let text = match name.strip_prefix("std/").filter(|_| within) {
@@ -92,8 +93,9 @@ impl StandardLibrary {
         Ok((name, text))
     }
 
-    /// The path on disk that belongs to a name, if there is one.
-    pub fn place(&self, name: &str) -> PathBuf {
+    /// Path on disk of the file with this name. A file of the bundled library has none; its name is
+    /// returned unchanged.
+    pub fn disk_path(&self, name: &str) -> PathBuf {
         match (&self.folder, name.strip_prefix("std/")) {
             (Some(folder), Some(inner)) => folder.join(inner),
             _ => PathBuf::from(name),
@@ -101,26 +103,26 @@ impl StandardLibrary {
     }
 }
 
-/// Maps each path on disk to the name by which it was first reached. `../a/b.lw` in the folder `a`
-/// is `b.lw`, as is a link to it.
+/// Maps each canonical path on disk to the name by which the file was first reached: in the folder
+/// `a`, the path `../a/b.lw` and links to the file also get the name `b.lw`.
 #[derive(Debug, Default)]
 struct Names(BTreeMap<PathBuf, String>);
 
 impl Names {
-    /// The unique name of the file that was reached as `name`.
+    /// Returns the unique name of the file that was reached as `name`.
     fn of(&mut self, name: String, standard: &StandardLibrary) -> String {
         if standard.folder.is_none() && name.starts_with("std/") {
             return name;
         }
-        match std::fs::canonicalize(standard.place(&name)) {
+        match std::fs::canonicalize(standard.disk_path(&name)) {
             Ok(place) => self.0.entry(place).or_insert(name).clone(),
             Err(_) => name,
         }
     }
 }
 
-/// The name of the file that an `import` names.
-fn imported(path: &str, importer: &str) -> String {
+/// Name of the file that an `import` refers to.
+fn imported_name(path: &str, importer: &str) -> String {
     if let Some(inner) = library_path(path) {
         return format!("std/{inner}");
     }
@@ -128,21 +130,20 @@ fn imported(path: &str, importer: &str) -> String {
     clean(&folder.join(path))
 }
 
-/// Result of loading: the library, the findings so far, and the names requested explicitly (all
-/// others were imported).
+/// Result of loading files.
 #[derive(Debug, Default)]
 pub struct LoadedFiles {
     /// Declarations of all files.
     pub library: Library,
     /// Findings of reading, parsing and resolving.
     pub findings: Vec<Diagnostic>,
-    /// Names of the files that were requested.
+    /// Names of the files that were requested; all others were imported.
     pub roots: Vec<String>,
     /// Requested paths that could not be read.
     pub unreadable: Vec<String>,
     /// Names of imported files that could not be read.
     pub missing: Vec<String>,
-    /// Paths of the files on disk with links resolved: no result may overwrite them.
+    /// Canonical paths of the files on disk, which results must not overwrite.
     pub places: BTreeSet<PathBuf>,
     /// Specifications of other tools. Those that could be read are also in the library, as
     /// contracts.
@@ -156,24 +157,23 @@ pub struct Foreign {
     pub file: FileId,
     /// File name without folder and extension; also the contract's name.
     pub name: String,
-    /// The specification, as it was read.
+    /// Result of reading it.
     pub reading: Reading,
 }
 
 impl LoadedFiles {
-    /// Returns the other tool's specification in a file, if it is one.
+    /// Returns the other tool's specification in a file, if the file has one.
     pub fn foreign(&self, file: FileId) -> Option<&Foreign> {
         self.foreign.iter().find(|f| f.file == file)
     }
 
-    /// Whether a file of another tool could not be read. A file with an error of any kind counts as
-    /// one that does not parse.
-    pub fn lacks_foreign(&self) -> bool {
+    /// Whether a file of another tool gave no specification, because of an error of any kind.
+    pub fn has_invalid_foreign(&self) -> bool {
         let mut foreign = self.foreign.iter();
         foreign.any(|f| f.reading.specification.is_none())
     }
 
-    /// Reads another tool's file with its imports, and makes a contract of it.
+    /// Reads another tool's file with its imports, and adds its specification as a contract.
     fn add_foreign(
         &mut self,
         format: Format,
@@ -219,7 +219,10 @@ impl LoadedFiles {
                 codes: Vec::new(),
                 arguments: Vec::new(),
                 specification: Arc::new(specification.clone()),
-                span: Span::new(file, 0, 0),
+                span: Span {
+                    end: reading.span.start,
+                    ..reading.span
+                },
             });
         }
         self.foreign.push(Foreign {
@@ -236,7 +239,7 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
     let mut loaded = LoadedFiles::default();
     let mut files: Vec<(String, String)> = Vec::new();
     let mut names = Names::default();
-    let paths = given(paths, standard);
+    let paths = or_default(paths, standard);
     if paths.is_empty() {
         (files, loaded.findings) = standard.files();
         for (name, _) in &files {
@@ -262,12 +265,12 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
     loaded.roots = files.iter().map(|f| f.0.clone()).collect();
     let (foreign, own): (Vec<_>, Vec<_>) = files
         .into_iter()
-        .partition(|(name, _)| Format::of_path(name).is_some());
+        .partition(|(name, _)| Format::from_path(name).is_some());
     let (missing, names) = (RefCell::new(Vec::new()), RefCell::new(names));
     let (library, findings) = contract::load(&own, &|path, importer| {
         let read = standard.import(path, importer);
         if read.is_err() {
-            missing.borrow_mut().push(imported(path, importer));
+            missing.borrow_mut().push(imported_name(path, importer));
         }
         let (name, text) = read?;
         Ok((names.borrow_mut().of(name, standard), text))
@@ -277,7 +280,7 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
     loaded.library = library;
     loaded.findings.extend(findings);
     for (name, text) in foreign {
-        if let Some(format) = Format::of_path(&name) {
+        if let Some(format) = Format::from_path(&name) {
             loaded.add_foreign(format, &name, text, &mut names, standard);
         }
     }
@@ -285,27 +288,27 @@ pub fn load(paths: &[String], standard: &StandardLibrary) -> LoadedFiles {
     loaded
 }
 
-/// The given paths, or the default folder; empty for the whole bundled library.
-fn given(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
+/// The given paths, or the default folder if there are none; empty for the whole library.
+fn or_default(paths: &[String], standard: &StandardLibrary) -> Vec<String> {
     if paths.is_empty() && standard.folder.is_none() && Path::new(DEFAULT_FOLDER).is_dir() {
         return vec![DEFAULT_FOLDER.to_owned()];
     }
     paths.to_vec()
 }
 
-/// Paths on disk that a command with these arguments depends on now: folders, and files in and
-/// beside them, whether they exist or not. Imports are not included.
-pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Vec<PathBuf>) {
+/// Paths on disk that a command with these arguments depends on: the folders, and the files in them
+/// and among the arguments, whether they exist or not. Imports are not included.
+pub fn watched_paths(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Vec<PathBuf>) {
     let (mut folders, mut files) = (Vec::new(), Vec::new());
-    let given = given(paths, standard);
-    folders.extend(standard.folder.clone().filter(|_| given.is_empty()));
-    for path in given {
+    let paths = or_default(paths, standard);
+    folders.extend(standard.folder.clone().filter(|_| paths.is_empty()));
+    for path in paths {
         let place = PathBuf::from(&path);
         if place.is_dir() {
             folders.push(place);
         } else {
             let inner = library_path(&path).filter(|_| !place.exists());
-            files.push(inner.map_or(place, |inner| standard.place(&format!("std/{inner}"))));
+            files.push(inner.map_or(place, |inner| standard.disk_path(&format!("std/{inner}"))));
         }
     }
     for folder in &folders {
@@ -316,12 +319,11 @@ pub fn places(paths: &[String], standard: &StandardLibrary) -> (Vec<PathBuf>, Ve
 
 type Resolution = Result<(String, String), (String, String)>;
 
-/// Name and text of a file, or the finding why it cannot be read.
+/// Name and text of a file, or the finding that it cannot be read.
 pub type Read = Result<(String, String), Diagnostic>;
 
-/// Reads the files that the paths name, each once: a file itself, and every `.lw` file below a
-/// folder.
-pub fn every(paths: &[String]) -> Vec<Read> {
+/// Reads each of the files, and every `.lw` file below each of the folders, once.
+pub fn read_all(paths: &[String]) -> Vec<Read> {
     let mut files: Vec<Read> = Vec::new();
     for path in paths {
         let place = Path::new(path);
@@ -336,7 +338,7 @@ pub fn every(paths: &[String]) -> Vec<Read> {
     files
 }
 
-/// The files of one path: the file itself, or every `.lw` file below it.
+/// Reads the files of one path: a file, every `.lw` file below a folder, or a library file.
 fn collect(path: &str, standard: &StandardLibrary) -> Vec<Resolution> {
     let place = Path::new(path);
     if !place.exists()
@@ -351,7 +353,7 @@ fn collect(path: &str, standard: &StandardLibrary) -> Vec<Resolution> {
     within(place)
 }
 
-/// The file itself, or every `.lw` file below a folder; never empty.
+/// Reads a file, or every `.lw` file below a folder; the result is never empty.
 fn within(place: &Path) -> Vec<Resolution> {
     if !place.is_dir() {
         return vec![read_named(place)];
@@ -360,7 +362,7 @@ fn within(place: &Path) -> Vec<Resolution> {
     let mut all: Vec<Resolution> = found.files.iter().map(|f| read_named(f)).collect();
     all.extend(found.unreadable.into_iter().map(Err));
     if all.is_empty() {
-        all.push(Err((shown(place), "it holds no .lw file".to_owned())));
+        all.push(Err((shown(place), "it contains no .lw file".to_owned())));
     }
     all
 }
@@ -415,7 +417,7 @@ impl Search {
         for entry in std::fs::read_dir(folder)? {
             let entry = entry?;
             let (path, kind) = (entry.path(), entry.file_type()?);
-            // Everything named like a contract is included; reading it reports what is none.
+            // Anything with this extension is included, even folders; reading reports those.
             if path.extension().is_some_and(|e| e == "lw") {
                 self.files.push(path);
             } else if kind.is_dir() && !entry.file_name().to_string_lossy().starts_with('.') {
@@ -441,15 +443,15 @@ fn embedded(folder: &Dir<'_>, paths: &mut Vec<String>) {
 pub fn read(path: &Path) -> Result<String, String> {
     let bytes = disk::read(path).map_err(|e| describe(&e))?;
     if let Some(offset) = bytes.iter().position(|byte| *byte == 0) {
-        return Err(format!("it is not a text: its byte {offset} is zero"));
+        return Err(format!("it is not a text file: byte {offset} is zero"));
     }
-    String::from_utf8(bytes).map_err(|_| "it is not a text in UTF-8".to_owned())
+    String::from_utf8(bytes).map_err(|_| "it is not a UTF-8 text file".to_owned())
 }
 
 /// Checks that a path leads to a regular file.
 ///
 /// # Errors
-/// Describes what is there instead.
+/// Describes why it is not a regular file, or why this cannot be determined.
 pub fn is_regular(path: &Path) -> Result<(), String> {
     disk::is_regular(path).map_err(|e| describe(&e))
 }
@@ -457,7 +459,7 @@ pub fn is_regular(path: &Path) -> Result<(), String> {
 fn describe(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        std::io::ErrorKind::PermissionDenied => "it may not be read".to_owned(),
+        std::io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
         std::io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
         _ => error.to_string(),
     }
@@ -469,11 +471,11 @@ fn unreadable(name: &str, why: &str) -> Diagnostic {
         None,
         format!("{name} cannot be read: {why}"),
     )
-    .with_help("give the path of a .lw file (`check` and `synth` take .spc, .slugsin, .structuredslugs, .spectra and .tlsf, too), or of a folder that holds .lw files")
+    .with_help("give the path of a .lw file (`check` and `synth` also read .spc, .slugsin, .structuredslugs, .spectra and .tlsf files), or of a folder that contains .lw files")
 }
 
-/// Normalizes a path: no `.`, `..` removed where possible, slashes only. The parent of a linked
-/// folder is not the preceding component of the path.
+/// Normalizes a path: removes `.`, and `..` where possible; uses slashes only. `..` after a
+/// symbolic link is kept, since the parent of the link's target is not the preceding component.
 fn clean(path: &Path) -> String {
     use std::path::Component;
     let mut parts = PathBuf::new();
@@ -516,7 +518,7 @@ mod tests {
     }
 
     #[test]
-    fn library_names_are_told_from_paths() {
+    fn library_names_are_distinguished_from_paths() {
         assert_eq!(
             library_path("std.handling.turn").as_deref(),
             Some("handling/turn.lw")

@@ -1,4 +1,4 @@
-//! Findings about a composition.
+//! Findings about proofs, and about contracts that cannot be combined.
 
 use super::words::ProofPrinter;
 use crate::findings::list;
@@ -6,10 +6,10 @@ use linewright_algebra::join::Mismatch;
 use linewright_algebra::proof::{Open, Proof};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
-use linewright_language::order::lower::rule_of;
+use linewright_language::order::lower::rule_name;
 
-/// Converts a proof's failures to findings. `at` maps a part to its place in the text; the claim's
-/// own formulas have no part.
+/// Converts a proof's failures to findings. `at` maps the index of a part to its place in the text;
+/// the claim's own formulas have no part.
 pub fn of_proof(
     printer: ProofPrinter<'_>,
     proof: &Proof,
@@ -21,12 +21,12 @@ pub fn of_proof(
             .variables
             .first()
             .and_then(|v| printer.system.driver(*v));
-        let (message, help) = printer.same_step(found);
+        let (message, help) = printer.describe_loop(found);
         findings.push(Diagnostic::error(codes::SAME_STEP_LOOP, at(part), message).with_help(help));
     }
     for circle in &proof.circles {
-        let part = circle.assumptions.first().and_then(|a| a.part);
-        let (message, help) = printer.circle(circle);
+        let part = circle.assumptions.first().and_then(|a| a.component);
+        let (message, help) = printer.describe_circle(circle);
         let mut finding = Diagnostic::error(codes::JUSTICE_CIRCLE, at(part), message);
         for assumption in &circle.assumptions {
             let formula = printer.formula(*assumption);
@@ -46,38 +46,38 @@ fn open(
 ) -> Diagnostic {
     let formula = printer.formula(open.what);
     let reason = printer.reason(open);
-    let (code, message, label) = match open.what.part {
+    let (code, message, label) = match open.what.component {
         Some(part) => (
-            codes::ASSUMPTION_OPEN,
+            codes::ASSUMPTION_UNDISCHARGED,
             format!(
                 "the assumption `{}` of `{}` is not discharged: {reason}",
-                formula.name, printer.system.parts[part].name
+                formula.name, printer.system.components[part].name
             ),
             "this is assumed",
         ),
         None => (
-            codes::PROMISE_BROKEN,
+            codes::GUARANTEE_UNPROVED,
             format!("`{}` of `{}` is not kept", formula.name, printer.whole),
-            "this is to be kept",
+            "this guarantee is not kept",
         ),
     };
-    let help = match open.what.part {
-        Some(_) if rule_of(&formula.name).is_some() => {
-            "let what calls its skills keep the order. One that whoever asks for operations is to keep names skills that are bound to `operation` alone, and not also to what happens while it runs"
+    let help = match open.what.component {
+        Some(_) if rule_name(&formula.name).is_some() => {
+            "let the component that calls these skills keep the order. To leave the order to the caller of the machine, bind its skills to `operation` alone, and not also to what happens while the operation runs"
         }
-        Some(_) => "let another contract guarantee it, or weaken the assumption to what it needs",
-        None => "add a guarantee from which it follows, or promise less",
+        Some(_) => "let another contract guarantee it, or weaken the assumption",
+        None => "add a guarantee that implies it, or weaken it",
     };
-    Diagnostic::error(code, at(open.what.part), message)
+    Diagnostic::error(code, at(open.what.component), message)
         .with_label(formula.span, label)
-        .with_note(printer.shown(open))
+        .with_note(printer.counterexample(open))
         .with_help(help)
 }
 
 /// Finding for contracts that cannot be combined.
 pub fn of_mismatch(mismatch: &Mismatch) -> Diagnostic {
     match mismatch {
-        Mismatch::Domains {
+        Mismatch::DifferentDomains {
             name,
             first,
             second,
@@ -91,10 +91,10 @@ pub fn of_mismatch(mismatch: &Mismatch) -> Diagnostic {
         )
         .with_label(first.2, "declared here")
         .with_help(format!(
-            "give both the same type, or tell them apart: --rename {}.{name}=...",
+            "give both the same type, or rename one of them: --rename {}.{name}=...",
             second.0
         )),
-        Mismatch::Drivers {
+        Mismatch::SeveralDrivers {
             name,
             first,
             second,
@@ -103,12 +103,12 @@ pub fn of_mismatch(mismatch: &Mismatch) -> Diagnostic {
             second.1,
             format!("`{name}` is set by `{}` and by `{}`", first.0, second.0),
         )
-        .with_label(first.1, "the first one")
+        .with_label(first.1, "first declared here")
         .with_help(format!(
-            "one of them has to read it as an input, or they are different variables: --rename {}.{name}=...",
+            "make it an input of one of them; if these are different variables, rename one: --rename {}.{name}=...",
             second.0
         )),
-        Mismatch::NoPort {
+        Mismatch::UnknownPort {
             contract,
             port,
             ports,
@@ -118,11 +118,11 @@ pub fn of_mismatch(mismatch: &Mismatch) -> Diagnostic {
             format!("`{contract}` has no variable `{port}` to rename"),
         )
         .with_help(format!("its variables are {}", list(ports))),
-        Mismatch::Twice { contract, name } => Diagnostic::error(
+        Mismatch::DuplicatePortName { contract, name } => Diagnostic::error(
             codes::PORTS,
             None,
             format!("two variables of `{contract}` would be called `{name}`"),
         )
-        .with_help("give each a name of its own"),
+        .with_help("give each variable its own name"),
     }
 }

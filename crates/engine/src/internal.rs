@@ -1,13 +1,13 @@
 //! Internal errors: a panic is caught where the remaining contracts, machines and lines can still
-//! be judged, or at the top level.
+//! be checked, or at the top level.
 //!
-//! A panic means that an invariant of the program is violated, so nothing may be concluded about
-//! the object under examination. The panic is no verdict but becomes a finding of its own kind
-//! (LW007) that names the activity, with exit code 4. Activities are named where they begin
-//! ([`within`], [`caught`]), in any thread; a thread passes its context on with the panic.
+//! A panic means that an invariant of the program is violated, so the program cannot conclude
+//! anything about the checked object. It becomes a finding (LW007, exit code 4) that names the
+//! activity. Activities are named where they begin ([`within`], [`caught`]), in any thread; a panic
+//! takes its context along to the waiting thread.
 //!
-//! A build with debug assertions panics on purpose if the variable `LINEWRIGHT_PANIC` names a part
-//! of the activity. The tests use this to reach every place that catches.
+//! A build with debug assertions panics on purpose if the environment variable `LINEWRIGHT_PANIC`
+//! is a part of the activity's name. The tests use this to reach every place that catches panics.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::Span;
@@ -25,7 +25,7 @@ thread_local! {
 /// A panic that was caught.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The activity, from the whole to its part.
+    /// Nested activities, the outermost first.
     doing: Vec<String>,
     message: String,
     /// Location in the program's sources.
@@ -33,8 +33,8 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// Reports a fault that was noticed without a panic.
-    pub fn noticed(doing: String, message: String) -> Self {
+    /// Creates a fault that was detected without a panic.
+    pub fn detected(doing: String, message: String) -> Self {
         Self {
             doing: vec![doing],
             message,
@@ -72,7 +72,7 @@ impl Fault {
             ),
         )
         .with_help(format!(
-            "this is a fault of linewright {}, and says nothing about the file: please report it, with the command and the files that lead to it",
+            "this is a fault of linewright {}, not of the file: please report it, with the command and the files that cause it",
             env!("CARGO_PKG_VERSION")
         ))
     }
@@ -89,12 +89,12 @@ fn text(payload: &(dyn Any + Send)) -> String {
     }
 }
 
-/// Runs `work` and catches a panic, returning it with the activity. `doing` is a verbal phrase:
+/// Runs `work` and returns a panic as a fault. `doing` returns the name of the activity:
 /// `checking the machine `T` of a.lw`.
 pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Result<R, Fault> {
     CATCHING.set(CATCHING.get() + 1);
-    // State that the work leaves half done is never read: its result is dropped and replaced by a
-    // finding.
+    // It is safe to assert unwind safety: after a panic, the work's result is replaced by a
+    // finding, so inconsistent state is never read.
     let mut named = None;
     let result = catch_unwind(AssertUnwindSafe(|| {
         let doing = named.insert(doing());
@@ -104,7 +104,7 @@ pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Re
     CATCHING.set(CATCHING.get() - 1);
     result.map_err(|payload| {
         let mut fault = Fault::of(payload);
-        // A thread adds no activity.
+        // Threads have an empty name, which adds no activity.
         fault
             .doing
             .splice(0..0, named.filter(|doing| !doing.is_empty()));
@@ -112,14 +112,14 @@ pub fn caught<R>(doing: impl FnOnce() -> String, work: impl FnOnce() -> R) -> Re
     })
 }
 
-/// Runs `work`; adds the activity to a panic and passes it on to its catcher.
+/// Runs `work`; if it panics, adds the activity and passes the panic on to the catcher.
 pub fn within<R>(doing: &str, work: impl FnOnce() -> R) -> R {
     caught(|| doing.to_owned(), work).unwrap_or_else(|fault| resume_unwind(Box::new(fault)))
 }
 
-/// Installs a panic hook: a caught panic is reported by its catcher; a backtrace is shown on
-/// request (`RUST_BACKTRACE`).
-pub fn watch_panics() {
+/// Installs a panic hook: a panic that will be caught is reported by its catcher only, unless
+/// `RUST_BACKTRACE` requests a backtrace.
+pub fn install_panic_hook() {
     let default = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
         let place = info.location().map(ToString::to_string);
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_being_done_comes_with_the_panic_through_threads() {
+    fn a_panic_keeps_its_activities_across_threads() {
         let fault = caught(
             || "checking a thing".to_owned(),
             || {

@@ -1,9 +1,9 @@
-//! Judges a machine with its controllers and the skills that it calls, for `check`, `build` and
-//! `run` alike.
+//! Checks a machine with its controllers, and the skills that it calls, for `check`, `build` and
+//! `run`.
 //!
-//! `check` shows how the result is reached; `build` and `run` only need the findings. That a
-//! machine has none is cached beside the results of contracts, so that a run after a check does not
-//! judge again.
+//! `check` shows how each obligation is met; `build` and `run` only need the findings. If a machine
+//! has none, this is cached next to the results of contracts, so that a run after a check does not
+//! repeat the proofs.
 
 use super::cache::{Cache, Key};
 use super::internal;
@@ -21,7 +21,7 @@ pub fn skills(skills: &Skills, deadline: Deadline) -> Vec<Diagnostic> {
         .unwrap_or_else(|fault| vec![fault.finding(Some(skills.span))])
 }
 
-/// Findings about a machine, as `check` reports them.
+/// Findings about a machine as a whole, as `check` reports them.
 pub fn findings(
     controlled: &ControlledMachine<'_>,
     limits: &Limits,
@@ -34,16 +34,16 @@ pub fn findings(
         return Vec::new();
     }
     let machine = controlled.machine;
-    let doing = || format!("judging the machine `{}`", machine.name);
+    let doing = || format!("checking the machine `{}`", machine.name);
     let findings = internal::caught(doing, || {
-        machine::proved(controlled, MachineContext::Alone, limits).findings
+        machine::prove_machine(controlled, MachineContext::Alone, limits).findings
     })
     .unwrap_or_else(|fault| vec![fault.finding(Some(machine.span))]);
     remember(&findings, controlled, cache);
     findings
 }
 
-/// Records in the cache that a machine has no findings, if that is so.
+/// Records in the cache that a machine has no findings; does nothing if there are any.
 pub fn remember(
     findings: &[Diagnostic],
     controlled: &ControlledMachine<'_>,
@@ -51,6 +51,6 @@ pub fn remember(
 ) {
     if let (Some(cache), true) = (cache, findings.is_empty()) {
         let key = Key::of_machine(controlled.machine, &controlled.controllers);
-        cache.keep_sound(&key);
+        cache.store_sound(&key);
     }
 }

@@ -1,52 +1,57 @@
-//! Proves what the proof of a machine relies on in its inner machines.
+//! Proves that inner machines keep the contracts on which the proof of a machine relies.
 //!
 //! In the proof of a cell, an inner machine that refines a contract is represented by that
-//! contract. This is sound if the machine, with its arguments there, keeps the contract step by
-//! step in any environment. That is proved here, layer by layer from the bottom. If it refines no
-//! contract, its own components take part in the proof, and those of its machines that refine one
-//! are represented likewise.
+//! contract. This is sound if the inner machine, with the arguments given in the cell, keeps the
+//! contract step by step in any environment. This module proves that, layer by layer from the
+//! bottom. If an inner machine refines no contract, its own components take part in the proof of
+//! the cell, and those of its own inner machines that refine a contract are represented likewise.
 
 use crate::closed::undecided;
 use crate::words::ProofPrinter;
-use linewright_algebra::machine::of_promise;
+use linewright_algebra::machine::of_refined_contract;
 use linewright_algebra::proof::{Claim, prove_stepwise};
 use linewright_algebra::system::System;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_language::contract::machine::{Inner, Machine, RefinedContract};
+use linewright_language::contract::machine::{InnerMachine, Machine, RefinedContract};
 use linewright_solver::game::Limits;
 
-/// Results of earlier proofs: two machines of the same kind are proved once.
+/// Systems and claims that were proved before: two machines of the same kind are proved once.
 type ProvedSystems = Vec<(System, Claim)>;
 
-/// Proves the promises that the proof of a machine relies on; a broken promise is a finding at the
-/// inner machine.
-pub(super) fn promises(machine: &Machine, limits: &Limits, findings: &mut Vec<Diagnostic>) {
+/// Proves the refinements on which the proof of a machine relies; a contract that is not kept is a
+/// finding at the inner machine.
+pub(super) fn prove_refinements(
+    machine: &Machine,
+    limits: &Limits,
+    findings: &mut Vec<Diagnostic>,
+) {
     let mut known = ProvedSystems::new();
     for inner in &machine.layers.inner {
-        below(machine, inner, limits, &mut known, findings);
+        prove_inner(machine, inner, limits, &mut known, findings);
     }
 }
 
-fn below(
+/// Proves an inner machine and all machines in it, bottom-up.
+fn prove_inner(
     machine: &Machine,
-    inner: &Inner,
+    inner: &InnerMachine,
     limits: &Limits,
     known: &mut ProvedSystems,
     findings: &mut Vec<Diagnostic>,
 ) {
     for deeper in &inner.machine.layers.inner {
-        // Faults of deeper layers are shown where this machine names its own inner machine.
+        // Findings about deeper layers are shown where the outer machine declares its inner one.
         let mut found = Vec::new();
-        below(machine, deeper, limits, known, &mut found);
+        prove_inner(machine, deeper, limits, known, &mut found);
         findings.extend(found.into_iter().map(|mut f| {
             f.span = Some(inner.span);
             f
         }));
     }
-    let Some(promised) = inner.machine.refines.first() else {
+    let Some(refined) = inner.machine.refines.first() else {
         return;
     };
-    let (system, claim) = of_promise(inner.machine.abstracted(), promised);
+    let (system, claim) = of_refined_contract(inner.machine.abstraction(), refined);
     if known.iter().any(|(s, c)| *s == system && *c == claim) {
         return;
     }
@@ -56,72 +61,72 @@ fn below(
             let printer = ProofPrinter {
                 system: &system,
                 claim: &claim,
-                whole: &promised.contract,
+                whole: &refined.contract,
             };
-            findings.push(broken(machine, inner, promised, printer, &proof));
+            findings.push(broken(machine, inner, refined, printer, &proof));
         }
         Err(limit) => findings.push(undecided(inner.span, &inner.machine.name, limit)),
     }
     known.push((system, claim));
 }
 
-/// Finding for a broken promise, with the first reason.
+/// Finding for a contract that an inner machine does not keep, with the first reason.
 fn broken(
     machine: &Machine,
-    inner: &Inner,
-    promised: &RefinedContract,
+    inner: &InnerMachine,
+    refined: &RefinedContract,
     printer: ProofPrinter<'_>,
     proof: &linewright_algebra::proof::Proof,
 ) -> Diagnostic {
-    let contract = &promised.contract;
+    let contract = &refined.contract;
     let finding = Diagnostic::error(
-        codes::PROMISE_BROKEN,
+        codes::GUARANTEE_UNPROVED,
         inner.span,
         format!(
-            "`{}` does not keep `{contract}`, by which the proof of `{}` knows it",
+            "`{}` does not keep `{contract}`, on which the proof of `{}` relies",
             inner.name, machine.name
         ),
     )
-    .with_label(promised.span, "it is said to refine this");
+    .with_label(refined.span, "declared to refine this contract");
     let finding = match proof.open.first() {
         Some(open) => {
             let formula = printer.formula(open.what);
             finding
                 .with_label(
                     formula.span,
-                    match open.what.part {
-                        Some(_) => "this is assumed within it, and not met",
-                        None => "this is not kept",
+                    match open.what.component {
+                        Some(_) => "this assumption of a component is not discharged",
+                        None => "this guarantee is not kept",
                     },
                 )
-                .with_note(printer.shown(open))
+                .with_note(printer.counterexample(open))
         }
         None => finding,
     };
     finding.with_help(format!(
-        "repair `{}`, or let it refine a contract that promises less",
+        "repair `{}`, or let it refine a weaker contract",
         inner.machine.name
     ))
 }
 
-/// Values of inner machines that a machine reads although their contracts do not mention them;
-/// proofs know nothing about those.
-pub(super) fn beyond(machine: &Machine) -> Option<String> {
+/// Returns a note about values of inner machines that a machine reads although their contracts do
+/// not mention them: proofs assume nothing about these values.
+pub(super) fn note_on_unspecified(machine: &Machine) -> Option<String> {
     let mut unspecified = Vec::new();
-    for component in &machine.abstracted().components {
+    for component in &machine.abstraction().components {
         let inner = machine
             .layers
             .inner
             .iter()
             .find(|i| i.name == component.name);
-        let Some(promised) = inner.and_then(|i| i.machine.refines.first()) else {
+        let Some(refined) = inner.and_then(|i| i.machine.refines.first()) else {
             continue;
         };
-        let count = promised.specification.variables.len();
+        let count = refined.specification.variables.len();
         for variable in &component.specification.variables[count..] {
             unspecified.push(format!(
-                "`{}.{}`, of which `{}` says nothing",
-                component.name, variable.name, promised.contract
+                "`{}.{}`, which `{}` does not mention",
+                component.name, variable.name, refined.contract
             ));
         }
     }
@@ -129,7 +134,7 @@ pub(super) fn beyond(machine: &Machine) -> Option<String> {
         return None;
     }
     Some(format!(
-        "this machine reads {}; in its proof that can be anything: make it an output of the contract",
+        "this machine reads {}; its proof assumes nothing about such a value: make it an output of the contract",
         unspecified.join(", ")
     ))
 }

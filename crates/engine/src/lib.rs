@@ -1,9 +1,9 @@
-//! From loaded files to verdicts, controllers and proofs: joins the stages, caches results of
-//! contracts, and puts findings into words.
+//! From loaded files to verdicts, controllers and proofs: connects the stages, caches results of
+//! contracts, and words the findings.
 //!
 //! ```text
-//! contract::Library ─Jobs::run→ CheckedContract ─Planned::controlled→ Controlled ─machine::proved→ Proved
-//!      ─lines::examine→ Proof
+//! contract::Library ─Jobs::run→ CheckedContract ─MachinePlan::controlled→ ControlledMachine
+//!      ─machine::prove_machine→ MachineProof ─lines::examine→ Proof
 //! ```
 //!
 //! [`project`] is the entry point: files in; verdicts, station libraries and runs out. Nothing here

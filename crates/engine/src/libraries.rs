@@ -1,4 +1,4 @@
-//! Checks whether machines with their controllers fit together, and writes their station libraries.
+//! Writes station libraries, probe libraries and FMUs of machines with their controllers.
 
 use super::output;
 use crate::controlled::ControlledMachine;
@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 /// Result of writing a library.
 #[derive(Debug, Default)]
 pub struct BuildOutput {
-    /// Files that a user needs.
+    /// Paths of the files that a user needs.
     pub files: Vec<PathBuf>,
-    /// Findings on files that were kept and binaries that are missing.
+    /// Findings about files that were kept and binaries that are missing.
     pub findings: Vec<Diagnostic>,
 }
 
@@ -34,7 +34,7 @@ pub fn build(
         ..BuildOutput::default()
     };
     let source = format!("{}-source", simtalk::stem(&library));
-    let beside = match toolchain {
+    let form = match toolchain {
         None => LibraryForm::Source { library: &library },
         Some(toolchain) if toolchain.is_for_windows() => {
             let main = package
@@ -48,8 +48,8 @@ pub fn build(
         }
         Some(_) => return Ok(written),
     };
-    let texts = simtalk::texts(controlled.machine, &package, profile, beside);
-    written.methods(folder, &library, &texts.methods)?;
+    let texts = simtalk::texts(controlled.machine, &package, profile, form);
+    written.write_methods(folder, &library, &texts.methods)?;
     let page = folder.join(simtalk::page_name(&library));
     output::write(&page, &texts.page, &BTreeSet::new())?;
     written.files.push(page);
@@ -57,14 +57,19 @@ pub fn build(
 }
 
 impl BuildOutput {
-    /// Writes the methods that call a library. Users enter paths and stations in them, so a file
-    /// that differs is kept.
-    fn methods(&mut self, folder: &Path, library: &str, text: &str) -> Result<(), Box<Diagnostic>> {
+    /// Writes the SimTalk methods that call a library. Users enter paths and stations in this file,
+    /// so an existing file is kept, with a warning if its content differs.
+    fn write_methods(
+        &mut self,
+        folder: &Path,
+        library: &str,
+        text: &str,
+    ) -> Result<(), Box<Diagnostic>> {
         let path = folder.join(simtalk::methods_name(library));
         match output::keep(
             &path,
             text,
-            "to have it written anew, move it away or delete it",
+            "move it away or delete it to have it written again",
         ) {
             Err(mut kept) if kept.code == codes::FILE_KEPT => {
                 kept.severity = Severity::Warning;
@@ -78,8 +83,8 @@ impl BuildOutput {
     }
 }
 
-/// Writes the probe's library, or its sources, and the SimTalk that calls it. A profile makes it
-/// the second round.
+/// Writes the probe's library, or its sources, and the SimTalk methods that call it. With a
+/// profile, it is the probe of the second round.
 pub fn build_probe(
     profile: Option<&Profile>,
     toolchain: Option<&Toolchain>,
@@ -93,12 +98,12 @@ pub fn build_probe(
         ..BuildOutput::default()
     };
     let text = probe::package::simtalk(profile, &library);
-    written.methods(folder, &library, &text)?;
+    written.write_methods(folder, &library, &text)?;
     Ok(written)
 }
 
-/// Returns the files of a package and the library's file name; for sources, the name that it would
-/// have.
+/// Builds a package, or writes its sources if there is no toolchain. Returns the files and the
+/// library's file name; for sources, the name that the library is to get.
 fn compile(
     package: &Package,
     toolchain: Option<&Toolchain>,
@@ -126,19 +131,19 @@ fn compile(
     Ok((files, format!("{}.dll", package.stem)))
 }
 
-/// Writes a machine's FMI units into a folder.
-pub fn build_units(
+/// Writes a machine's FMUs into a folder.
+pub fn build_fmus(
     controlled: &ControlledMachine<'_>,
     toolchains: &[Toolchain],
     folder: &Path,
 ) -> Result<BuildOutput, Box<Diagnostic>> {
-    let controllers = controlled.owned();
+    let controllers = controlled.clone_controllers();
     let (files, findings) = fmi::build(controlled.machine, &controllers, toolchains, folder)
         .map_err(|e| Box::new(e.to_diagnostic()))?;
     Ok(BuildOutput { files, findings })
 }
 
-/// Generates the C of a machine.
+/// Generates the C sources of a machine.
 pub fn package(controlled: &ControlledMachine<'_>, profile: &Profile) -> Package {
-    Package::emit_with(controlled.machine, &controlled.owned(), profile)
+    Package::emit_with(controlled.machine, &controlled.clone_controllers(), profile)
 }

@@ -2,7 +2,7 @@
 
 use super::call_check;
 use super::internal;
-use super::words::{DischargeEntry, ProofPrinter, entry};
+use super::words::{DischargeEntry, ProofPrinter, discharge_entry};
 use crate::controlled::ControlledMachine;
 use linewright_algebra::proof::prove;
 use linewright_algebra::system::FormulaRef;
@@ -17,7 +17,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Maximum number of variables of a line for which progress is examined.
-const MOST_VARIABLES: usize = 48;
+const MAX_VARIABLES: usize = 48;
 
 /// Bounds of the exploration of a line's calls.
 const CALLS: Bounds = Bounds {
@@ -31,7 +31,7 @@ const CALLS: Bounds = Bounds {
 pub enum LineVerdict {
     /// Proved.
     Proved,
-    /// Proved that there is no global deadlock; whether every part goes on was not decided.
+    /// Proved that there is no global deadlock; progress of every part was not decided.
     Safe,
     /// Not proved, for the reasons in the findings.
     Open,
@@ -45,31 +45,31 @@ pub enum LineVerdict {
 pub struct Proof {
     /// Whether parts keep moving.
     pub verdict: LineVerdict,
-    /// If proved or safe: premises that the line itself does not establish.
+    /// If proved or safe: assumptions of the proof that it does not establish itself.
     pub premises: Vec<Premise>,
-    /// If safe: what was not decided.
+    /// If safe: names of the goals that were not decided.
     pub undecided: Vec<String>,
-    /// What each requirement and each assumption of a place rests on.
+    /// For each requirement and each assumption of a place, the formulas from which it follows.
     pub discharges: Vec<DischargeEntry>,
-    /// Whether it was decided for every part that it has a way onward.
+    /// Whether all calls were tried, so that every part is known to have a route or not.
     pub routes_decided: bool,
     /// Problems found.
     pub findings: Vec<Diagnostic>,
 }
 
 /// Proves a line, or reports what prevents the proof; `docs/proof.md` has the theorem. The table of
-/// discharges takes longer than the verdict and is made only if `with_table` is set. `controlled`
-/// returns the controllers of a machine, if they exist.
+/// discharges takes longer than the verdict and is computed only if `with_table` is set.
+/// `controlled` returns a machine with its controllers, if it has all of them.
 pub fn examine<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
     with_table: bool,
 ) -> Proof {
-    // That every part is worked on depends on every call being answered.
+    // Parts are only worked on if every call is answered.
     let Followed {
         calls,
-        wrong,
+        problems,
         remarks,
     } = follow(line, &controlled, limits);
     let reduced = calls.simplified(line);
@@ -78,11 +78,11 @@ pub fn examine<'a>(
     } else {
         line
     };
-    // If not all calls could be tried, contracts may still show that none violates an order.
+    // If not all calls could be tried, contracts can still show that no call violates an order.
     let unknown = |node: usize| calls.undecided.iter().any(|(n, _)| *n == node);
     let asked = call_check::examine(line, unknown, &controlled, &bounded(limits));
     let mut proof = examine_moves(moving, &bounded(limits), with_table);
-    if wrong.is_empty() && asked.findings.is_empty() {
+    if problems.is_empty() && asked.findings.is_empty() {
         if matches!(proof.verdict, LineVerdict::Proved | LineVerdict::Safe) {
             proof.premises = premises(line, &calls);
         }
@@ -90,14 +90,17 @@ pub fn examine<'a>(
         proof.verdict = LineVerdict::Open;
         proof.discharges.clear();
         proof.undecided.clear();
-        // Undecided points do not matter as long as something is wrong.
-        proof.findings.retain(|f| f.code != codes::LINE_UNDECIDED);
+        // While there are errors, undecided questions are not worth reporting; a limit that was
+        // reached decides the exit code.
+        proof
+            .findings
+            .retain(|f| f.code != codes::LINE_UNDECIDED || f.gave_up);
     }
     proof.routes_decided = calls.undecided.is_empty();
-    proof.findings.extend(wrong);
+    proof.findings.extend(problems);
     proof.findings.extend(remarks);
     proof.findings.extend(asked.findings);
-    let asking = asked.undecided.iter().any(|(_, why)| why.is_of_command());
+    let asking = asked.undecided.iter().any(|(_, why)| why.is_external());
     for (node, why) in &calls.undecided {
         // A missing controller is reported at its contract.
         if has_controllers(line, *node, &controlled) {
@@ -116,7 +119,7 @@ pub fn examine<'a>(
     proof
 }
 
-/// Whether a node is no machine, or one with controllers.
+/// Whether a node is not a station, or its machine has controllers.
 fn has_controllers<'a>(
     line: &Line,
     node: usize,
@@ -129,9 +132,9 @@ fn has_controllers<'a>(
 }
 
 /// Follows the parts of a line and adds the findings common to `check`, `build` and `run`: refused
-/// calls, parts without a way, routes that no part takes, and a limit that cut this short. Removes
-/// doubts of the resolver once they are decided.
-pub fn judge<'a>(
+/// calls, parts without a route, routes that no part takes, and a limit that stopped the search. If
+/// all calls were tried, removes the resolver's warnings about routes.
+pub fn add_call_findings<'a>(
     line: &Line,
     controlled: impl Fn(&Machine) -> Option<ControlledMachine<'a>>,
     limits: &Limits,
@@ -147,17 +150,17 @@ pub fn judge<'a>(
     };
     let undecided = &followed.calls.undecided;
     if undecided.is_empty() {
-        findings.retain(|f| !is_doubt(f, line));
+        findings.retain(|f| !is_route_warning(f, line));
     }
-    findings.extend(followed.wrong);
+    findings.extend(followed.problems);
     findings.extend(followed.remarks);
-    let cut_short = undecided.iter().filter(|(_, why)| why.is_of_command());
+    let cut_short = undecided.iter().filter(|(_, why)| why.is_external());
     findings.extend(cut_short.map(|(node, why)| not_followed(line, *node, why)));
 }
 
-/// Whether this finding is a doubt about a route of the line that following its parts resolves: the
-/// resolver does not know their values.
-pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
+/// Whether a finding is the resolver's warning about a route of the line. The resolver does not
+/// know the parts' values; following the parts decides whether the warning is justified.
+pub fn is_route_warning(finding: &Diagnostic, line: &Line) -> bool {
     let of_line = |span| line.routes.iter().any(|route| route.span == span);
     finding.code == codes::LINE_ROUTE
         && finding.severity == Severity::Warning
@@ -168,8 +171,9 @@ pub fn is_doubt(finding: &Diagnostic, line: &Line) -> bool {
 struct Followed {
     /// Calls that were tried.
     calls: Calls,
-    /// Findings that prevent a proof: refused calls, parts without a way, work that takes no time.
-    wrong: Vec<Diagnostic>,
+    /// Findings that prevent a proof: refused calls, parts without a route, work that takes no
+    /// time.
+    problems: Vec<Diagnostic>,
     /// Other findings.
     remarks: Vec<Diagnostic>,
 }
@@ -182,30 +186,31 @@ fn follow<'a>(
 ) -> Followed {
     let interpreter = |machine: &Machine| Some(controlled(machine)?.interpreter(machine));
     let bounds = Bounds {
-        values: usize::try_from(limits.effort.of(CALLS.values as u64)).unwrap_or(usize::MAX),
-        steps: limits.effort.of(CALLS.steps),
+        values: usize::try_from(limits.budget_factor.scale(CALLS.values as u64))
+            .unwrap_or(usize::MAX),
+        steps: limits.budget_factor.scale(CALLS.steps),
     };
     let mut calls = calls::examine(line, interpreter, &bounds, &bounded(limits));
-    let mut wrong = calls.findings.clone();
-    wrong.extend(timeless(line, &calls));
+    let mut problems = calls.findings.clone();
+    problems.extend(timeless(line, &calls));
     let remarks = std::mem::take(&mut calls.remarks);
     Followed {
         calls,
-        wrong,
+        problems,
         remarks,
     }
 }
 
-/// Finding for a line in which parts move on without time passing.
+/// Finding for a line in which parts can move in a circle without time passing.
 fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
     let found = calls.timeless.as_ref()?;
     let [from, to] = [found.from, found.to].map(|node| &line.nodes[node]);
     let message = format!(
-        "parts go from {} to {} on and on, and no time passes",
+        "parts move from {} to {} again and again without time passing",
         from.name, to.name
     );
     let mut finding = Diagnostic::error(codes::LINE_TIMELESS, from.span, message).with_help(
-        "give the work of a station on the way a time that is greater than 0 for all values",
+        "give the work of a station on this way a time that is greater than 0 for all values",
     );
     if !found.always {
         finding.severity = Severity::Warning;
@@ -214,7 +219,7 @@ fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
         let node = &line.nodes[*node];
         finding = finding.with_label(
             node.span,
-            format!("the work of {} may take no time", node.name),
+            format!("the work of {} can take no time", node.name),
         );
     }
     Some(finding)
@@ -222,7 +227,7 @@ fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
 
 /// Limits for one question about a line.
 fn bounded(limits: &Limits) -> Limits {
-    limits.within(Budget::LINE)
+    limits.with_budget(Budget::LINE)
 }
 
 /// Examines whether parts keep moving, provided that each operation completes.
@@ -235,20 +240,23 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
             Ok(rows) => (rows, None),
             Err(limit) => {
                 let message = format!(
-                    "the verdict on {} is known, but not what rests on what: {limit}",
+                    "the verdict on {} is known, but the table of discharges is not: {limit}",
                     line.name
                 );
-                (Vec::new(), Some(note(line, message, Some(limit), FEWER)))
+                (
+                    Vec::new(),
+                    Some(note(line, message, Some(limit), UNDECIDED_GOAL)),
+                )
             }
         }
     };
-    let (abstraction, verdict) = match abstraction::examine(line, limits, MOST_VARIABLES) {
+    let (abstraction, verdict) = match abstraction::examine(line, limits, MAX_VARIABLES) {
         Ok(decided) => decided,
         Err(why) => {
             let what = format!("whether parts can deadlock in {}", line.name);
             return Proof {
                 verdict: LineVerdict::GaveUp,
-                findings: vec![not_decided(line, &what, &why, A_RUN)],
+                findings: vec![not_decided(line, &what, &why, UNDECIDED_DEADLOCK)],
                 ..Proof::default()
             };
         }
@@ -272,11 +280,11 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
             None => "the line is too large".to_owned(),
         };
         let message = format!(
-            "something can always move in {}, but whether every part goes on was not decided ({reason}): {}",
+            "something can always move in {}, but it was not decided whether every part keeps moving ({reason}): {}",
             line.name,
             undecided.join(", ")
         );
-        findings.push(note(line, message, verdict.limit, FEWER));
+        findings.push(note(line, message, verdict.limit, UNDECIDED_GOAL));
     }
     Proof {
         verdict: if verdict.holds() {
@@ -291,8 +299,11 @@ fn examine_moves(line: &Line, limits: &Limits, with_table: bool) -> Proof {
     }
 }
 
-/// Table of what rests on what. Omits undecided entries; empty if a limit was reached first, since
-/// the verdict is known without it.
+/// Table of discharges. If goals are undecided, it has only the requirements other than justice
+/// that were shown without lemmas.
+///
+/// # Errors
+/// A limit was reached first; the verdict does not depend on the table.
 fn table(
     line: &Line,
     abstraction: &Abstraction,
@@ -312,35 +323,36 @@ fn table(
         claim: &claim,
         whole: &line.name,
     };
-    Ok(proof.discharges.iter().map(|d| entry(printer, d)).collect())
+    let entries = proof.discharges.iter();
+    Ok(entries.map(|d| discharge_entry(printer, d)).collect())
 }
 
 /// Help text if a station's calls were not decided.
-const ASKED: &str = "A run shows what is refused. Fewer values of properties, or a machine that comes back to the same state after each operation, \
+const UNDECIDED_CALLS: &str = "A run shows which calls are refused. Fewer values of properties, or a machine that returns to the same state after each operation, \
                      leave less to try";
 
-/// Help text if something was not decided.
-const FEWER: &str =
-    "Smaller limits and buffers, or fewer types of parts in one, make the line smaller";
+/// Help text if a goal of the line was not decided.
+const UNDECIDED_GOAL: &str =
+    "Smaller limits and buffers, or fewer types of parts in a buffer, make the line smaller";
 
-/// Help text if it was not decided whether a line gets stuck.
-const A_RUN: &str = "Nothing is known to be wrong. A run shows whether the line gets stuck with the times that it has; smaller buffers, or fewer \
-                     types of parts in one, make it smaller";
+/// Help text if it was not decided whether a line can deadlock.
+const UNDECIDED_DEADLOCK: &str = "No problem was found. A run shows whether the line gets stuck with its actual times; smaller buffers, or fewer \
+                     types of parts in a buffer, make the line smaller";
 
-/// Note on something undecided, with the reason.
-fn not_decided(line: &Line, what: &str, why: &UndecidedReason, help: &str) -> Diagnostic {
-    let message = format!("{what} was not decided: {why}");
+/// Note that a question was not decided, with the reason.
+fn not_decided(line: &Line, question: &str, why: &UndecidedReason, help: &str) -> Diagnostic {
+    let message = format!("could not decide {question}: {why}");
     note(line, message, why.limit, help)
 }
 
 /// Note that it was not decided whether a station answers every call.
 fn not_followed(line: &Line, node: usize, why: &UndecidedReason) -> Diagnostic {
-    let what = format!("whether {} answers every call", line.nodes[node].name);
+    let question = format!("whether {} answers every call", line.nodes[node].name);
     let help = match why.limit {
-        Some(_) => ASKED.to_owned(),
-        None => format!("{ASKED}; `--effort 10` lets the proof try ten times as much"),
+        Some(_) => UNDECIDED_CALLS.to_owned(),
+        None => format!("{UNDECIDED_CALLS}; `--effort 10` lets the proof try ten times as much"),
     };
-    not_decided(line, &what, why, &help)
+    not_decided(line, &question, why, &help)
 }
 
 /// Note on something undecided. The help ends with how to lift the limit.
@@ -351,5 +363,5 @@ fn note(line: &Line, message: String, limit: Option<Limit>, help: &str) -> Diagn
         .unwrap_or_default();
     Diagnostic::note(codes::LINE_UNDECIDED, line.span, message)
         .with_help(format!("{help}.{remedy}"))
-        .giving_up(limit.is_some_and(Limit::is_of_command))
+        .giving_up(limit.is_some_and(Limit::is_external))
 }

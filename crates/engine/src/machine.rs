@@ -1,15 +1,16 @@
-//! What `check` examines for a machine as a whole: how its components discharge each other's
-//! assumptions, whether it keeps its own guarantees, and whether it refines the contracts named in
-//! its declaration.
+//! Proofs about a machine as a whole: its components discharge each other's assumptions, it keeps
+//! its own guarantees, and it refines the contracts named in its declaration.
 
 use super::layers;
 use crate::closed::{self, bounded, undecided};
 use crate::controlled::{self, ControlledMachine};
 use crate::found;
 use crate::internal::within;
-use crate::words::{DischargeEntry, DischargeRuleName, HANDED_ON, ProofPrinter, entry};
-use linewright_algebra::closed::{Closed, DischargeMethod, Form, Verdict};
-use linewright_algebra::machine::{COMPLETES, of_machine, of_promise};
+use crate::words::{
+    DischargeEntry, DischargeRuleName, KEPT_BY_LINE, ProofPrinter, discharge_entry,
+};
+use linewright_algebra::closed::{ClosedComposition, DischargeMethod, Form, Verdict};
+use linewright_algebra::machine::{COMPLETES, of_machine, of_refined_contract};
 use linewright_algebra::proof::{Circle, Claim, Proof, prove};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
@@ -20,12 +21,12 @@ use linewright_station::composition::{Composition, Discharger};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Where a machine works.
+/// Context in which a machine works.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MachineContext {
-    /// In a plant, which gives its signals the values declared in its file.
+    /// On its own in a plant, in which its signals have the values declared in its file.
     Alone,
-    /// Only in other machines, which bind its signals; it is judged with them.
+    /// Only within other machines, which bind its signals; it is also proved with them.
     Within,
 }
 
@@ -34,7 +35,7 @@ pub enum MachineContext {
 pub struct MachineProof {
     /// How each assumption of a component and each guarantee of the machine is met.
     pub discharges: Vec<DischargeEntry>,
-    /// Result of the closed composition of its controllers.
+    /// Verdict on the closed composition of its controllers; `None` before it was tried.
     pub closed: Option<ClosedEntry>,
     /// Contracts that it is declared to refine.
     pub refines: Vec<RefinesEntry>,
@@ -46,11 +47,11 @@ pub struct MachineProof {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ClosedVerdict {
-    /// They meet all obligations.
+    /// The controllers meet all obligations.
     Holds,
     /// A run violates an obligation.
     Broken,
-    /// A controller represented by its contract leaves something undecided.
+    /// Some obligation is undecided, because a controller is represented by its contract.
     Open,
     /// A limit was reached.
     GaveUp,
@@ -71,22 +72,22 @@ pub enum RefinementVerdict {
 /// The closed composition: each component is its controller.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct ClosedEntry {
-    /// Verdict on it.
+    /// Verdict on the composition.
     pub verdict: ClosedVerdict,
-    /// Number of reachable states: values of all wires, states of the tables, and the memory of
-    /// operations.
+    /// Number of reachable states: combinations of the values of all wires, the states of the
+    /// tables, and the progress of operations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub states: Option<u64>,
-    /// How each component took part.
+    /// How each component is represented.
     pub components: Vec<TakenEntry>,
 }
 
-/// How a component took part in the closed composition.
+/// How a component is represented in the closed composition.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct TakenEntry {
     /// Name of the component.
     pub name: String,
-    /// Form in which it took part.
+    /// Form in which it is represented.
     #[serde(rename = "as")]
     pub form: Form,
 }
@@ -98,7 +99,7 @@ pub struct RefinesEntry {
     pub contract: String,
     /// Whether it is kept.
     pub verdict: RefinementVerdict,
-    /// Verdict of the closed composition, if the components' contracts do not show it.
+    /// Verdict of the closed composition, if the components' contracts do not prove the refinement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closed: Option<ClosedVerdict>,
     /// How each assumption of a component and each guarantee of the contract is met.
@@ -106,33 +107,33 @@ pub struct RefinesEntry {
 }
 
 /// Proves the obligations of a machine: for all controllers that keep the contracts, and for the
-/// actual controllers, which may meet obligations that no contract implies.
-pub fn proved(
+/// actual controllers, which can meet obligations that no contract implies.
+pub fn prove_machine(
     controlled: &ControlledMachine<'_>,
-    standing: MachineContext,
+    context: MachineContext,
     limits: &Limits,
 ) -> MachineProof {
-    let limits = &limits.within(Budget::MACHINE);
+    let limits = &limits.with_budget(Budget::MACHINE);
     let mut result = MachineProof::default();
-    // An inner machine is represented by its promises; that it keeps them is proved first.
-    within("proving what inner machines promise", || {
-        layers::promises(controlled.machine, limits, &mut result.findings);
+    // An inner machine is represented by the contracts that it refines; this is proved first.
+    within("proving its inner machines", || {
+        layers::prove_refinements(controlled.machine, limits, &mut result.findings);
     });
-    let beyond = layers::beyond(controlled.machine);
-    let machine = controlled.machine.abstracted();
+    let unspecified = layers::note_on_unspecified(controlled.machine);
+    let machine = controlled.machine.abstraction();
     let (system, claim) = of_machine(machine);
-    let closed = Closed::of_machine(controlled.machine, &controlled.controllers);
+    let closed = ClosedComposition::of_machine(controlled.machine, &controlled.controllers);
     let decided = within("putting its controllers together", || {
         closed.decide(&bounded(limits))
     });
     result.closed = Some(closed_entry(&closed, &decided));
-    // If the composition is too large, only the coordinator's states are walked and everything else
-    // is left free.
+    // If the composition is too large, only the coordinator's states are explored; all other
+    // components can do anything.
     let walked = match &decided {
         Err(_) if !is_layered(controlled) => controlled::compose(controlled),
         _ => Composition::default(),
     };
-    let both = Both {
+    let both = CombinedProof {
         printer: ProofPrinter {
             system: &system,
             claim: &claim,
@@ -147,7 +148,7 @@ pub fn proved(
     match prove(&system, &claim, limits) {
         Ok(proof) => result.discharges = both.merged(proof, &mut result.findings),
         Err(limit) => {
-            // Then the controllers show nothing more than this.
+            // Whatever the controllers leave undecided is then covered by this finding.
             let limited = undecided(machine.span, &machine.name, limit);
             if let Some(verdict) = both.verdict {
                 let met = verdict.met.iter().map(|(at, met)| both.shown(*at, *met));
@@ -161,32 +162,38 @@ pub fn proved(
                 let open = walked
                     .findings
                     .iter()
-                    .filter(|f| f.code == codes::ASSUMPTION_OPEN);
+                    .filter(|f| f.code == codes::ASSUMPTION_UNDISCHARGED);
                 result.findings.extend(open.cloned());
             }
         }
     }
     if let Ok(verdict) = &decided {
-        // The proof represents inner machines by their promises; the controllers are those of all
-        // layers.
+        // The proof represents inner machines by their contracts; the closed composition has the
+        // controllers of all layers.
         if is_layered(controlled) {
             both.report_open(verdict, &[], &mut result.findings);
         }
-        let operations = closed::operations(&closed, verdict, standing);
+        let operations = closed::operations(&closed, verdict, context);
         result.findings.extend(operations);
     } else {
         let walked = walked.findings.into_iter();
-        let others = walked.filter(|f| f.code != codes::ASSUMPTION_OPEN);
+        let others = walked.filter(|f| f.code != codes::ASSUMPTION_UNDISCHARGED);
         result.findings.extend(others);
     }
     cut_short(machine.span, machine, &decided, &mut result.findings);
-    for (promised, flat) in machine.refines.iter().zip(&controlled.machine.refines) {
-        let refined = refines(controlled, promised, flat, limits, &mut result.findings);
+    for (refined_contract, flat) in machine.refines.iter().zip(&controlled.machine.refines) {
+        let refined = refines(
+            controlled,
+            refined_contract,
+            flat,
+            limits,
+            &mut result.findings,
+        );
         result.refines.push(refined);
     }
     for finding in &mut result.findings {
-        if [codes::ASSUMPTION_OPEN, codes::PROMISE_BROKEN].contains(&finding.code) {
-            finding.notes.extend(beyond.clone());
+        if [codes::ASSUMPTION_UNDISCHARGED, codes::GUARANTEE_UNPROVED].contains(&finding.code) {
+            finding.notes.extend(unspecified.clone());
         }
     }
     result
@@ -201,33 +208,33 @@ fn cut_short(
     findings: &mut Vec<Diagnostic>,
 ) {
     if let Err(limit) = decided
-        && limit.is_of_command()
+        && limit.is_external()
         && !findings.iter().any(|f| f.gave_up)
     {
         findings.push(undecided(span, &machine.name, *limit));
     }
 }
 
-/// Whether the machine has inner machines, which its proof represents by their promises.
+/// Whether the machine has inner machines, which its proof represents by their contracts.
 fn is_layered(controlled: &ControlledMachine<'_>) -> bool {
-    controlled.machine.layers.abstracted.is_some()
+    controlled.machine.layers.abstraction.is_some()
 }
 
-/// A proof from contracts, combined with what the controllers show.
-struct Both<'a> {
+/// Combines a proof from contracts with the verdict of the controllers.
+struct CombinedProof<'a> {
     printer: ProofPrinter<'a>,
     span: Span,
     /// The machine as seen by the proof.
     machine: &'a Machine,
-    closed: &'a Closed<'a>,
+    closed: &'a ClosedComposition<'a>,
     /// Verdict of the controllers on the same formulas; `None` if a limit was reached, and for
     /// machines of machines.
     verdict: Option<&'a Verdict>,
-    /// In that case, what the coordinator's states show.
+    /// If there is no verdict: result of exploring the coordinator's states.
     walked: &'a Composition,
 }
 
-impl Both<'_> {
+impl CombinedProof<'_> {
     /// Returns the table of met obligations, and adds findings for the others.
     fn merged(&self, mut proof: Proof, findings: &mut Vec<Diagnostic>) -> Vec<DischargeEntry> {
         let mut entries: Vec<(FormulaRef, DischargeEntry)> = Vec::new();
@@ -235,7 +242,7 @@ impl Both<'_> {
             proof
                 .discharges
                 .iter()
-                .map(|d| (d.what, entry(self.printer, d))),
+                .map(|d| (d.what, discharge_entry(self.printer, d))),
         );
         if let Some(verdict) = self.verdict.filter(|_| proof.loops.is_empty()) {
             // For a stuck component, only the cause is reported.
@@ -243,7 +250,7 @@ impl Both<'_> {
                 let mut stuck = verdict.stuck.iter();
                 stuck.any(|s| Some(s.component) == part)
             };
-            proof.open.retain(|o| !is_stuck(o.what.part));
+            proof.open.retain(|o| !is_stuck(o.what.component));
             for open in &proof.open {
                 if let Some(met) = verdict.is_met(open.what) {
                     entries.push((open.what, self.shown(open.what, met)));
@@ -267,20 +274,20 @@ impl Both<'_> {
             proof.circles.retain(|c| !c.assumptions.iter().any(is_met));
             entries.extend(shown);
         }
-        entries.sort_by_key(|(at, _)| (at.part.unwrap_or(usize::MAX), at.kind, at.index));
+        entries.sort_by_key(|(at, _)| (at.component.unwrap_or(usize::MAX), at.kind, at.index));
         self.report_unsettled(&mut proof, findings);
         entries.into_iter().map(|(_, e)| e).collect()
     }
 
-    /// Obligations that the coordinator's states show and the contracts do not: assumptions,
-    /// provided that all others are kept, and completion of requests, provided that nothing is
-    /// wrong with an operation.
+    /// Obligations that the coordinator's states show to be met although the contracts do not:
+    /// assumptions, if no assumption is found to be violated, and completion of requests, if there
+    /// are no findings at all.
     fn by_the_walk(&self, proof: &Proof) -> Vec<(FormulaRef, DischargeEntry)> {
         let sound = self
             .walked
             .findings
             .iter()
-            .all(|f| f.code != codes::ASSUMPTION_OPEN);
+            .all(|f| f.code != codes::ASSUMPTION_UNDISCHARGED);
         let complete = self.walked.findings.is_empty() && !self.walked.discharges.is_empty();
         let shows = |at: FormulaRef| {
             let name = &self.printer.formula(at).name;
@@ -288,7 +295,7 @@ impl Both<'_> {
             let mut walked = self.walked.discharges.iter();
             let known = walked
                 .any(|d| d.component == owner && d.assumption == *name && d.by != Discharger::Line);
-            (sound && known) || (complete && at.part.is_none() && name == COMPLETES)
+            (sound && known) || (complete && at.component.is_none() && name == COMPLETES)
         };
         let open = proof.open.iter().filter(|o| shows(o.what));
         open.map(|o| {
@@ -299,17 +306,24 @@ impl Both<'_> {
         .collect()
     }
 
-    /// Reports what the controllers themselves violate.
-    fn report_open(&self, verdict: &Verdict, but: &[FormulaRef], findings: &mut Vec<Diagnostic>) {
-        // Requests are reported per operation, and a circle as one finding.
+    /// Reports the obligations that the controllers violate, except those in `skipped`, and stuck
+    /// components.
+    fn report_open(
+        &self,
+        verdict: &Verdict,
+        skipped: &[FormulaRef],
+        findings: &mut Vec<Diagnostic>,
+    ) {
+        // Completion is reported per operation, and a circle as one finding.
         let open = verdict.open.iter();
         let open =
-            open.filter(|o| !closed::is_completion(self.closed, o) && !but.contains(&o.what));
+            open.filter(|o| !closed::is_completion(self.closed, o) && !skipped.contains(&o.what));
         findings.extend(open.map(|o| closed::open(self.closed, self.printer.whole, o, self.span)));
         findings.extend(verdict.stuck.iter().map(|s| closed::stuck(self.closed, s)));
     }
 
-    /// Reports what the contracts do not show and the controllers neither show nor violate.
+    /// Reports the obligations that the contracts do not discharge and that the controllers neither
+    /// meet nor violate.
     fn report_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
         let circular = members(proof);
         // A circle is one finding, without extra findings for its members.
@@ -318,18 +332,18 @@ impl Both<'_> {
             let of_justice = proof.open.iter().any(|o| {
                 let formula = self.printer.formula(o.what);
                 o.what.kind == RuleKind::Justice
-                    && o.what.part.is_some()
+                    && o.what.component.is_some()
                     && finding.labels.iter().any(|l| l.0 == formula.span)
             });
-            // It may come true for a reason that no contract states.
-            if of_justice && finding.code == codes::ASSUMPTION_OPEN {
+            // The assumption can still hold for a reason that no contract states.
+            if of_justice && finding.code == codes::ASSUMPTION_UNDISCHARGED {
                 finding.severity = Severity::Warning;
             }
             findings.push(finding);
         }
     }
 
-    /// Reports circles of contracts that the controllers escape.
+    /// Reports circles of contracts in which the actual controllers do not wait for ever.
     fn report_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
         let proof = Proof {
             circles,
@@ -338,7 +352,7 @@ impl Both<'_> {
         for mut finding in found::of_proof(self.printer, &proof, &|part| Some(self.at(part))) {
             finding.severity = Severity::Warning;
             findings.push(finding.with_note(
-                "the controllers that were synthesized do not wait for ever; others that keep these contracts may",
+                "the synthesized controllers do not wait for ever, but other controllers that keep these contracts can",
             ));
         }
     }
@@ -349,7 +363,7 @@ impl Both<'_> {
         component.map_or(self.span, |c| c.span)
     }
 
-    /// Entry for an obligation that only the controllers show.
+    /// Entry for an obligation that only the controllers show to be met.
     fn shown(&self, at: FormulaRef, met: DischargeMethod) -> DischargeEntry {
         DischargeEntry {
             component: self.printer.owner(at).to_owned(),
@@ -360,8 +374,8 @@ impl Both<'_> {
             },
             turn: None,
             by: match met {
-                DischargeMethod::Held => "all states that the controllers reach".to_owned(),
-                DischargeMethod::Exported => HANDED_ON.to_owned(),
+                DischargeMethod::Held => "all reachable states of the controllers".to_owned(),
+                DischargeMethod::Exported => KEPT_BY_LINE.to_owned(),
             },
         }
     }
@@ -376,8 +390,8 @@ fn members(proof: &Proof) -> Vec<FormulaRef> {
 }
 
 /// The closed composition as an entry of the document.
-fn closed_entry(closed: &Closed<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
-    let components = closed.machine.components.iter().zip(&closed.taking);
+fn closed_entry(closed: &ClosedComposition<'_>, decided: &Result<Verdict, Limit>) -> ClosedEntry {
+    let components = closed.machine.components.iter().zip(&closed.participants);
     ClosedEntry {
         verdict: closed_verdict(decided),
         states: decided.as_ref().ok().map(|v| count(v.states)),
@@ -393,7 +407,7 @@ fn closed_entry(closed: &Closed<'_>, decided: &Result<Verdict, Limit>) -> Closed
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a count that was made of powers of two"
+    reason = "a count is not negative, and is computed from powers of two"
 )]
 fn count(states: f64) -> u64 {
     states.round() as u64
@@ -408,57 +422,63 @@ fn closed_verdict(decided: &Result<Verdict, Limit>) -> ClosedVerdict {
     }
 }
 
-/// Checks a contract that the machine is declared to refine, over the wires of the proof and over
-/// those of all layers. If the components' contracts do not show it, the controllers may.
+/// Checks a contract that the machine is declared to refine. `refined_contract` refers to the wires
+/// of the proof, `flat` to those of all layers. If the components' contracts do not prove the
+/// refinement, the controllers are tried.
 fn refines(
     controlled: &ControlledMachine<'_>,
-    promised: &RefinedContract,
+    refined_contract: &RefinedContract,
     flat: &RefinedContract,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) -> RefinesEntry {
-    let machine = controlled.machine.abstracted();
-    let (system, claim): (System, Claim) = of_promise(machine, promised);
+    let machine = controlled.machine.abstraction();
+    let (system, claim): (System, Claim) = of_refined_contract(machine, refined_contract);
     let printer = ProofPrinter {
         system: &system,
         claim: &claim,
-        whole: &promised.contract,
+        whole: &refined_contract.contract,
     };
     let mut refined = RefinesEntry {
-        contract: promised.contract.clone(),
+        contract: refined_contract.contract.clone(),
         verdict: RefinementVerdict::Refined,
         closed: None,
         discharges: Vec::new(),
     };
     match prove(&system, &claim, limits) {
         Ok(proof) if proof.holds() => {
-            refined.discharges = proof.discharges.iter().map(|d| entry(printer, d)).collect();
+            let entries = proof.discharges.iter();
+            refined.discharges = entries.map(|d| discharge_entry(printer, d)).collect();
         }
         Ok(proof) => {
-            let closed = Closed::of_promise(controlled.machine, &controlled.controllers, flat);
+            let closed = ClosedComposition::of_refined_contract(
+                controlled.machine,
+                &controlled.controllers,
+                flat,
+            );
             let decided = closed.decide(&bounded(limits));
             refined.closed = Some(closed_verdict(&decided));
-            let both = Both {
+            let both = CombinedProof {
                 printer,
-                span: promised.span,
+                span: refined_contract.span,
                 machine,
                 closed: &closed,
                 verdict: decided.as_ref().ok().filter(|_| !is_layered(controlled)),
                 walked: &Composition::default(),
             };
-            cut_short(promised.span, machine, &decided, findings);
+            cut_short(refined_contract.span, machine, &decided, findings);
             let mut found = Vec::new();
             refined.discharges = both.merged(proof, &mut found);
             if !found.is_empty() {
                 refined.verdict = RefinementVerdict::Broken;
             }
-            let on_the_way = "on the way to refining this contract";
+            let label = "needed to refine this contract";
             let found = found.into_iter();
-            findings.extend(found.map(|f| f.with_label(promised.span, on_the_way)));
+            findings.extend(found.map(|f| f.with_label(refined_contract.span, label)));
         }
         Err(limit) => {
             refined.verdict = RefinementVerdict::GaveUp;
-            findings.push(undecided(promised.span, &machine.name, limit));
+            findings.push(undecided(refined_contract.span, &machine.name, limit));
         }
     }
     refined

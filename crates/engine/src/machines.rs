@@ -1,5 +1,5 @@
-//! Synthesizes the controllers of machines: each component's contract with the arguments that the
-//! machine gives it.
+//! Plans the synthesis of machines: one job for each component's contract, with the arguments that
+//! the machine gives it.
 
 use super::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::controlled::ControlledMachine;
@@ -20,8 +20,8 @@ pub struct MachinePlan<'a> {
 }
 
 impl<'a> MachinePlan<'a> {
-    /// Adds a machine's components to the jobs. The coordinator's controller must be a machine
-    /// (state by state): its states are walked when the composition is checked.
+    /// Adds a machine's components to the jobs. The coordinator's controller must be a table of
+    /// states, which are explored when the composition is checked.
     pub fn new(machine: &'a Machine, jobs: &mut Jobs) -> Self {
         let components = machine.components.iter();
         Self {
@@ -35,7 +35,7 @@ impl<'a> MachinePlan<'a> {
         }
     }
 
-    /// Combined verdict on all its components.
+    /// The worst verdict of its components.
     pub fn verdict(&self, checked: &[CheckedContract]) -> Verdict {
         self.jobs
             .iter()
@@ -43,8 +43,8 @@ impl<'a> MachinePlan<'a> {
             .fold(Verdict::Realizable, Verdict::and)
     }
 
-    /// Findings about its components. What was found at a contract itself is reported there and
-    /// only referenced here.
+    /// Findings about its components. If a contract has no controller by itself, the finding there
+    /// is only referenced here.
     pub fn findings(&self, jobs: &Jobs, checked: &[CheckedContract]) -> Vec<Diagnostic> {
         let mut findings = Vec::new();
         for (component, index) in self.machine.components.iter().zip(&self.jobs) {
@@ -62,11 +62,11 @@ impl<'a> MachinePlan<'a> {
                 Verdict::GaveUp => (
                     codes::GAVE_UP,
                     "has no verdict",
-                    "see at the contract what would give it one",
+                    "see the finding at the contract for how to get a verdict",
                 ),
                 Verdict::InternalError => (
                     codes::INTERNAL,
-                    "could not be looked at",
+                    "could not be checked",
                     "this is a fault of linewright: see the finding at the contract",
                 ),
                 Verdict::Realizable | Verdict::Invalid => continue,
@@ -97,16 +97,15 @@ impl<'a> MachinePlan<'a> {
     }
 }
 
-/// Whether two machines are one declaration with the same arguments throughout, so that their
-/// libraries are the same. Compares the complete structure as written out, so that nothing is
-/// missed.
+/// Whether two machines are the same declaration with the same arguments, so that their libraries
+/// are the same. Compares their complete debug output, so that no field is missed.
 pub fn is_same(one: &Machine, other: &Machine) -> bool {
     std::ptr::eq(one, other)
         || (one.span == other.span && format!("{one:?}") == format!("{other:?}"))
 }
 
-/// Whether two machines are one declaration with the same arguments, so that their controllers are
-/// the same.
+/// Whether two machines are the same declaration with the same components, so that their
+/// controllers are the same. They can differ in other numbers, such as times.
 pub fn is_alike(one: &Machine, other: &Machine) -> bool {
     let mut components = one.components.iter().zip(&other.components);
     one.span == other.span
@@ -114,17 +113,17 @@ pub fn is_alike(one: &Machine, other: &Machine) -> bool {
         && components.all(|(a, b)| a.specification == b.specification && a.bindings == b.bindings)
 }
 
-/// Whether the judgement of one machine holds for the other: they differ at most in times, powers,
+/// Whether the findings about one machine hold for the other: they differ at most in times, powers,
 /// limits and defaults.
-pub fn is_judged_alike(one: &Machine, other: &Machine) -> bool {
-    let judged = |m: &Machine| {
+pub fn has_same_proofs(one: &Machine, other: &Machine) -> bool {
+    let proved = |m: &Machine| {
         let text = format!(
             "{:?}",
             (&m.plant, &m.done, &m.guarantees, &m.refines, &m.orders)
         );
         (text, m.layers.inner.len())
     };
-    is_alike(one, other) && judged(one) == judged(other)
+    is_alike(one, other) && proved(one) == proved(other)
 }
 
 /// The machines of a line, each once, in the order of their first occurrence.
@@ -145,21 +144,21 @@ pub fn of_line(line: &Line) -> Vec<&Arc<Machine>> {
     machines
 }
 
-/// Whether the declaration is that of an inner machine of `machine`, at any depth.
+/// Whether `machine` has an inner machine, at any depth, that is declared at `declared`.
 pub fn contains(machine: &Machine, declared: Span) -> bool {
     let mut inner = machine.layers.inner.iter().map(|inner| &inner.machine);
     inner.any(|inner| inner.span == declared || contains(inner, declared))
 }
 
-/// Whether a machine occurs only in other machines, and in no line by itself.
+/// Whether a machine occurs within other machines of the library, but not directly in a line.
 pub fn is_only_inner(machine: &Machine, library: &Library) -> bool {
     let stations = library.lines.iter().flat_map(of_line);
     !stations.into_iter().any(|m| m.span == machine.span)
         && library.machines.iter().any(|m| contains(m, machine.span))
 }
 
-/// Findings of machines whose controllers are needed: a missing controller is an error, and each
-/// contract is reported once.
+/// Findings about the controllers of machines that need them: a missing controller is an error, and
+/// each contract is reported once.
 pub fn findings_where_needed(
     planned: &[MachinePlan<'_>],
     jobs: &Jobs,
@@ -172,10 +171,10 @@ pub fn findings_where_needed(
     for plan in planned {
         for finding in plan.findings(jobs, checked) {
             // A component's own job was already reported.
-            let told = findings
+            let shown = findings
                 .iter()
                 .any(|f| f.code == finding.code && f.span == finding.span);
-            if !told {
+            if !shown {
                 findings.push(finding);
             }
         }

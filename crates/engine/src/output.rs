@@ -9,7 +9,8 @@ use std::fs::Permissions;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Writes a file and creates its folder if necessary. A link is kept, and its target is written.
+/// Writes a file and creates its folder if necessary. A symbolic link is kept; its target is
+/// written.
 ///
 /// # Errors
 /// The file cannot be written, is not a regular file (a device, a named pipe), or is one of the
@@ -35,19 +36,22 @@ pub fn write(path: &Path, text: &str, sources: &BTreeSet<PathBuf>) -> Result<(),
         replace(path, text.as_bytes(), None)
     };
     written.map_err(|e| {
-        let help = "name another place, or make this one writable";
+        let help = "name another path, or make this one writable";
         Box::new(unwritable(path, &e, help))
     })
 }
 
-/// Writes a file that does not exist. An existing file with the same text is left alone; one with a
-/// different text is kept, with finding LW546.
+/// Writes a file that does not exist yet.
+///
+/// # Errors
+/// The file exists with a different content (LW546), or cannot be written. An existing file is
+/// never changed.
 pub fn keep(path: &Path, text: &str, help: &str) -> Result<(), Box<Diagnostic>> {
     match disk::read(path) {
         Ok(old) if old == text.as_bytes() => Ok(()),
         Ok(_) => {
             let message = format!(
-                "{} is there already, and says something else",
+                "{} already exists, with a different content",
                 path.display()
             );
             Err(Box::new(
@@ -58,7 +62,10 @@ pub fn keep(path: &Path, text: &str, help: &str) -> Result<(), Box<Diagnostic>> 
     }
 }
 
-/// Rewrites a user's file; follows links and keeps its permissions. A write-protected file is left
+/// Rewrites an existing file of the user; follows links and keeps the permissions.
+///
+/// # Errors
+/// The file does not exist, is write-protected, or cannot be written. Its content is then
 /// unchanged.
 pub fn rewrite(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
     let written = std::fs::canonicalize(path).and_then(|target| {
@@ -72,7 +79,7 @@ pub fn rewrite(path: &Path, text: &str) -> Result<(), Box<Diagnostic>> {
         Box::new(unwritable(
             path,
             &e,
-            "give yourself the permission to write it",
+            "give yourself permission to write this file",
         ))
     })
 }
@@ -115,7 +122,7 @@ mod tests {
         write(&path, "two", &none).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "two");
         let left: Vec<_> = std::fs::read_dir(path.parent().unwrap()).unwrap().collect();
-        assert_eq!(left.len(), 1, "no temporary file stays behind");
+        assert_eq!(left.len(), 1, "a temporary file was left behind");
     }
 
     #[test]

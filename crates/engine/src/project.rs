@@ -16,7 +16,7 @@ use linewright_station::profile::Profile;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Declarations of files, with the settings for solving them.
+/// Declarations read from files, with the settings for solving them.
 #[derive(Debug, Default)]
 pub struct Project {
     loaded: LoadedFiles,
@@ -24,7 +24,7 @@ pub struct Project {
     pub settings: Settings,
 }
 
-/// Errors that prevented a result, with the other findings.
+/// All findings of an operation that failed; at least one of them is an error.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProjectError(pub Vec<Diagnostic>);
 
@@ -41,8 +41,8 @@ impl fmt::Display for ProjectError {
 impl std::error::Error for ProjectError {}
 
 impl ProjectError {
-    /// Succeeds unless the findings contain an error.
-    fn unless_sound(findings: Vec<Diagnostic>) -> Result<(), Self> {
+    /// Fails if one of the findings is an error.
+    fn if_errors(findings: Vec<Diagnostic>) -> Result<(), Self> {
         if has_errors(&findings) {
             Err(Self(findings))
         } else {
@@ -59,7 +59,7 @@ impl Project {
     /// Returns the findings if one of them is an error.
     pub fn open(path: &str) -> Result<Self, ProjectError> {
         let loaded = files::load(&[path.to_owned()], &StandardLibrary::default());
-        ProjectError::unless_sound(loaded.findings.clone())?;
+        ProjectError::if_errors(loaded.findings.clone())?;
         Ok(Self {
             loaded,
             settings: Settings::default(),
@@ -76,7 +76,7 @@ impl Project {
         &self.loaded.findings
     }
 
-    /// Solves every contract in library order: verdicts, controllers, findings.
+    /// Solves every contract, and extracts controllers of small ones; results are in library order.
     pub fn check(&self) -> Vec<CheckedContract> {
         let mut jobs = Jobs::examining();
         let contracts = self.library().contracts.iter();
@@ -97,14 +97,14 @@ impl Project {
         self.library().lines.iter().find(|l| l.name == name)
     }
 
-    /// Synthesizes a machine's controllers, judges it, and writes its station library for this
-    /// computer into a folder. Returns the files.
+    /// Synthesizes a machine's controllers, proves its obligations, and writes its station library
+    /// for this computer into a folder. Returns the paths of the files.
     ///
     /// # Errors
     /// Returns the findings if one of them is an error.
     pub fn build(&self, machine: &Machine, folder: &Path) -> Result<Vec<PathBuf>, ProjectError> {
         let synthesis = self.synthesize([machine])?;
-        let toolchain = Toolchain::shipping().until(self.settings.limits.deadline);
+        let toolchain = Toolchain::shipping().with_deadline(self.settings.limits.deadline);
         let mut files = Vec::new();
         for machine in synthesis.controlled() {
             let profile = Profile::assumed();
@@ -115,8 +115,8 @@ impl Project {
         Ok(files)
     }
 
-    /// Synthesizes and judges the controllers of a line's machines, builds their station libraries
-    /// into a folder, and runs the line.
+    /// Synthesizes the controllers of a line's machines, proves the machines' obligations, builds
+    /// their station libraries into a folder, and runs the line.
     ///
     /// # Errors
     /// Returns the findings if one of them is an error. Problems during a run are in the run's
@@ -142,7 +142,7 @@ impl Project {
         for machine in synthesis.controlled() {
             findings.extend(synthesis.judge(&machine, &self.settings));
         }
-        ProjectError::unless_sound(findings)?;
+        ProjectError::if_errors(findings)?;
         Ok(synthesis)
     }
 }

@@ -1,4 +1,4 @@
-//! Runs a line in the bundled runner, with the same station libraries that are shipped.
+//! Runs a line in the bundled runner, with the station libraries that `build` also delivers.
 
 use crate::controlled::ControlledMachine;
 use crate::libraries;
@@ -22,7 +22,7 @@ pub struct SimulationOptions {
     pub options: Options,
     /// Number of runs, with consecutive seeds.
     pub replications: u32,
-    /// Whether to compile libraries that exist already.
+    /// Whether to recompile libraries that already exist.
     pub rebuild: bool,
 }
 
@@ -40,18 +40,18 @@ pub struct Run {
 /// Builds the libraries of a line's machines into a folder, loads them, and runs the line.
 ///
 /// # Errors
-/// Returns findings if a library cannot be built or loaded, or if the runner refuses the line.
+/// Returns the findings if a library cannot be built or loaded, or if the runner refuses the line.
 pub fn simulate(
     line: &Line,
     machines: &[ControlledMachine<'_>],
     folder: &Path,
-    how: &SimulationOptions,
+    options: &SimulationOptions,
 ) -> Result<Run, Vec<Diagnostic>> {
-    let libraries = build(machines, folder, how)?;
+    let libraries = build(machines, folder, options)?;
     let controllers = instances(line, machines, &libraries)?;
-    let mut plant = Plant::new(Arc::new(line.clone()), controllers, how.options)?;
+    let mut plant = Plant::new(Arc::new(line.clone()), controllers, options.options)?;
     let start = Instant::now();
-    let (traces, replications) = plant.replicate(u64::from(how.replications));
+    let (traces, replications) = plant.replicate(u64::from(options.replications));
     Ok(Run {
         traces,
         replications,
@@ -63,17 +63,17 @@ pub fn simulate(
 fn build(
     machines: &[ControlledMachine<'_>],
     folder: &Path,
-    how: &SimulationOptions,
+    options: &SimulationOptions,
 ) -> Result<Vec<Arc<Library>>, Vec<Diagnostic>> {
     let profile = Profile::assumed();
     let packages: Vec<Package> = machines
         .par_iter()
         .map(|m| libraries::package(m, &profile))
         .collect();
-    let toolchain = Toolchain::host().until(how.options.deadline);
+    let toolchain = Toolchain::host().with_deadline(options.options.deadline);
     let mut findings = Vec::new();
     let mut libraries = Vec::new();
-    for built in toolchain.build_all(&packages, folder, how.rebuild) {
+    for built in toolchain.build_all(&packages, folder, options.rebuild) {
         match built.and_then(|b| Library::open(&b.path)) {
             Ok(library) => libraries.push(library),
             Err(error) => {
@@ -92,7 +92,7 @@ fn build(
     }
 }
 
-/// For each node, an instance of its machine.
+/// Creates the controller of every station and every conveyor with a machine, by node index.
 fn instances(
     line: &Line,
     machines: &[ControlledMachine<'_>],
@@ -123,7 +123,7 @@ fn instances(
                     format!("`{}` cannot be instantiated: {error}", node.name),
                 )
                 .with_help(
-                    "build it anew with --rebuild; `linewright explain LW505` lists the codes",
+                    "rebuild its library with --rebuild; `linewright explain LW505` lists the codes",
                 ),
             ),
             None => {}

@@ -1,4 +1,4 @@
-//! Effort for a verdict, as shown by `--stats`.
+//! Statistics of the solver, as shown by `--stats`.
 
 use linewright_core::gr1::{Specification, VarId};
 use linewright_solver::game;
@@ -6,14 +6,15 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-/// Effort for a verdict.
+/// Statistics of one solve.
 #[derive(Debug, Clone, Default, PartialEq, JsonSchema, Serialize, Deserialize)]
 #[expect(
     clippy::struct_excessive_bools,
-    reason = "each says one thing that is known of a solve"
+    reason = "each is an independent fact about a solve"
 )]
 pub struct Statistics {
-    /// Whether this was read from the cache; then everything else refers to the run that stored it.
+    /// Whether the result was read from the cache; all other values are then those of the run that
+    /// stored it.
     pub cached: bool,
     /// Whether the search began with the variable order of an earlier version of the contract.
     pub known_order: bool,
@@ -21,9 +22,9 @@ pub struct Statistics {
     pub known_region: bool,
     /// Name of the kernel; empty if none was started.
     pub kernel: String,
-    /// Number of pairs of a current and a next bit.
+    /// Number of pairs of a bit in the current and in the next state.
     pub pairs: usize,
-    /// Whether the game is too large for checks beside its verdict.
+    /// Whether the game is too large for checks in addition to its verdict.
     pub large: bool,
     /// Wall-clock seconds by phase.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -100,7 +101,7 @@ impl Statistics {
         }
     }
 
-    /// Keeps or removes measured times.
+    /// Returns a copy, without the measured times and node counts unless `timing` is set.
     #[must_use]
     pub fn timed(&self, timing: bool) -> Self {
         Self {
@@ -117,13 +118,13 @@ impl Statistics {
             let _ = writeln!(text, "  {label:<12}  {value}");
         };
         if self.kernel.is_empty() {
-            line("kernel", "none was started".to_owned());
+            line("kernel", "none started".to_owned());
             return text;
         }
         if self.cached {
             line(
                 "result",
-                "from the cache; the rest is of the run that found it".to_owned(),
+                "from the cache; the other values are of the run that stored it".to_owned(),
             );
         }
         line(
@@ -131,8 +132,8 @@ impl Statistics {
             format!("{}, {} pairs of bits", self.kernel, self.pairs),
         );
         let known = match (self.known_order, self.known_region) {
-            (true, true) => Some("the order and the winning region of the version before"),
-            (true, false) => Some("the order of the version before"),
+            (true, true) => Some("the order and the winning region of the previous version"),
+            (true, false) => Some("the order of the previous version"),
             (false, _) => None,
         };
         if let Some(known) = known {

@@ -1,4 +1,4 @@
-//! Synthesizes the controllers of several machines together and judges them.
+//! Synthesizes the controllers of several machines together, and checks the machines.
 
 use crate::controlled::ControlledMachine;
 use crate::controller::ExtractionOptions;
@@ -10,25 +10,25 @@ use linewright_core::diagnostics::{Diagnostic, Severity};
 use linewright_language::contract::machine::Machine;
 use linewright_language::order::Skills;
 
-/// Machines whose controllers were requested.
+/// Machines with the results of synthesizing their controllers.
 #[derive(Debug)]
 pub struct Synthesis<'a> {
     planned: Vec<MachinePlan<'a>>,
     jobs: Jobs,
     checked: Vec<CheckedContract>,
-    /// Findings about the skills that the machines call.
+    /// Errors, and limits that were reached, in the check of the machines' skills.
     skills: Vec<Diagnostic>,
 }
 
 impl<'a> Synthesis<'a> {
-    /// Synthesizes the controllers of these machines in parallel, each contract once. `progress`
-    /// receives the number of contracts.
+    /// Synthesizes the controllers of these machines in parallel, each contract once, and checks
+    /// the skills that the machines call. `progress` receives the number of contracts.
     pub fn new(
         machines: impl IntoIterator<Item = &'a Machine>,
         settings: &Settings,
         progress: impl FnOnce(usize) -> ProgressBar,
     ) -> Self {
-        let mut jobs = Jobs::default().wishing(ExtractionOptions {
+        let mut jobs = Jobs::default().with_extraction(ExtractionOptions {
             functions: true,
             ..ExtractionOptions::default()
         });
@@ -61,7 +61,7 @@ impl<'a> Synthesis<'a> {
         findings
     }
 
-    /// Machines with a complete set of controllers.
+    /// The machines of which every component has a controller.
     pub fn controlled(&self) -> impl Iterator<Item = ControlledMachine<'_>> {
         self.planned
             .iter()
@@ -73,14 +73,15 @@ impl<'a> Synthesis<'a> {
         self.controlled().count() == self.planned.len()
     }
 
-    /// Returns a machine that differs from one of these at most in numbers, with its controllers.
+    /// Returns the machine that has the same controllers as `machine`, if it is one of these and
+    /// every component has a controller; see [`machines::is_alike`].
     pub fn of(&self, machine: &Machine) -> Option<ControlledMachine<'_>> {
         let mut planned = self.planned.iter();
         let alike = planned.find(|p| machines::is_alike(p.machine, machine))?;
         alike.controlled(&self.checked)
     }
 
-    /// Findings about a machine as a whole.
+    /// Findings about a machine as a whole; see [`judgement::findings`].
     pub fn judge(
         &self,
         controlled: &ControlledMachine<'_>,

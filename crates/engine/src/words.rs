@@ -1,4 +1,4 @@
-//! Proofs in words: what an obligation rests on and how, what prevents it, and the counterexample
+//! Proofs as text: how and by what an obligation is met, why it is not met, and the counterexample
 //! as a table.
 
 use crate::findings::list;
@@ -15,26 +15,27 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::fmt::{self, Write as _};
 
-/// A system and a claim about it, with their names.
+/// Formats a proof about a system.
 #[derive(Debug, Clone, Copy)]
 pub struct ProofPrinter<'a> {
-    /// The system.
+    /// The components of the proof.
     pub system: &'a System,
-    /// The claim.
+    /// The claim about the system.
     pub claim: &'a Claim,
     /// Owner of the claim's own formulas: the name of the refined contract, or of the machine.
     pub whole: &'a str,
 }
 
 impl<'a> ProofPrinter<'a> {
-    /// Returns the formula at a reference.
+    /// Returns the formula that a reference denotes.
     pub fn formula(&self, at: FormulaRef) -> &'a Formula {
         replay::formula(self.system, self.claim, at)
     }
 
     /// Name of the formula's owner.
     pub fn owner(&self, at: FormulaRef) -> &'a str {
-        at.part.map_or(self.whole, |p| &self.system.parts[p].name)
+        at.component
+            .map_or(self.whole, |p| &self.system.components[p].name)
     }
 
     /// Qualified name: `cell: pick_open`.
@@ -46,8 +47,8 @@ impl<'a> ProofPrinter<'a> {
         }
     }
 
-    /// What meets an obligation, in one line.
-    pub fn by(&self, discharge: &Discharge) -> String {
+    /// Names of the formulas by which an obligation is discharged, in one line.
+    pub fn discharged_by(&self, discharge: &Discharge) -> String {
         let mut names: Vec<String> = Vec::new();
         for at in &discharge.by {
             let name = self.name(*at);
@@ -57,28 +58,29 @@ impl<'a> ProofPrinter<'a> {
         }
         let names = names.join(", ");
         match (discharge.rule, names.is_empty()) {
-            (DischargeRule::Exported, _) => "handed on: whoever uses it has to keep it".to_owned(),
-            (_, true) => "it cannot be broken".to_owned(),
+            (DischargeRule::Exported, _) => "passed on: the caller has to keep it".to_owned(),
+            (_, true) => "it always holds".to_owned(),
             _ => names,
         }
     }
 
-    /// A table of discharges: obligation, rule, and what meets it.
+    /// A table of discharges: the obligation, the rule, and the formulas that discharge it.
     pub fn table(&self, discharges: &[Discharge]) -> String {
         let names: Vec<String> = discharges.iter().map(|d| self.name(d.what)).collect();
         let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
-        let how: Vec<String> = discharges.iter().map(|d| how(d.rule)).collect();
-        let middle = how.iter().map(|h| h.chars().count()).max().unwrap_or(0);
+        let rules: Vec<String> = discharges.iter().map(|d| rule_name(d.rule)).collect();
+        let middle = rules.iter().map(|r| r.chars().count()).max().unwrap_or(0);
         let mut text = String::new();
-        for ((discharge, name), how) in discharges.iter().zip(&names).zip(&how) {
-            let by = self.by(discharge);
-            let _ = writeln!(text, "  {name:<width$}  {how:<middle$}  {by}");
+        for ((discharge, name), rule) in discharges.iter().zip(&names).zip(&rules) {
+            let by = self.discharged_by(discharge);
+            let _ = writeln!(text, "  {name:<width$}  {rule:<middle$}  {by}");
         }
         text
     }
 
-    /// Like `table`, for a refinement whose environment is that of the contract `given`.
-    pub fn rests(&self, discharges: &[Discharge], given: &str) -> String {
+    /// Table of discharges of a refinement, without the rules. `given` names the contract whose
+    /// formulas are given.
+    pub fn refinement_table(&self, discharges: &[Discharge], given: &str) -> String {
         let names = discharges
             .iter()
             .map(|d| self.formula(d.what).name.as_str());
@@ -88,14 +90,16 @@ impl<'a> ProofPrinter<'a> {
         for (discharge, name) in discharges.iter().zip(&names) {
             let mut by: Vec<String> = Vec::new();
             for at in &discharge.by {
-                let owner = at.part.map_or(given, |p| &self.system.parts[p].name);
+                let owner = at
+                    .component
+                    .map_or(given, |p| &self.system.components[p].name);
                 let name = format!("{owner}: {}", self.formula(*at).name);
                 if !by.contains(&name) {
                     by.push(name);
                 }
             }
             let by = match by.as_slice() {
-                [] => "nothing: it cannot be broken".to_owned(),
+                [] => "nothing: it always holds".to_owned(),
                 by => by.join(", "),
             };
             let _ = writeln!(text, "  {name:<width$}  {by}");
@@ -103,11 +107,11 @@ impl<'a> ProofPrinter<'a> {
         text
     }
 
-    /// Why an assumption is not met, as far as the owners of the variables show it.
+    /// Why an obligation is not met, as far as the owners of its variables show it.
     pub fn reason(&self, open: &Open) -> String {
         let formula = self.formula(open.what);
-        let Some(part) = open.what.part else {
-            return "the parts together do not keep it".to_owned();
+        let Some(part) = open.what.component else {
+            return "the parts together do not guarantee it".to_owned();
         };
         let mut own = true;
         let mut others: BTreeSet<usize> = BTreeSet::new();
@@ -122,8 +126,8 @@ impl<'a> ProofPrinter<'a> {
             });
         if own {
             return format!(
-                "it speaks only of what {} sets itself, so nobody else can see to it",
-                self.system.parts[part].name
+                "it mentions only variables that {} sets itself, so no other part can guarantee it",
+                self.system.components[part].name
             );
         }
         if let Some(converse) = self.converse(open.what, formula) {
@@ -131,37 +135,28 @@ impl<'a> ProofPrinter<'a> {
         }
         let names: Vec<String> = others
             .iter()
-            .map(|p| self.system.parts[*p].name.clone())
+            .map(|p| self.system.components[*p].name.clone())
             .collect();
-        let owed = others
+        let has_justice = others
             .iter()
-            .any(|p| !self.system.parts[*p].guarantees.justice.is_empty());
+            .any(|p| !self.system.components[*p].guarantees.justice.is_empty());
         match (open.what.kind, names.is_empty()) {
-            (_, true) => "nothing that is known of its inputs makes it true".to_owned(),
-            (RuleKind::Justice, _) if !owed => format!(
-                "{} {} nothing that comes true again and again",
-                list(&names),
-                if names.len() == 1 {
-                    "promises"
-                } else {
-                    "promise"
-                }
-            ),
-            (RuleKind::Justice, _) => {
+            (_, true) => "what is assumed about its inputs does not imply it".to_owned(),
+            (RuleKind::Justice, _) if !has_justice => {
                 format!(
-                    "what {} can be relied on for does not bring it about",
+                    "{} has no guarantee of the form `always eventually`",
                     list(&names)
                 )
             }
-            _ => format!("what {} guarantees does not imply it", list(&names)),
+            _ => format!("the guarantees of {} do not imply it", list(&names)),
         }
     }
 
     /// Finds a guarantee of the form `a -> b` where the assumption needs `b -> a`.
     fn converse(&self, at: FormulaRef, assumed: &Formula) -> Option<String> {
         let (p, q) = implication(&assumed.expr)?;
-        let parts = self.system.parts.iter().enumerate();
-        for (i, part) in parts.filter(|(i, _)| Some(*i) != at.part) {
+        let parts = self.system.components.iter().enumerate();
+        for (i, part) in parts.filter(|(i, _)| Some(*i) != at.component) {
             for (kind, _, guarantee) in formulas(&part.guarantees) {
                 if kind != at.kind {
                     continue;
@@ -171,7 +166,10 @@ impl<'a> ProofPrinter<'a> {
                 };
                 // `b` is assumed to lead to `q`, and `q` is among the conjuncts that lead to `b`.
                 if *b == *p && a.conjuncts().iter().any(|c| same_truth(c, q)) {
-                    return Some(format!("{}: {}", self.system.parts[i].name, guarantee.name));
+                    return Some(format!(
+                        "{}: {}",
+                        self.system.components[i].name, guarantee.name
+                    ));
                 }
             }
         }
@@ -179,8 +177,8 @@ impl<'a> ProofPrinter<'a> {
     }
 
     /// The counterexample as a table of the relevant variables, with its ending.
-    pub fn shown(&self, open: &Open) -> String {
-        let shown = self.mentioned(open.what);
+    pub fn counterexample(&self, open: &Open) -> String {
+        let shown = self.relevant_variables(open.what);
         let (steps, round) = match &open.why {
             Refutation::Trace(steps) => (steps.clone(), None),
             Refutation::Lasso(run) => (
@@ -193,18 +191,18 @@ impl<'a> ProofPrinter<'a> {
         let end = match round {
             None => format!("step {last} breaks `{name}`"),
             Some(from) if from == last => {
-                format!("step {last} goes on for ever, and `{name}` is never met again")
+                format!("step {last} repeats for ever, and `{name}` never holds again")
             }
             Some(from) => format!(
-                "after step {last} it goes on with step {from}, for ever, and `{name}` is never met again"
+                "after step {last} the run repeats from step {from} for ever, and `{name}` never holds again"
             ),
         };
         steps_table(self.system, &shown, &steps) + &end
     }
 
-    /// Variables of a formula, and of formulas about the same variables' values that mention few
-    /// others.
-    fn mentioned(&self, at: FormulaRef) -> Vec<VarId> {
+    /// Variables of a formula, and of the guarantees that constrain one of them in the part that
+    /// sets it; without internal variables.
+    fn relevant_variables(&self, at: FormulaRef) -> Vec<VarId> {
         let mut found: BTreeSet<VarId> = BTreeSet::new();
         let mut add = |expr: &Expr| {
             expr.for_each_var(&mut |v, _| {
@@ -213,7 +211,7 @@ impl<'a> ProofPrinter<'a> {
         };
         add(&self.formula(at).expr);
         let own: BTreeSet<VarId> = found.clone();
-        for part in &self.system.parts {
+        for part in &self.system.components {
             for (_, _, formula) in formulas(&part.guarantees) {
                 let mut sets = false;
                 formula.expr.for_each_var(&mut |v, _| {
@@ -230,8 +228,9 @@ impl<'a> ProofPrinter<'a> {
         found.into_iter().filter(|v| !hidden(v)).collect()
     }
 
-    /// Describes a circle of justice, and the change of pattern that breaks it.
-    pub fn circle(&self, circle: &Circle) -> (String, String) {
+    /// Returns a message about a circle of justice assumptions, and a help text with a pattern that
+    /// avoids it.
+    pub fn describe_circle(&self, circle: &Circle) -> (String, String) {
         let members: Vec<String> = circle
             .assumptions
             .iter()
@@ -247,35 +246,35 @@ impl<'a> ProofPrinter<'a> {
             list(&members)
         );
         let help = format!(
-            "hold each request until it is done, and ask for no more than that: instead of `{}`, let the one who acts guarantee \
-             `always eventually (not requested or done)`, let the one who asks assume the same and guarantee \
-             `always (requested and not done -> next requested)`; then nobody has to ask for ever",
+            "instead of `{}`, let the component that acts guarantee `always eventually (not requested or done)`; \
+             let the component that asks assume the same, and guarantee \
+             `always (requested and not done -> next requested)`; then each request is held until it is done",
             texts.join("` and `")
         );
         (message, help)
     }
 
-    /// Describes a loop within a step.
-    pub fn same_step(&self, found: &SameStepLoop) -> (String, String) {
+    /// Returns a message and a help text about variables that depend on each other within a step.
+    pub fn describe_loop(&self, found: &SameStepLoop) -> (String, String) {
         let names: Vec<String> = found
             .variables
             .iter()
             .map(|v| {
                 let variable = &self.system.variables[v.index()].name;
                 match self.system.driver(*v) {
-                    Some(part) => format!("`{variable}` of {}", self.system.parts[part].name),
+                    Some(part) => format!("`{variable}` of {}", self.system.components[part].name),
                     None => format!("`{variable}`"),
                 }
             })
             .collect();
         (
-            format!("within one step {} wait for each other", list(&names)),
-            "make one of the contracts `moore`, so that it answers before it sees the others' answers, or let it refer to the step before"
+            format!("within one step, {} wait for each other", list(&names)),
+            "make one of the contracts `moore`, so that its outputs do not depend on the others in the same step, or let it refer to the previous step"
                 .to_owned(),
         )
     }
 
-    /// Assumptions that are passed on to the caller.
+    /// Assumptions that the proof passes on to the caller.
     pub fn exported(&self, proof: &Proof) -> Vec<FormulaRef> {
         let exported = proof.discharges.iter();
         exported
@@ -285,8 +284,8 @@ impl<'a> ProofPrinter<'a> {
     }
 }
 
-/// The rule that meets an obligation, in a word or two.
-pub fn how(rule: DischargeRule) -> String {
+/// Name of a rule, as shown in tables.
+pub fn rule_name(rule: DischargeRule) -> String {
     match rule {
         DischargeRule::Environment | DischargeRule::Exported => "environment".to_owned(),
         DischargeRule::Induction => "step by step".to_owned(),
@@ -294,11 +293,11 @@ pub fn how(rule: DischargeRule) -> String {
     }
 }
 
-/// The rule that meets an obligation, for JSON documents.
+/// The rule by which an obligation is discharged, for JSON documents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DischargeRuleName {
-    /// Assumed of the environment of the whole.
+    /// Assumed about the environment of the whole.
     Environment,
     /// Passed on to the caller of the whole.
     Exported,
@@ -306,7 +305,7 @@ pub enum DischargeRuleName {
     Induction,
     /// A turn of the proof of justice.
     Justice,
-    /// Shown only by the synthesized controllers.
+    /// Holds for the synthesized controllers, though not for all that keep the contracts.
     Controllers,
 }
 
@@ -328,13 +327,13 @@ impl From<DischargeRule> for DischargeRuleName {
     }
 }
 
-/// Steps as a table, with a row per variable.
+/// Steps as a table with a row for each variable in `shown`.
 pub fn steps_table(system: &System, shown: &[VarId], steps: &[Vec<i64>]) -> String {
     let rows = shown.iter().map(|v| {
         let variable = &system.variables[v.index()];
         let driver = system.driver(*v);
         Row {
-            side: driver.map_or("outside".to_owned(), |p| system.parts[p].name.clone()),
+            side: driver.map_or("outside".to_owned(), |p| system.components[p].name.clone()),
             name: variable.name.clone(),
             cells: steps
                 .iter()
@@ -343,7 +342,7 @@ pub fn steps_table(system: &System, shown: &[VarId], steps: &[Vec<i64>]) -> Stri
         }
     });
     let mut rows: Vec<Row> = rows.collect();
-    // Values from outside come first, then part by part.
+    // Values from the environment come first.
     rows.sort_by_key(|r| r.side != "outside");
     grid(&rows, steps.len() - 1)
 }
@@ -362,10 +361,10 @@ pub fn lasso_table(system: &System, run: &Lasso) -> String {
 pub fn lasso_end(run: &Lasso) -> String {
     let last = run.prefix.len() + run.cycle.len() - 1;
     if run.prefix.len() == last {
-        format!("step {last} goes on for ever")
+        format!("step {last} repeats for ever")
     } else {
         format!(
-            "after step {last} it goes on with step {}, for ever",
+            "after step {last} the run repeats from step {} for ever",
             run.prefix.len()
         )
     }
@@ -378,7 +377,7 @@ fn implication(expr: &Expr) -> Option<(&Expr, &Expr)> {
     }
 }
 
-/// `grip` and `grip = true` are equivalent.
+/// Whether two expressions are equal if `grip = true` is read as `grip`.
 fn same_truth(a: &Expr, b: &Expr) -> bool {
     fn plain(expr: &Expr) -> &Expr {
         match expr {
@@ -394,34 +393,34 @@ fn same_truth(a: &Expr, b: &Expr) -> bool {
 pub struct DischargeEntry {
     /// The component, or the machine or contract that guarantees it.
     pub component: String,
-    /// The assumption or guarantee.
+    /// Name of the assumption or guarantee.
     pub assumption: String,
-    /// The rule that meets it.
+    /// The rule by which it is discharged.
     pub rule: DischargeRuleName,
     /// For justice: the turn, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub turn: Option<usize>,
-    /// What meets it.
+    /// What discharges it: names of formulas, or a phrase.
     pub by: String,
 }
 
-/// Text naming what meets assumptions that are passed on.
-pub const HANDED_ON: &str = "the line, checked at every call";
+/// What discharges assumptions that a machine passes on to its caller.
+pub const KEPT_BY_LINE: &str = "the line, checked at every call";
 
 /// A discharge as an entry of the JSON documents of `check`.
-pub fn entry(told: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
+pub fn discharge_entry(printer: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
-        component: told.owner(discharge.what).to_owned(),
-        assumption: told.formula(discharge.what).name.clone(),
+        component: printer.owner(discharge.what).to_owned(),
+        assumption: printer.formula(discharge.what).name.clone(),
         rule: discharge.rule.into(),
         turn: match discharge.rule {
             DischargeRule::Justice { turn } => Some(turn + 1),
             _ => None,
         },
         by: match discharge.rule {
-            DischargeRule::Exported => HANDED_ON.to_owned(),
-            _ => told.by(discharge),
+            DischargeRule::Exported => KEPT_BY_LINE.to_owned(),
+            _ => printer.discharged_by(discharge),
         },
     }
 }

@@ -1,8 +1,8 @@
-//! Runs work that must end in time on a thread that is abandoned if it does not.
+//! Runs work with a deadline on its own thread, and abandons the thread if the work is late.
 //!
 //! The stages check the deadline between operations of the BDD kernel; a single operation cannot be
-//! interrupted and may take minutes. So the caller goes on shortly after the deadline with what the
-//! work had reported until then. The thread keeps running until the program ends, which is soon.
+//! interrupted and may take minutes. So the caller continues shortly after the deadline with what
+//! the work has reported by then. The thread keeps running until the program ends, which is soon.
 
 use super::internal;
 use linewright_core::deadline::{Deadline, StopReason};
@@ -11,13 +11,14 @@ use std::time::Duration;
 #[cfg(test)]
 use std::time::Instant;
 
-/// Time for the work to notice the deadline by itself, which gives the better answer.
+/// Additional time in which the work can notice the deadline by itself, which gives a better
+/// answer.
 const GRACE: Duration = Duration::from_millis(300);
 
-/// Interval between checks of the deadline, which an interrupt brings forward.
-const LOOK: Duration = Duration::from_millis(50);
+/// Interval between checks of the deadline; an interrupt can bring the deadline forward.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Stack size in bytes. Formulas may nest arbitrarily deep, and so may the recursion over them.
+/// Stack size in bytes. Formulas can be nested arbitrarily deep, and are processed recursively.
 pub const STACK_BYTES: usize = 256 << 20;
 
 /// Outcome of the work.
@@ -25,12 +26,12 @@ pub const STACK_BYTES: usize = 256 << 20;
 pub enum Completion<P, R> {
     /// Completed with a result.
     Done(R),
-    /// Abandoned, with the last thing that it reported.
-    Left(StopReason, Option<P>),
+    /// Abandoned, with the last value that the work reported.
+    Abandoned(StopReason, Option<P>),
 }
 
-/// Runs `work` on its own thread. Values that it passes to its argument are kept in case it is
-/// abandoned.
+/// Runs `work` on its own thread. `work` passes intermediate values to its argument; the last one
+/// is returned if the work is abandoned.
 pub fn run<P, R>(
     deadline: Deadline,
     work: impl FnOnce(&dyn Fn(P)) -> R + Send + 'static,
@@ -50,16 +51,16 @@ where
         let result = internal::within("", || work(&report));
         let _ = sender.send(Ok(result));
     });
-    let thread = thread.unwrap_or_else(|e| panic!("no thread can be started: {e}"));
+    let thread = thread.unwrap_or_else(|e| panic!("cannot start a thread: {e}"));
     let mut reported = None;
     loop {
-        let left = last.left().unwrap_or(LOOK);
-        match receiver.recv_timeout(left.min(LOOK)) {
+        let left = last.remaining().unwrap_or(POLL_INTERVAL);
+        match receiver.recv_timeout(left.min(POLL_INTERVAL)) {
             Ok(Ok(result)) => return Completion::Done(result),
             Ok(Err(partly)) => reported = Some(partly),
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(late) = last.check() {
-                    return Completion::Left(late, reported);
+                    return Completion::Abandoned(late, reported);
                 }
             }
             Err(RecvTimeoutError::Disconnected) => match thread.join() {
@@ -84,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn work_that_does_not_end_is_left() {
+    fn work_that_does_not_end_is_abandoned() {
         let begin = Instant::now();
         let deadline = Deadline::after(begin, Duration::from_millis(50));
         let ended = run(deadline, |report: &dyn Fn(u8)| {
@@ -92,7 +93,10 @@ mod tests {
             report(2);
             std::thread::sleep(Duration::from_mins(1));
         });
-        assert!(matches!(ended, Completion::Left(StopReason::Time, Some(2))));
+        assert!(matches!(
+            ended,
+            Completion::Abandoned(StopReason::Time, Some(2))
+        ));
         assert!(begin.elapsed() < Duration::from_secs(10));
     }
 

@@ -1,10 +1,10 @@
-//! Prints a specification as a contract of our own language, so that checking it gives the same
-//! verdict.
+//! Prints a specification as a contract in Linewright's own language, with the same verdict.
 //!
-//! A formula about current values among the transitions is not quite an invariant: it holds in
-//! every step that is followed by another. The language says that with `next true -> ...`, unless
-//! every step is followed by another, since nothing is asked of the environment's moves. Names that
-//! the language does not take are replaced, and listed in comments.
+//! A transition formula that refers to current values only is weaker than an invariant: it has to
+//! hold only in steps that have a successor. The language expresses this with `next true -> ...`.
+//! The prefix is omitted where every step has a successor, because no safety assumption restricts
+//! the environment's moves. Names that the language does not allow are replaced, and listed in
+//! comments.
 
 use super::rename::renamed;
 use super::write::is_truth;
@@ -16,12 +16,12 @@ use linewright_core::source::FileId;
 use linewright_syntax::{format, is_reserved, parse};
 use std::fmt::Write as _;
 
-/// Maximum operands per chain; the language's parser has a bound of its own.
+/// Maximum number of operands of one chain; the language's parser has its own limit.
 const CHAIN: usize = 100;
-/// What nests deeper becomes a `define`.
+/// Nesting depth from which a subexpression becomes a `define`.
 const DEEP: usize = 40;
 
-/// What could be a name, and reads like a function or a type.
+/// Names that are allowed, but look like a function or a type.
 const MISLEADING: [&str; 5] = ["min", "max", "abs", "bool", "array"];
 
 fn is_name(name: &str) -> bool {
@@ -31,7 +31,9 @@ fn is_name(name: &str) -> bool {
         && !MISLEADING.contains(&name)
 }
 
-/// The contract. `origin` says what file it comes from.
+/// Prints `specification` as a contract.
+///
+/// `origin` becomes a comment in the first line; see [`origin`].
 pub fn write(specification: &Specification, origin: &str) -> String {
     let variables = specification.variables.iter().map(|v| v.name.as_str());
     let name = renamed([specification.name.as_str()], "Contract", is_name)
@@ -41,8 +43,8 @@ pub fn write(specification: &Specification, origin: &str) -> String {
         let sides = [&specification.assumptions, &specification.guarantees];
         sides.into_iter().flat_map(Side::all)
     };
-    // Labels, variables and helpers share one set of names, so that no reader has to tell them
-    // apart.
+    // Variables, formulas, labels and defines get distinct names, so that readers cannot confuse
+    // them.
     let all: Vec<&str> = variables
         .chain(formulas().map(|f| f.name.as_str()))
         .collect();
@@ -62,8 +64,8 @@ pub fn write(specification: &Specification, origin: &str) -> String {
     };
     let mut body = String::new();
     let mut formula_names = formula_names.into_iter();
-    let asked = &specification.assumptions;
-    let goes_on = asked.safety.is_empty() && asked.invariants.is_empty();
+    let assumptions = &specification.assumptions;
+    let has_successor = assumptions.safety.is_empty() && assumptions.invariants.is_empty();
     for (keyword, side) in [
         ("assume", &specification.assumptions),
         ("guarantee", &specification.guarantees),
@@ -80,7 +82,7 @@ pub fn write(specification: &Specification, origin: &str) -> String {
                 let text = printer.formula(formula);
                 let text = match temporal {
                     "" => text,
-                    "always transition" if goes_on || formula.expr.mentions_next() => {
+                    "always transition" if has_successor || formula.expr.mentions_next() => {
                         format!("always ({text})")
                     }
                     "always transition" => format!("always (next true -> ({text}))"),
@@ -138,16 +140,16 @@ pub fn write(specification: &Specification, origin: &str) -> String {
     formatted(text)
 }
 
-/// The text as `fmt` lays it out; unchanged if it is nested too deeply to be read again.
+/// The text in the layout of `fmt`; unchanged if the parser rejects it as too deeply nested.
 fn formatted(text: String) -> String {
     let (file, findings) = parse(FileId::default(), &text);
     if !findings.is_empty() {
         return text;
     }
-    format::checked(&file, &text).unwrap_or(text)
+    format::format_checked(&file, &text).unwrap_or(text)
 }
 
-/// The line that says where a contract comes from.
+/// The comment that names the file and the format a contract was imported from.
 pub fn origin(file: &str, format: Format) -> String {
     format!(
         "Imported from {file}, a specification for {}.",
@@ -158,28 +160,28 @@ pub fn origin(file: &str, format: Format) -> String {
 struct Printer<'s> {
     specification: &'s Specification,
     names: &'s [String],
-    /// The labels that values of each variable are printed with.
+    /// For each variable, the labels that its values are printed with.
     labels: &'s [Option<&'s [String]>],
     used: Vec<String>,
     defines: Vec<(String, String)>,
 }
 
-/// A printed expression, and how many parentheses lie within one another in it.
+/// A printed expression.
 struct Printed {
     text: String,
     depth: usize,
-    /// Where it needs no parentheses.
+    /// Where the text needs no parentheses.
     binds: Binds,
 }
 
 /// How tightly an expression binds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binds {
-    /// Nowhere but alone.
+    /// Only as a whole formula.
     Loosely,
     /// As an operand of `and`, `or` and `->`: a comparison or a negation.
     AsOperand,
-    /// Everywhere.
+    /// As an operand of any operator.
     Tightly,
 }
 
@@ -188,7 +190,8 @@ impl Printer<'_> {
         self.print(&formula.expr, true).text
     }
 
-    /// A part of another expression: in parentheses, or by a name where it nests too deep.
+    /// Prints a subexpression: in parentheses if it binds more loosely than `wanted`, or as the
+    /// name of a `define` if it nests too deeply.
     fn part(&mut self, expr: &Expr, truth: bool, wanted: Binds) -> Printed {
         let printed = self.print(expr, truth);
         if printed.depth >= DEEP {
@@ -222,8 +225,8 @@ impl Printer<'_> {
         name
     }
 
-    /// `truth` tells whether a constant is a truth value. The recursion is as deep as the
-    /// expression.
+    /// Prints an expression; `truth` is whether its constants are truth values. The recursion is as
+    /// deep as the expression.
     fn print(&mut self, expr: &Expr, truth: bool) -> Printed {
         use BinaryOp as B;
         let leaf = |text: String| Printed {
@@ -242,7 +245,7 @@ impl Printer<'_> {
                     Time::Now => name.clone(),
                     Time::Next => format!("next {name}"),
                 };
-                // A Boolean that is counted with.
+                // A Boolean as an operand of arithmetic.
                 if s.variable(*v).domain == Domain::Bool && !truth {
                     return Printed {
                         text: format!("(if {text} then 1 else 0)"),
@@ -371,7 +374,7 @@ fn operands_of<'e>(op: BinaryOp, expr: &'e Expr, found: &mut Vec<&'e Expr>) {
     }
 }
 
-/// Operands with a sign between them; of many, groups in parentheses.
+/// Joins operands with an operator; more than `CHAIN` operands are grouped in parentheses.
 fn chain(sign: &str, mut parts: Vec<Printed>) -> Printed {
     loop {
         let grouped = parts.len() > CHAIN;

@@ -1,8 +1,8 @@
-//! Infix formulas, as gr1c and structured slugs write them: words, and operators by precedence.
+//! Parses the infix formulas of gr1c and structured slugs: words and operator precedence.
 //!
-//! Dijkstra's shunting yard with two explicit stacks: linear time, no recursion, and the place of a
-//! mistake is the word at which it shows. The two formats differ in their words and in how tightly
-//! `&` and `|` bind, see [`Dialect`].
+//! The parser is Dijkstra's shunting yard with two explicit stacks: it takes linear time, does not
+//! recurse, and reports a syntax error at the first word that does not fit. The two formats differ
+//! in their words and in the precedence of `&` and `|`; see [`Dialect`].
 
 use super::names::{Names, overwrite_low_bits, quoted};
 use super::terms::{Kind, Term};
@@ -10,21 +10,21 @@ use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{BinaryOp, Time};
 use std::ops::Range;
 
-/// Which words there are and what binds how.
+/// Vocabulary and operator precedence of a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dialect {
-    /// gr1c: `&` and `|` bind equally, everything groups from the left; a variable is compared with
-    /// a number.
+    /// gr1c: `&` and `|` bind equally, every operator groups from the left, and comparisons are
+    /// between a variable and a number.
     Spc,
     /// Structured slugs: `&`, `|`, `^`, `->`, `<->` from tight to loose, each grouping from the
-    /// left; arithmetic.
+    /// left, and arithmetic.
     Structured,
 }
 
-/// What is said of `<>[]p`.
-pub(super) const PERSISTENCE: &str = "this says that something holds for ever from some step on (persistence), which is outside GR(1)";
+/// Error message for `<>[]p`.
+pub(super) const PERSISTENCE: &str = "persistence (`<>[]p` or `F G p`) is outside GR(1)";
 
-/// An operator with two operands.
+/// A binary operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Infix {
     Op(BinaryOp),
@@ -32,11 +32,11 @@ pub(super) enum Infix {
     Iff,
     /// `^`
     Xor,
-    /// The left number's bits in place of the right one's lowest.
+    /// Replaces the lowest bits of the right operand with the bits of the left operand.
     Overwrite,
 }
 
-/// A word of a formula.
+/// A token kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Word {
     Name,
@@ -61,14 +61,14 @@ pub(super) enum Word {
     Comma,
     Semicolon,
     Colon,
-    /// Anything else.
+    /// Any other character.
     Stray,
 }
 
-/// A word and its place.
+/// A token kind and its byte range.
 pub(super) type Token = (Word, Range<usize>);
 
-/// The words of a part of a text.
+/// The tokens in a range of a text.
 pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<Token> {
     let mut found: Vec<Token> = Vec::new();
     let mut at = range.start;
@@ -89,7 +89,7 @@ pub(super) fn words(text: &str, range: Range<usize>, dialect: Dialect) -> Vec<To
     found
 }
 
-/// Signs that both formats have; of two that begin alike the longer one appears first.
+/// Signs of both formats, each before its own prefixes.
 const COMMON: &[(&str, Word)] = &[
     ("<->", Word::Infix(Infix::Iff)),
     ("->", Word::Infix(Infix::Op(BinaryOp::Implies))),
@@ -109,14 +109,14 @@ const COMMON: &[(&str, Word)] = &[
     ("[", Word::OpenBracket),
     ("]", Word::CloseBracket),
 ];
-/// gr1c's own.
+/// Signs of gr1c only.
 const SPC: &[(&str, Word)] = &[
     ("'", Word::Prime),
     (",", Word::Comma),
     (";", Word::Semicolon),
     (":", Word::Colon),
 ];
-/// Those of structured slugs, looked for before the common ones.
+/// Signs of structured slugs, matched before the common ones.
 const STRUCTURED: &[(&str, Word)] = &[
     ("<-->", Word::Infix(Infix::Iff)),
     ("-->", Word::Infix(Infix::Op(BinaryOp::Implies))),
@@ -173,19 +173,19 @@ fn word(rest: &str, c: char, dialect: Dialect) -> (Word, usize) {
         })
 }
 
-/// A formula or number that was read, with its place and the mark of [`Names`] before it.
+/// A completed subformula or number, with its byte range and the [`Names::mark`] before it.
 #[derive(Debug, Clone)]
 struct Operand {
     term: Term,
     range: Range<usize>,
     mark: usize,
-    /// Number of bits that slugs' translator holds it in.
+    /// Number of bits in which slugs' translator stores the value.
     bits: u32,
-    /// What is written in parentheses, or is a single word.
+    /// Whether the operand is a single word or in parentheses.
     closed: bool,
 }
 
-/// What waits for its right operand or for its closing parenthesis.
+/// An operator that waits for its right operand, or an open bracket.
 #[derive(Debug, Clone)]
 enum Waiting {
     Prefix(Word, Range<usize>, usize),
@@ -193,7 +193,7 @@ enum Waiting {
     Open(Word, Range<usize>),
 }
 
-/// How tightly a prefix operator binds: looser than comparisons, `!x = 3` is `!(x = 3)`.
+/// Precedence of prefix operators: looser than comparisons, so `!x = 3` is `!(x = 3)`.
 const PREFIX: u8 = 6;
 
 fn binding(infix: Infix, dialect: Dialect) -> u8 {
@@ -212,8 +212,10 @@ fn binding(infix: Infix, dialect: Dialect) -> u8 {
     }
 }
 
-/// Reads a formula from its words. `None` where something is wrong with it, which was reported;
-/// `whole` is where to point when it ends too early.
+/// Parses a formula from its tokens.
+///
+/// Reports errors and returns `None` for them. `whole` is the location of the error for a formula
+/// without tokens.
 pub(super) fn formula(
     names: &mut Names<'_>,
     tokens: &[Token],
@@ -236,8 +238,8 @@ struct Yard<'n, 't> {
     dialect: Dialect,
     operands: Vec<Operand>,
     waiting: Vec<Waiting>,
-    /// Whether nothing is wrong but what would hide nothing else: an unknown name, a number where a
-    /// truth value belongs.
+    /// `false` after an error that does not stop the parser: an unknown name, or a number where a
+    /// truth value is expected.
     sound: bool,
 }
 
@@ -296,12 +298,12 @@ impl Yard<'_, '_> {
             let message = if tokens.is_empty() {
                 "a formula is missing here"
             } else {
-                "something has to follow here: the formula ends too early"
+                "the formula ends too early"
             };
             self.names.syntax(
                 end,
                 message,
-                "complete the formula, or remove its last sign",
+                "complete the formula, or remove its last operator",
             );
             return None;
         }
@@ -310,7 +312,7 @@ impl Yard<'_, '_> {
             let range = range.clone();
             self.names.syntax(
                 range,
-                "this is opened and never closed",
+                "this bracket is never closed",
                 "close it, or remove it",
             );
             return None;
@@ -334,9 +336,9 @@ impl Yard<'_, '_> {
                         "the section says how often a formula holds: write it without temporal operators"
                     }
                 };
-                let behind = self.names.text[range.end..].trim_start();
+                let after = self.names.text[range.end..].trim_start();
                 let message = if word == Word::Eventually
-                    && (behind.starts_with("[]") || behind.starts_with("G "))
+                    && (after.starts_with("[]") || after.starts_with("G "))
                 {
                     PERSISTENCE.to_owned()
                 } else {
@@ -346,18 +348,18 @@ impl Yard<'_, '_> {
             }
             Word::Prime => self.names.syntax(
                 range,
-                "a prime belongs directly behind a variable",
+                "this prime does not follow a variable",
                 "write `x'` for the next value of `x`",
             ),
             _ if operand_wanted => self.names.syntax(
                 range,
                 format!("expected a variable or a formula, found `{text}`"),
-                "an operator goes between two formulas, and each `(` has its `)`",
+                "write an operator between two formulas, and close each `(`",
             ),
             _ => self.names.syntax(
                 range,
                 format!("expected an operator, found `{text}`"),
-                "two formulas are joined with `&`, `|`, `->` or `<->`",
+                "join two formulas with `&`, `|`, `->` or `<->`",
             ),
         }
     }
@@ -382,7 +384,7 @@ impl Yard<'_, '_> {
         self.leaf(term, range, i64::BITS - value.leading_zeros());
     }
 
-    /// A variable, with a prime behind it or within its word.
+    /// Reads a variable whose prime is a separate token or the end of its word.
     fn name(&mut self, range: Range<usize>, primed: bool) {
         let word = &self.names.text[range.clone()];
         let (name, primed) = match word.strip_suffix('\'') {
@@ -395,7 +397,7 @@ impl Yard<'_, '_> {
             let name = name.to_owned();
             self.names.unknown(&name, range.clone());
             self.sound = false;
-            // Whatever it should have been, it fits: one finding is enough.
+            // `true` avoids further findings about the same name.
             let term = self.names.terms.bool(true);
             self.leaf(term, range, 1);
             return;
@@ -405,7 +407,7 @@ impl Yard<'_, '_> {
         let held = u64::BITS - ((high - low) as u64).leading_zeros();
         let bits = match low {
             0 => held,
-            // Held as its distance from the smallest value, to which that is added.
+            // The bits hold the distance from the smallest value, which the translator adds.
             _ => held.max(u64::BITS - low.unsigned_abs().leading_zeros()) + 1,
         };
         self.operands.push(Operand {
@@ -477,14 +479,17 @@ impl Yard<'_, '_> {
                 Some(())
             }
             _ => {
-                self.names
-                    .syntax(range, "this closes nothing", "remove it, or open it first");
+                self.names.syntax(
+                    range,
+                    "this bracket closes nothing",
+                    "remove it, or add the opening bracket",
+                );
                 None
             }
         }
     }
 
-    /// Gives waiting operators that bind at least as tightly as `level` their operands.
+    /// Applies waiting operators that bind at least as tightly as `level`.
     fn reduce(&mut self, level: u8) {
         while let Some(waiting) = self.waiting.last().cloned() {
             match waiting {
@@ -511,13 +516,13 @@ impl Yard<'_, '_> {
         if word == Word::Not {
             operand.term = self.names.terms.not(operand.term);
         } else if self.names.terms.has_next(operand.term) {
-            // A row of them is one mistake.
+            // Report several nested operators only once.
             if std::mem::replace(&mut self.sound, false) {
                 self.names.error(
                     codes::NEXT_NESTED,
                     range.clone(),
-                    "a next value is asked for within a next value",
-                    "write the prime or the operator, not both; two steps ahead need a variable that remembers",
+                    "a next value is nested in another",
+                    "write either the prime or the operator; to refer to two steps ahead, remember a value in a variable",
                 );
             }
         } else {
@@ -529,18 +534,17 @@ impl Yard<'_, '_> {
         self.operands.push(operand);
     }
 
-    /// Reports a number where a truth value belongs, or the reverse; gives something of the right
-    /// kind.
+    /// Reports an operand of the wrong kind; returns a constant of the `wanted` kind.
     fn mistyped(&mut self, operand: &Operand, wanted: Kind) -> Term {
         if self.sound {
             let (message, help) = match wanted {
                 Kind::Bool => (
                     "expected a truth value, found a number",
-                    "compare the number with something",
+                    "compare the number with another one",
                 ),
                 Kind::Int => (
                     "expected a number, found a truth value",
-                    "truth values are joined with `<->`, numbers are compared",
+                    "compare numbers; join truth values with `<->`",
                 ),
             };
             self.names
@@ -570,7 +574,7 @@ impl Yard<'_, '_> {
             Kind::Bool
         };
         if wanted == Kind::Int && self.dialect == Dialect::Spc {
-            self.compared(&mut a, &b);
+            self.check_comparison(&mut a, &b);
         }
         for operand in [&mut a, &mut b] {
             if self.names.terms.kind(operand.term) != wanted {
@@ -586,7 +590,7 @@ impl Yard<'_, '_> {
                     codes::OWN_TOOL,
                     range.clone(),
                     "slugs' translator refuses `-` and `*`; they are exact here",
-                    "move a subtraction to the other side as an addition to have the file read by both",
+                    "to make the file readable by both, write a subtraction as an addition on the other side",
                 );
             }
             let bits = match op {
@@ -605,8 +609,10 @@ impl Yard<'_, '_> {
         });
     }
 
-    /// gr1c compares a variable with a number, and nothing else; a Boolean one with 0 and 1.
-    fn compared(&mut self, a: &mut Operand, b: &Operand) {
+    /// Checks that a comparison of gr1c has a variable on its left and a number on its right.
+    ///
+    /// A Boolean variable is compared as the number 0 or 1.
+    fn check_comparison(&mut self, a: &mut Operand, b: &Operand) {
         let terms = &mut self.names.terms;
         let number = terms
             .constant(b.term)
@@ -616,7 +622,7 @@ impl Yard<'_, '_> {
             if self.sound {
                 self.names.syntax(
                     a.range.start..b.range.end,
-                    "a comparison has a variable on its left and a number on its right",
+                    "this comparison needs a variable on its left and a number on its right",
                     "compare two variables value by value, and truth values with `<->`",
                 );
             }
@@ -626,18 +632,18 @@ impl Yard<'_, '_> {
         }
     }
 
-    /// Only what is held in fewer bits can overwrite some of them.
+    /// Applies [`Infix::Overwrite`]; the left operand needs fewer bits than the right one.
     fn overwrite(&mut self, a: &Operand, b: &Operand) -> (Term, u32) {
         if a.bits >= b.bits || a.bits > 40 {
-            if self.sound && !self.names.speaks_of_refused() {
+            if self.sound && !self.names.mentions_refused() {
                 self.names.error(
                     codes::TYPE_MISMATCH,
                     a.range.start..b.range.end,
                     format!(
-                        "a number of {} bits cannot overwrite the lowest bits of one of {} bits",
+                        "a number of {} bits cannot overwrite the lowest bits of a number of {} bits",
                         a.bits, b.bits
                     ),
-                    "the number on the left has to be the shorter one",
+                    "put the shorter number on the left",
                 );
             }
             self.sound = false;

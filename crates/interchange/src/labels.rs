@@ -1,14 +1,14 @@
-//! Which enumerations keep their labels in a printed contract.
+//! Decides which enumerations keep their labels in a printed contract.
 //!
-//! In our language a label is compared, with a value of its own enumeration, and nothing else. A
-//! variable whose number a formula counts with, or whose labels cannot be names, is printed
-//! as a number.
+//! In Linewright's language a label can only be compared with a value of its own enumeration. A
+//! variable that occurs in arithmetic, or whose labels cannot be names, is printed as a number.
 
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Specification, VarId};
 
-/// For every variable the labels that its values are printed with; none for one that is a number or
-/// a truth value, or has to be printed as a number. `is_free` tells whether a label can appear as a
-/// name.
+/// For each variable, the labels that its values are printed with.
+///
+/// `None` for a number or truth value, and for an enumeration that has to be printed as a number.
+/// `is_free` is whether a label can appear as a name.
 pub(super) fn kept<'s>(
     specification: &'s Specification,
     is_free: &dyn Fn(&str) -> bool,
@@ -21,7 +21,7 @@ pub(super) fn kept<'s>(
             _ => None,
         })
         .collect();
-    // One label means one value, wherever it appears.
+    // A label may belong to one enumeration only, so that it always means the same value.
     let all = kept.clone();
     let is_clear = |labels: &[String]| {
         labels.iter().all(|l| {
@@ -32,7 +32,8 @@ pub(super) fn kept<'s>(
     for slot in &mut kept {
         *slot = slot.filter(|labels| is_clear(labels));
     }
-    // A variable that is a number makes those into numbers that it is compared with.
+    // A variable that is compared with a number has to be printed as a number too. Repeat until
+    // nothing changes.
     loop {
         let before = kept.iter().flatten().count();
         for side in [&specification.assumptions, &specification.guarantees] {
@@ -46,7 +47,7 @@ pub(super) fn kept<'s>(
     }
 }
 
-/// Takes the labels from variables that are used as numbers. The recursion is as deep as the
+/// Removes the labels of the variables that `expr` uses as numbers. The recursion is as deep as the
 /// expression.
 fn count_with(expr: &Expr, kept: &mut [Option<&[String]>]) {
     let label = |v: &VarId| kept[v.index()];
@@ -84,7 +85,7 @@ pub(super) fn nth(labels: &[String], value: i64) -> Option<&String> {
     labels.get(usize::try_from(value).ok()?)
 }
 
-/// The labels that an expression is compared with, if it is a variable that keeps them.
+/// The labels of an expression that is a variable with labels.
 pub(super) fn of<'s>(expr: &Expr, kept: &[Option<&'s [String]>]) -> Option<&'s [String]> {
     match expr {
         Expr::Var(v, _) => kept[v.index()],

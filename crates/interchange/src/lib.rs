@@ -1,24 +1,23 @@
 //! Specifications of other tools: gr1c's `.spc`, slugs' `.slugsin` and `.structuredslugs`,
 //! Spectra's `.spectra`, and `.tlsf`, the format of LTL synthesis.
 //!
-//! [`read`] turns a text into a [`Specification`] and findings; [`write`](fn@write) goes the other
-//! way for the formats that a solver takes, and [`contract::write`] prints a specification as a
-//! contract of our own language. The formats differ in how a formula is written, hardly in what it
-//! means, so each reader has its own syntax and shares `terms` (operators, sharing, bounds on size
-//! and depth) and `names` (declarations, who may refer to what).
+//! [`read`] turns a text into a [`Specification`] and findings. [`write`](fn@write) does the
+//! reverse for the formats that solvers read, and [`contract::write`] prints a specification as a
+//! contract in Linewright's own language. The formats differ in syntax much more than in meaning,
+//! so each reader has its own syntax and shares `terms` (operators, shared nodes, limits on size
+//! and depth) and `names` (declarations, and which section can refer to which variables).
 //!
-//! The meaning follows each format's definition, not what its tool happens to do; where the two
-//! part, [`own_tool`] says what the tool would have answered. Sources: the documents
-//! `spc_format.md` and the grammar of gr1c 0.13, and `input_formats.md` and the grammar of
-//! structured slugs.
+//! The meaning follows each format's definition, not the behavior of its tool. Where the two
+//! differ, [`own_tool`] reports the tool's answer. Sources: `spc_format.md` and the grammar of
+//! gr1c 0.13, and `input_formats.md` and the grammar of structured slugs.
 //!
-//! Spectra's and TLSF are languages with declarations and definitions, so their readers have
-//! folders of their own, `spectra` and `tlsf`, and syntax trees.
+//! Spectra and TLSF are languages with declarations and definitions, so their readers build syntax
+//! trees and have modules of their own, `spectra` and `tlsf`.
 //!
-//! The readers are written by hand rather than with pest: the first three formats are a list of
-//! words, prefix or infix operators between them, and no deeper structure, which explicit stacks
-//! read in linear time and without recursion, however deep a formula nests. Recursive descent,
-//! pest's included, would need a bound on nesting before it starts.
+//! The readers are written by hand rather than with pest. Formulas of the first three formats are
+//! flat sequences of operands and prefix or infix operators. Explicit stacks read them in linear
+//! time and without recursion, however deeply a formula nests. Recursive descent, including
+//! pest's, would have to limit the nesting first.
 
 pub mod contract;
 mod infix;
@@ -42,25 +41,25 @@ use linewright_core::source::{FileId, Span};
 use std::sync::Arc;
 
 pub use own_tool::{Inquiry, inquiries};
-pub use write::{Target, write};
+pub use write::{Target, statement, write};
 
-/// A format of another tool.
+/// A specification format of another tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Format {
-    /// gr1c's, with its reachability games.
+    /// gr1c's format, including its reachability games.
     Spc,
-    /// What slugs reads: Boolean variables, prefix notation.
+    /// The input format of slugs: Boolean variables, prefix notation.
     Slugsin,
-    /// What slugs' own translator turns into the former: numbers, infix notation.
+    /// The format that slugs' own translator turns into `.slugsin`: numbers, infix notation.
     StructuredSlugs,
-    /// Spectra's.
+    /// The Spectra language.
     Spectra,
-    /// The format of LTL synthesis, as far as it is GR(1).
+    /// The format of LTL synthesis, restricted to GR(1).
     Tlsf,
 }
 
 impl Format {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 5] = [
         Self::Spc,
         Self::Slugsin,
@@ -69,13 +68,13 @@ impl Format {
         Self::Tlsf,
     ];
 
-    /// The format that a file's ending promises.
-    pub fn of_path(path: &str) -> Option<Self> {
+    /// The format of a file, by the extension of its path; `None` for unknown extensions.
+    pub fn from_path(path: &str) -> Option<Self> {
         let (_, ending) = path.rsplit_once('.')?;
         Self::ALL.into_iter().find(|f| f.ending() == ending)
     }
 
-    /// The ending of its files.
+    /// File extension of the format, without the dot.
     pub fn ending(self) -> &'static str {
         match self {
             Self::Spc => "spc",
@@ -86,7 +85,7 @@ impl Format {
         }
     }
 
-    /// The tool whose format it is.
+    /// Name of the tool that defines the format, for messages.
     pub fn tool(self) -> &'static str {
         match self {
             Self::Spc => "gr1c",
@@ -97,41 +96,44 @@ impl Format {
     }
 }
 
-/// What was read.
+/// The result of reading a file.
 #[derive(Debug, Clone)]
 pub struct Reading {
-    /// The format.
+    /// Format of the file.
     pub format: Format,
-    /// What the file says; `None` where a finding is an error.
+    /// The specification in the file; `None` if a finding is an error.
     pub specification: Option<Specification>,
-    /// Where some assumptions of the specification are not the file's own, but moved or added to
-    /// say in GR(1) what the file means: the specification with the file's own assumptions only.
-    /// What is odd about assumptions is to be asked of this one.
-    pub own: Option<Arc<Specification>>,
-    /// What was found on the way.
+    /// The specification with only the assumptions that the file itself contains; `None` if
+    /// `specification` has no others. The reader moves or adds assumptions to express the file's
+    /// meaning in GR(1). Checks of the assumptions' quality have to use this specification.
+    pub with_own_assumptions: Option<Arc<Specification>>,
+    /// Errors, warnings and notes.
     pub findings: Vec<Diagnostic>,
     /// Whether the file describes a reachability game (`SYSGOAL: <>p;`).
     pub reachability: bool,
-    /// The whole file, for what is said about no place in particular.
+    /// The file from its first line with content on, for findings without a more specific location.
     pub span: Span,
 }
 
-/// Finds a file that another one imports, by the path that is written there: its id, the same each
-/// time, and its text; or why it cannot be read.
+/// Loads an imported file, by the path in the import and the importing file.
+///
+/// Returns the file's id, the same on each call, and its text; or why the file cannot be read.
 pub type Loader<'a> = dyn FnMut(&str, FileId) -> Result<(FileId, Arc<str>), String> + 'a;
 
-/// Bytes of stack: what the readers' bounds on depth allow times what a level needs, generously.
-/// Whoever calls may have less.
+/// Bytes of stack for a reader: the maximum nesting depth times a generous size for each level. The
+/// caller's own stack can be smaller.
 const STACK: usize = 256 << 20;
 
-/// Reads a text that imports nothing. `name` becomes the specification's name. Never fails: what
-/// could not be understood is in the findings.
+/// Reads a text that imports no other files.
+///
+/// `name` becomes the specification's name. Errors are in [`Reading::findings`]. Importing any file
+/// except Spectra's published patterns is an error.
 pub fn read(format: Format, name: &str, file: FileId, text: &str) -> Reading {
     let alone = &mut |_: &str, _| Err("no other files are read here".to_owned());
     read_with(format, name, file, text, alone)
 }
 
-/// Reads a text and the files that it imports.
+/// Reads a text and the files that it imports through `loader`; otherwise like [`read`].
 pub fn read_with(
     format: Format,
     name: &str,
@@ -141,7 +143,7 @@ pub fn read_with(
 ) -> Reading {
     let mut names = names::Names::new(name, file, text);
     let mut reachability = false;
-    let mut own = None;
+    let mut with_own_assumptions = None;
     let (specification, mut findings) = stacker::grow(STACK, || match format {
         Format::Spectra => spectra::read(name, file, text, loader),
         Format::Spc => {
@@ -157,18 +159,40 @@ pub fn read_with(
             names.finish()
         }
         Format::Tlsf => {
-            let ((specification, with_own), findings) = tlsf::read(name, file, text);
-            own = with_own.map(Arc::new);
+            let ((specification, own), findings) = tlsf::read(name, file, text);
+            with_own_assumptions = own.map(Arc::new);
             (specification, findings)
         }
     });
     findings.sort_by_key(|f| f.span);
     Reading {
         format,
-        own: own.filter(|_| !has_errors(&findings)),
+        with_own_assumptions: with_own_assumptions.filter(|_| !has_errors(&findings)),
         specification: (!has_errors(&findings)).then_some(specification),
         findings,
         reachability,
-        span: Span::new(file, 0, text.len()),
+        span: Span::new(file, heading(format, text), text.len()),
     }
+}
+
+/// Offset of the first line with content; in a Spectra file, of the line that names the
+/// specification. Findings about the whole file are shown there.
+fn heading(format: Format, text: &str) -> usize {
+    let mut at = 0;
+    let mut first = None;
+    for line in text.split_inclusive('\n') {
+        let content = line.trim_start_matches(['\u{feff}', ' ', '\t']);
+        let start = at + line.len() - content.len();
+        at += line.len();
+        let content = content.trim_end();
+        if content.is_empty() || content.starts_with(['#', '/', '*']) || content.starts_with("--") {
+            continue;
+        }
+        let names = content.starts_with("spec ") || content.starts_with("module ");
+        if format != Format::Spectra || names {
+            return start;
+        }
+        first = first.or(Some(start));
+    }
+    first.unwrap_or_default()
 }

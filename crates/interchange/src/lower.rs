@@ -1,16 +1,15 @@
-//! What a format cannot say, said with helper variables. Each lowering gives a specification with
-//! the same verdict.
+//! Rewrites what a format cannot express, with helper variables. Each lowering preserves the
+//! verdict.
 //!
-//! They build on one another, so their order is fixed: [`without_invariants`],
-//! [`answering_second`], then what only gr1c needs: [`goals_of_states`] and [`starting_alone`].
+//! The lowerings have to run in this order: [`without_invariants`], [`to_mealy`], and then, for
+//! gr1c only, [`goals_to_states`] and [`initial_to_transitions`].
 
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
 };
 use linewright_core::source::Span;
 
-/// Invariants as initial conditions and transitions: they hold at the start, and in whatever comes
-/// next.
+/// Replaces each invariant with an initial condition and a transition formula about next values.
 #[must_use]
 pub fn without_invariants(specification: &Specification) -> Specification {
     let mut result = specification.clone();
@@ -27,11 +26,13 @@ pub fn without_invariants(specification: &Specification) -> Specification {
     result
 }
 
-/// A machine that answers before it sees the inputs, as one that answers after: it names its next
-/// outputs a step ahead, so that they cannot depend on what comes in with them. A step is put in
-/// front, in which it names the first ones and nothing else is asked.
+/// Turns a Moore game into a Mealy game; a Mealy game is returned unchanged.
+///
+/// The system chooses its next outputs one step ahead, in helper variables, so that they cannot
+/// depend on the inputs of the same step. An additional first step, in which no other formula
+/// applies, chooses the initial outputs.
 #[must_use]
-pub fn answering_second(specification: &Specification) -> Specification {
+pub fn to_mealy(specification: &Specification) -> Specification {
     if specification.timing == Timing::Mealy {
         return specification.clone();
     }
@@ -71,10 +72,11 @@ pub fn answering_second(specification: &Specification) -> Specification {
     result
 }
 
-/// Goals over next values as goals over states: a helper of the machine is true after each
-/// transition that satisfies the goal.
+/// Replaces each goal that refers to next values with a goal about a state.
+///
+/// A helper variable of the system is true after each transition that satisfies the goal.
 #[must_use]
-pub fn goals_of_states(specification: &Specification) -> Specification {
+pub fn goals_to_states(specification: &Specification) -> Specification {
     let mut result = specification.clone();
     let mut seen = Vec::new();
     for owner in [Owner::Environment, Owner::System] {
@@ -97,14 +99,14 @@ pub fn goals_of_states(specification: &Specification) -> Specification {
     result
 }
 
-/// Initial conditions of the machine that refer to inputs, as a condition on its first step.
+/// Turns the system's initial conditions that refer to inputs into conditions on its first step.
 ///
-/// Where the machine has started wrongly, the environment may do anything next, so that it surely
-/// has a move, and the machine has none. Without this freedom a machine could start wrongly
-/// wherever the environment is stuck at once.
+/// After a wrong start, the environment can make any move and the system can make none. Without
+/// this freedom of the environment, the system could start wrongly and still win wherever the
+/// environment has no first move.
 #[must_use]
-pub fn starting_alone(specification: &Specification) -> Specification {
-    let about_inputs = |f: &Formula| {
+pub fn initial_to_transitions(specification: &Specification) -> Specification {
+    let refers_to_inputs = |f: &Formula| {
         let mut found = false;
         f.expr.for_each_var(&mut |v, _| {
             found |= specification.variable(v).owner == Owner::Environment;
@@ -113,7 +115,7 @@ pub fn starting_alone(specification: &Specification) -> Specification {
     };
     let initial = &specification.guarantees.initial;
     let (moved, kept): (Vec<Formula>, Vec<Formula>) =
-        initial.iter().cloned().partition(about_inputs);
+        initial.iter().cloned().partition(refers_to_inputs);
     if moved.is_empty() {
         return specification.clone();
     }
@@ -140,7 +142,7 @@ pub fn starting_alone(specification: &Specification) -> Specification {
     result
 }
 
-/// A formula about the next values.
+/// The formula with next values in place of current ones.
 fn primed(expr: &Expr) -> Expr {
     expr.substitute(&mut |v, _| Expr::Var(v, Time::Next))
 }

@@ -1,7 +1,6 @@
-//! What the formats have in common beside operators: variables that are declared once, and who may
-//! refer to what.
+//! Declarations, and the rules about which section can refer to which variables.
 //!
-//! | section | environment | machine |
+//! | section | environment | system |
 //! |---|---|---|
 //! | initial | current inputs | current values |
 //! | transition | current values, next inputs | all |
@@ -17,18 +16,18 @@ use linewright_core::source::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-/// Maximum number of values of a domain, as in contracts.
+/// Maximum number of values of a domain, the same as in contracts.
 const MAX_DOMAIN: i64 = 1 << 20;
-/// Numbers in formulas are smaller than this.
+/// Exclusive upper bound of the numbers in formulas.
 const MAX_NUMBER: i64 = 1 << 40;
-/// Maximum number of operators and operands of all expanded formulas of a file, whatever its
-/// length.
+/// Maximum number of operators and operands in all expanded formulas of an empty file; 8 are added
+/// for each byte.
 const MIN_BUDGET: u64 = 4 << 20;
 
 /// Maximum number of unknown names for which a similar name is searched, which takes time.
 const MAX_GUESSES: usize = 50;
 
-/// Which list a formula belongs to.
+/// The kind of a section of formulas.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Part {
     Initial,
@@ -41,11 +40,11 @@ pub(super) enum Part {
 pub(super) struct Section {
     pub owner: Owner,
     pub part: Part,
-    /// The section's name in the file: `SYSTRANS`.
+    /// Name of the section in the file, such as `SYSTRANS`.
     pub name: &'static str,
 }
 
-/// A place at which a formula mentions a variable.
+/// An occurrence of a variable in a formula.
 #[derive(Debug, Clone)]
 struct Mention {
     var: VarId,
@@ -53,7 +52,7 @@ struct Mention {
     range: Range<usize>,
 }
 
-/// A specification that grows while a file is read.
+/// The specification under construction, with its variables by name and the findings so far.
 pub(super) struct Names<'t> {
     pub text: &'t str,
     pub terms: Terms,
@@ -61,16 +60,15 @@ pub(super) struct Names<'t> {
     file: FileId,
     specification: Specification,
     by_name: BTreeMap<&'t str, VarId>,
-    /// Numbers whose domain was refused: nothing is concluded from how many values they seem to
-    /// have.
+    /// Numbers whose domain was refused; their substitute domain must not cause further findings.
     refused: BTreeSet<VarId>,
-    /// What the formula at hand has mentioned so far.
+    /// Variables mentioned so far in the current formula.
     mentions: Vec<Mention>,
     counts: BTreeMap<Section, usize>,
     budget: u64,
-    /// Notes that were given already.
+    /// Messages of the notes so far.
     noted: BTreeSet<String>,
-    /// Unknown names for which a similar one was looked for.
+    /// Number of unknown names so far.
     guessed: usize,
 }
 
@@ -98,12 +96,12 @@ impl<'t> Names<'t> {
         }
     }
 
-    /// The specification, and what was found.
+    /// Returns the specification and the findings.
     pub fn finish(self) -> (Specification, Vec<Diagnostic>) {
         (self.specification, self.findings)
     }
 
-    /// The specification so far, for lowering.
+    /// The specification so far, for lowerings to modify.
     pub fn specification(&mut self) -> &mut Specification {
         &mut self.specification
     }
@@ -133,7 +131,7 @@ impl<'t> Names<'t> {
         self.error(codes::SYNTAX, range, message, help);
     }
 
-    /// A note, once a message.
+    /// Reports a note, unless one with the same message was reported.
     pub fn note(
         &mut self,
         code: Code,
@@ -148,12 +146,12 @@ impl<'t> Names<'t> {
         }
     }
 
-    /// Declares a variable.
+    /// Declares a variable; reports a second declaration of the same name.
     pub fn declare(&mut self, owner: Owner, name: &'t str, domain: Domain, range: Range<usize>) {
         if let Some(first) = self.by_name.get(name) {
             let first = self.specification.variable(*first).span;
             let finding = Diagnostic::error(
-                codes::NAME_DOUBLE,
+                codes::NAME_DUPLICATE,
                 self.span(range),
                 format!("the variable `{}` is declared twice", quoted(name)),
             )
@@ -175,7 +173,7 @@ impl<'t> Names<'t> {
         });
     }
 
-    /// Declares a number whose domain was refused: its uses are not the mistake.
+    /// Declares a number whose domain was refused, so that its uses cause no findings.
     pub fn declare_refused(&mut self, owner: Owner, name: &'t str, range: Range<usize>) {
         let id = VarId(self.specification.variables.len() as u32);
         self.declare(owner, name, Domain::Range { low: 0, high: 1 }, range);
@@ -189,13 +187,12 @@ impl<'t> Names<'t> {
         self.refused.contains(&var)
     }
 
-    /// Whether the formula at hand refers to a number whose domain was refused.
-    pub fn speaks_of_refused(&self) -> bool {
+    /// Whether the current formula refers to a number whose domain was refused.
+    pub fn mentions_refused(&self) -> bool {
         self.mentions.iter().any(|m| self.is_refused(m.var))
     }
 
-    /// Declares a helper of the machine that appears in no file, and gives it a name that nothing
-    /// has yet.
+    /// Declares a Boolean helper variable of the system; its name is `wanted`, made unique.
     pub fn helper(&mut self, wanted: &str) -> VarId {
         let mut name = wanted.to_owned();
         while self.specification.variables.iter().any(|v| v.name == name) {
@@ -212,13 +209,13 @@ impl<'t> Names<'t> {
         VarId(self.specification.variables.len() as u32 - 1)
     }
 
-    /// A domain `low..=high`, unless that is empty or too large.
+    /// The domain `low..=high`; reports one that is empty or too large.
     pub fn domain(&mut self, low: i64, high: i64, range: Range<usize>) -> Option<Domain> {
         if low > high {
             self.error(
                 codes::DOMAIN_EMPTY,
                 range,
-                format!("no number is at least {low} and at most {high}"),
+                format!("the domain from {low} to {high} is empty"),
                 "write the smaller number first",
             );
             return None;
@@ -235,7 +232,7 @@ impl<'t> Names<'t> {
         Some(Domain::Range { low, high })
     }
 
-    /// A number in the text.
+    /// Parses a number; reports one that is not whole or too large.
     pub fn number(&mut self, digits: &str, range: Range<usize>) -> Option<i64> {
         match digits.parse::<i64>() {
             Ok(value) if value.unsigned_abs() < MAX_NUMBER.unsigned_abs() => Some(value),
@@ -243,15 +240,15 @@ impl<'t> Names<'t> {
                 self.error(
                     codes::NUMBER_RANGE,
                     range,
-                    "this is not a whole number that can be counted with",
-                    format!("numbers have no fraction and are smaller than {MAX_NUMBER}"),
+                    "this number has a fraction or is too large",
+                    format!("write a whole number smaller than {MAX_NUMBER}"),
                 );
                 None
             }
         }
     }
 
-    /// The variable of a name, and whether its values are numbers.
+    /// The variable with a name, and the kind of its values.
     pub fn find(&self, name: &str) -> Option<(VarId, Kind)> {
         let var = *self.by_name.get(name)?;
         let kind = match self.specification.variable(var).domain {
@@ -267,23 +264,24 @@ impl<'t> Names<'t> {
         (domain.low(), domain.high())
     }
 
-    /// Who chooses a variable's value.
+    /// The player that chooses the variable's value.
     pub fn owner(&self, var: VarId) -> Owner {
         self.specification.variable(var).owner
     }
 
-    /// How many mentions the formula at hand has.
+    /// Number of mentions so far in the current formula, for [`Self::primed`].
     pub fn mark(&self) -> usize {
         self.mentions.len()
     }
 
-    /// A mention of a variable.
+    /// Records a mention of a variable in the current formula, and returns its term.
     pub fn mention(&mut self, var: VarId, kind: Kind, time: Time, range: Range<usize>) -> Term {
         self.mentions.push(Mention { var, time, range });
         self.terms.var(var, time, kind)
     }
 
-    /// A term with next values for its current ones; `mark` is from before its first mention.
+    /// The term with next values in place of current ones; `mark` was taken before its first
+    /// mention.
     pub fn primed(&mut self, term: Term, mark: usize) -> Term {
         for mention in &mut self.mentions[mark..] {
             mention.time = Time::Next;
@@ -291,7 +289,7 @@ impl<'t> Names<'t> {
         self.terms.primed(term)
     }
 
-    /// Reports a name that is not declared.
+    /// Reports an undeclared name.
     pub fn unknown(&mut self, name: &str, range: Range<usize>) {
         let name = quoted(name);
         let near = if self.guessed < MAX_GUESSES {
@@ -308,21 +306,22 @@ impl<'t> Names<'t> {
         self.error(codes::NAME_UNKNOWN, range, message, help);
     }
 
-    /// Drops the formula at hand.
+    /// Discards the current formula.
     pub fn forget(&mut self) {
         self.mentions.clear();
         self.terms.clear();
     }
 
-    /// Adds the formula at hand to a section's list, unless it could not be read or refers to
-    /// something it may not, and ends it. `range` is its text. Names count refused formulas too, as
-    /// the author does.
+    /// Ends the current formula, and adds it to its section unless it is invalid.
+    ///
+    /// `term` is `None` if the formula could not be parsed; `range` is its text. Numbers in the
+    /// formulas' names count invalid formulas too, so that they match the file.
     pub fn formula(&mut self, section: Section, term: Option<Term>, range: Range<usize>) {
         let count = self.counts.entry(section).or_default();
         *count += 1;
         let number = *count;
         if let Some(term) = term
-            && self.permitted(section)
+            && self.is_permitted(section)
             && let Some(expr) = self.tree(term, &range)
         {
             let formula = Formula {
@@ -338,7 +337,7 @@ impl<'t> Names<'t> {
         self.forget();
     }
 
-    /// The list of a section.
+    /// The list of formulas that a section belongs to.
     pub fn list(&mut self, section: Section) -> &mut Vec<Formula> {
         let side = match section.owner {
             Owner::Environment => &mut self.specification.assumptions,
@@ -351,7 +350,7 @@ impl<'t> Names<'t> {
         }
     }
 
-    /// The term as a tree, if that is not too deep or large and its numbers can be counted with.
+    /// The term as a tree; reports one that is too deep or too large, or whose numbers overflow.
     pub fn tree(&mut self, term: Term, range: &Range<usize>) -> Option<Expr> {
         let size = self.terms.size(term);
         let tree = match self.terms.tree(term) {
@@ -366,11 +365,11 @@ impl<'t> Names<'t> {
                         format!("this formula nests more than {MAX_DEPTH} levels deep")
                     }
                     TermLimit::Large => {
-                        "this formula becomes too large once its memory cells are written out"
+                        "this formula becomes too large after its memory cells are expanded"
                             .to_owned()
                     }
                 };
-                let help = "give parts of it variables of their own";
+                let help = "introduce variables for parts of the formula";
                 self.error(codes::TOO_LARGE, range.clone(), message, help);
                 return None;
             }
@@ -381,18 +380,18 @@ impl<'t> Names<'t> {
             self.error(
                 codes::NUMBER_RANGE,
                 range.clone(),
-                "the numbers in this formula become too large to count with",
-                "multiply less",
+                "the numbers in this formula become too large",
+                "use smaller numbers or fewer multiplications",
             );
             return None;
         }
         Some(expr)
     }
 
-    /// Whether the formula at hand refers to nothing that its section may not; reports it
-    /// otherwise.
-    fn permitted(&mut self, section: Section) -> bool {
-        let mut told: Vec<VarId> = Vec::new();
+    /// Whether the current formula refers only to variables that its section allows; reports the
+    /// others.
+    fn is_permitted(&mut self, section: Section) -> bool {
+        let mut shown: Vec<VarId> = Vec::new();
         let mut findings = Vec::new();
         for mention in &self.mentions {
             let variable = self.specification.variable(mention.var);
@@ -405,34 +404,34 @@ impl<'t> Names<'t> {
                     span,
                     format!("an initial condition refers to the next value of `{name}`"),
                 )
-                .with_help("describe step 0 without primes, and what follows among the transitions"),
+                .with_help("refer to current values only, or move the formula to the transitions"),
                 (Part::Initial, Owner::Environment) if outputs => Diagnostic::error(
                     codes::NOT_CONTROLLED,
                     span,
                     format!("this assumption constrains `{name}`, which the system chooses"),
                 )
-                .with_help("the environment chooses first: its initial condition refers to its own variables only"),
+                .with_help("the environment chooses first: refer only to its own variables in its initial condition"),
                 (Part::Transition, Owner::Environment) if outputs && next => Diagnostic::error(
                     codes::NEXT_OUTPUT_ASSUMED,
                     span,
                     format!("this assumption refers to the next value of `{name}`, which the system chooses after the environment has moved"),
                 )
                 .with_help(format!(
-                    "the environment cannot keep such a promise: refer to `{name}` without the prime, a step later"
+                    "the environment moves before `{name}'` is known: use `{name}` without the prime, and let the environment react one step later"
                 )),
                 _ => continue,
             };
-            if !told.contains(&mention.var) {
-                told.push(mention.var);
+            if !shown.contains(&mention.var) {
+                shown.push(mention.var);
                 findings.push(finding);
             }
         }
         self.findings.append(&mut findings);
-        told.is_empty()
+        shown.is_empty()
     }
 }
 
-/// The beginning of a text, for messages.
+/// The text for messages, cut off after 40 characters.
 pub(super) fn quoted(text: &str) -> String {
     const LENGTH: usize = 40;
     match text.char_indices().nth(LENGTH) {
@@ -441,14 +440,14 @@ pub(super) fn quoted(text: &str) -> String {
     }
 }
 
-/// A text in one line, without the comments that reach to the ends of its lines.
+/// The text in one line, without `#` comments.
 pub(super) fn one_line(text: &str) -> String {
     let lines = text.lines().map(|l| l.split('#').next().unwrap_or(l));
     let words: Vec<&str> = lines.flat_map(str::split_whitespace).collect();
     words.join(" ")
 }
 
-/// `value - value mod 2^bits + low`: a number whose lowest bits are those of another one.
+/// `value - value mod 2^bits + low`: replaces the lowest `bits` bits of `value` with `low`.
 pub(super) fn overwrite_low_bits(terms: &mut Terms, low: Term, value: Term, bits: u32) -> Term {
     let power = terms.int(1 << bits);
     let rest = terms.binary(BinaryOp::Mod, value, power);
@@ -456,7 +455,7 @@ pub(super) fn overwrite_low_bits(terms: &mut Terms, low: Term, value: Term, bits
     terms.binary(BinaryOp::Add, high, low)
 }
 
-/// Bit `k` of a variable's number, counted from its smallest value.
+/// Whether bit `k` of the variable's distance from its smallest value is set.
 pub(super) fn bit(
     names: &mut Names<'_>,
     var: VarId,

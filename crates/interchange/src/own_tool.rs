@@ -1,16 +1,16 @@
-//! What a file's own tool would have answered, where that is not what its format means.
+//! Reports the answer of a file's own tool where it differs from the meaning of the format.
 //!
-//! A reader notes on the spot what the tool refuses (a primed goal in gr1c). What depends on a
-//! verdict is an [`Inquiry`]: small specifications that somebody with a solver decides, and what to
-//! say for the answers. Nothing is said that was not computed.
+//! Constructs that the tool refuses, such as a primed goal in gr1c, are noted by the reader. A note
+//! that depends on a verdict is an [`Inquiry`]: small specifications for the caller's solver, and
+//! the note that follows from the answers.
 //!
-//! - gr1c compares the initial states with the winning ones among them; where `SYSINIT` contradicts
-//!   itself there are neither, and it answers "realizable".
-//! - Where the environment's initial condition contradicts itself, both tools answer "realizable",
-//!   as the definition does: nothing is asked of the machine. Hardly anybody means that, so it is
-//!   said.
-//! - gr1c's `rg`, for reachability games, lets the environment choose the machine's initial values
-//!   too, and answers "unrealizable" where there are none.
+//! - gr1c checks whether every initial state is winning. If `SYSINIT` contradicts itself, there is
+//!   no initial state, and gr1c answers "realizable".
+//! - If the environment's initial condition contradicts itself, both tools answer "realizable", in
+//!   line with the definition, because no guarantee ever applies. This is rarely intended, so a
+//!   note is given.
+//! - gr1c's `rg`, for reachability games, lets the environment choose the system's initial values
+//!   too, and answers "unrealizable" if there is no initial state.
 
 use super::{Format, Reading};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -21,35 +21,35 @@ use linewright_core::source::Span;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Topic {
-    /// Whether the machine can start.
-    Machine,
-    /// Whether the environment can.
+    /// Whether the system has an initial state.
+    System,
+    /// Whether the environment has an initial state.
     Environment,
-    /// Whether the machine wins from every start.
+    /// Whether the system wins from every initial state.
     EveryStart,
 }
 
-/// A question whose answer tells what the file's own tool says.
+/// Questions whose answers determine what the file's own tool answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Inquiry {
     topic: Topic,
     format: Format,
     span: Span,
-    /// What to solve: whether each is realizable is the answer.
+    /// Specifications to solve; the answers are whether each is realizable.
     pub questions: Vec<Specification>,
 }
 
-/// The questions about a file that was read.
+/// The inquiries about a file; none if a finding says that its own tool refuses it.
 pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
     let Some(specification) = &reading.specification else {
         return Vec::new();
     };
-    // What the tool refuses, it answers nothing about.
+    // The tool does not solve a file that it refuses.
     if reading.findings.iter().any(|f| f.code == codes::OWN_TOOL) {
         return Vec::new();
     }
     let place = |side: &Side| side.initial.first().map_or(reading.span, |f| f.span);
-    let (environment, machine) = (&specification.assumptions, &specification.guarantees);
+    let (environment, system) = (&specification.assumptions, &specification.guarantees);
     let mut found = Vec::new();
     let mut add = |topic, span, questions| {
         found.push(Inquiry {
@@ -62,18 +62,18 @@ pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
     if reading.reachability {
         let both = satisfiable(
             specification,
-            environment.initial.iter().chain(&machine.initial),
+            environment.initial.iter().chain(&system.initial),
         );
         add(
             Topic::EveryStart,
-            place(machine),
+            place(system),
             vec![both, every_start(specification)],
         );
         return found;
     }
-    if reading.format == Format::Spc && !machine.initial.is_empty() {
-        let question = satisfiable(specification, &machine.initial);
-        add(Topic::Machine, place(machine), vec![question]);
+    if reading.format == Format::Spc && !system.initial.is_empty() {
+        let question = satisfiable(specification, &system.initial);
+        add(Topic::System, place(system), vec![question]);
     }
     if !environment.initial.is_empty() {
         let question = satisfiable(specification, &environment.initial);
@@ -83,19 +83,22 @@ pub fn inquiries(reading: &Reading) -> Vec<Inquiry> {
 }
 
 impl Inquiry {
-    /// What to say, given whether the file is realizable, and whether each question is.
+    /// The note about the own tool's answer, if it needs one.
+    ///
+    /// `realizable` is the verdict about the file, `answers` the verdicts about
+    /// [`Self::questions`], in their order.
     pub fn note(&self, realizable: bool, answers: &[bool]) -> Option<Diagnostic> {
         let (message, help) = match (self.topic, answers) {
-            (Topic::Machine, [false]) if !realizable => (
-                "gr1c answers \"realizable\": SYSINIT contradicts itself, and it asks nothing of a machine that cannot start".to_owned(),
-                "by the definition the machine needs an initial state: weaken SYSINIT",
+            (Topic::System, [false]) if !realizable => (
+                "gr1c answers \"realizable\": SYSINIT contradicts itself, and gr1c requires nothing of a system that cannot start".to_owned(),
+                "by definition, the system needs an initial state: weaken SYSINIT",
             ),
             (Topic::Environment, [false]) if realizable => (
                 format!(
-                    "{} answers \"realizable\" too: the environment's initial condition contradicts itself, so nothing is asked of the machine",
+                    "{} answers \"realizable\" too: the environment's initial condition contradicts itself, so no guarantee ever applies",
                     self.format.tool()
                 ),
-                "no environment can begin like this; weaken its initial condition",
+                "weaken the environment's initial condition",
             ),
             (Topic::EveryStart, [possible, every]) if (*possible && *every) != realizable => (
                 if realizable {
@@ -104,7 +107,7 @@ impl Inquiry {
                     "rg answers \"realizable\": it lets the environment choose the initial values of the system's variables too"
                 }
                 .to_owned(),
-                "here the machine chooses them, among those that SYSINIT allows",
+                "here the system chooses them, among those that SYSINIT allows",
             ),
             _ => return None,
         };
@@ -112,7 +115,8 @@ impl Inquiry {
     }
 }
 
-/// Realizable exactly if these formulas have a common valuation: the machine chooses all variables.
+/// A specification that is realizable exactly if `formulas` have a common valuation: the system
+/// chooses all variables.
 fn satisfiable<'f>(
     specification: &Specification,
     formulas: impl IntoIterator<Item = &'f Formula>,
@@ -133,8 +137,10 @@ fn satisfiable<'f>(
     }
 }
 
-/// The same game with the machine's first values chosen by the environment: it names them in inputs
-/// of its own, within what both initial conditions allow, and the machine takes them over.
+/// The same game, but the environment chooses the system's initial values.
+///
+/// The environment chooses them in additional inputs, as both initial conditions allow, and the
+/// system has to copy them.
 fn every_start(specification: &Specification) -> Specification {
     let mut result = specification.clone();
     let mut given: Vec<(VarId, VarId)> = Vec::new();
@@ -176,7 +182,7 @@ fn every_start(specification: &Specification) -> Specification {
             .guarantees
             .initial
             .push(formula(Expr::now(*v).equals(Expr::now(*name))));
-        // After the start they say nothing more: one value is enough.
+        // After the start, the additional inputs are constant.
         let still = match specification.variable(*v).domain {
             Domain::Bool => Expr::Var(*name, Time::Next).not(),
             ref domain => Expr::next(*name).equals(Expr::Const(domain.low())),

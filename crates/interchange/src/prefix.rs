@@ -1,15 +1,15 @@
-//! Formulas in slugs' prefix notation: operators come before their operands, words are separated
-//! by blanks.
+//! Parses formulas in slugs' prefix notation: operators before their operands, words separated by
+//! blanks.
 //!
 //! ```text
 //! ! a      & a b     | a b     ^ a b     0  1     a'
-//! $ 3 f0 f1 f2     a memory buffer: three formulas, its value is the last one's
-//! ? 0              within a buffer: the value of its formula 0, which comes before
+//! $ 3 f0 f1 f2     a memory buffer of three formulas; its value is that of the last one
+//! ? 0              within a buffer: the value of formula 0, which has to be before the `?`
 //! ```
 //!
-//! A line is read with a stack of what still wants operands, so nothing recurses. A formula that is
-//! recalled is one node, however often that happens ([`Terms`](super::terms::Terms)): an adder's
-//! carry chain stays as long as it is written.
+//! The parser keeps a stack of operators that wait for operands, and does not recurse. A formula
+//! that is recalled several times is a single shared node ([`Terms`](super::terms::Terms)), so an
+//! adder's carry chain stays as small as it is written.
 
 use super::names::{Names, quoted};
 use super::structured;
@@ -17,7 +17,7 @@ use super::terms::{Kind, Term};
 use linewright_core::gr1::{BinaryOp, Time};
 use std::ops::Range;
 
-/// Whether a word cannot be a name.
+/// Whether a word is an operator or a constant.
 pub(super) fn is_operator(word: &str) -> bool {
     matches!(word, "!" | "&" | "|" | "^" | "$" | "?" | "0" | "1")
 }
@@ -30,9 +30,11 @@ fn words(text: &str, line: Range<usize>) -> impl DoubleEndedIterator<Item = (&st
     })
 }
 
-/// Whether a line of a structured file is in prefix notation: it has a buffer, or its words, read
-/// from the right, leave one value.
-pub(super) fn fits(names: &Names<'_>, line: Range<usize>) -> bool {
+/// Whether a line of a structured file is in prefix notation.
+///
+/// This is the case if the line has a buffer, or if evaluating its words from the right leaves one
+/// value.
+pub(super) fn is_prefix(names: &Names<'_>, line: Range<usize>) -> bool {
     let text = names.text;
     if words(text, line.clone()).any(|(word, _)| word == "$") {
         return true;
@@ -60,14 +62,14 @@ pub(super) fn fits(names: &Names<'_>, line: Range<usize>) -> bool {
     values == 1
 }
 
-/// What wants operands.
+/// An operator or buffer that waits for operands.
 enum Waiting {
     Not,
     Binary(BinaryOp, Option<Term>),
     Buffer(usize, Vec<Term>),
 }
 
-/// Reads a line. `None` where something is wrong with it, which was reported.
+/// Parses a line; `None` after an error, which is reported.
 pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term> {
     let text = names.text;
     let mut words = words(text, line.clone());
@@ -90,12 +92,17 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 continue;
             }
             "$" => {
-                let count = count(names, words.next(), &range, "how many formulas follow")?;
+                let count = count(
+                    names,
+                    words.next(),
+                    &range,
+                    "the number of formulas in the buffer",
+                )?;
                 if count == 0 {
                     names.syntax(
                         range,
-                        "a memory buffer holds at least one formula",
-                        "write how many follow: `$ 2 f0 f1`",
+                        "this memory buffer has no formulas",
+                        "write the number of its formulas, at least 1: `$ 2 f0 f1`",
                     );
                     return None;
                 }
@@ -108,7 +115,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                     names,
                     words.next(),
                     &range,
-                    "which formula of the buffer is meant",
+                    "the index of a formula in the buffer",
                 )?;
                 let cells = buffers.last().and_then(|at| match &waiting[*at] {
                     Waiting::Buffer(_, cells) => Some(cells),
@@ -117,13 +124,13 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 let Some(term) = cells.and_then(|cells| cells.get(index)) else {
                     let (message, help) = if cells.is_some() {
                         (
-                            "the buffer has no such formula yet",
-                            "formulas are counted from 0, and only those before can be recalled",
+                            "the buffer has no formula with this index yet",
+                            "count formulas from 0, and recall only earlier ones",
                         )
                     } else {
                         (
                             "`?` is outside any memory buffer",
-                            "a buffer begins with `$` and the number of its formulas",
+                            "begin a buffer with `$` and the number of its formulas",
                         )
                     };
                     names.syntax(range, message, help);
@@ -136,7 +143,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 names.syntax(
                     range,
                     format!("`{}` belongs to infix notation; this line is read in prefix notation", quoted(name)),
-                    "operators come before their operands, without parentheses: `& a b`, `| ! a b`; infix notation is for `.structuredslugs`",
+                    "write operators before their operands, without parentheses: `& a b`, `| ! a b`; use infix notation in `.structuredslugs` files",
                 );
                 return None;
             }
@@ -146,7 +153,8 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                 found.unwrap_or_else(|| names.terms.bool(true))
             }
         };
-        // Hands the value to what waits for it, as far as that is complete then.
+        // Give the value to the operator that waits for it; repeat with the operator's value while
+        // operators become complete.
         loop {
             match waiting.pop() {
                 None => {
@@ -155,7 +163,7 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
                         names.syntax(
                             range.start..line.end,
                             message,
-                            "operators come before their operands: `& a b`, `| ! a b`",
+                            "write operators before their operands: `& a b`, `| ! a b`",
                         );
                         return None;
                     }
@@ -183,13 +191,13 @@ pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term>
     names.syntax(
         line,
         "the formula ends before it is complete",
-        "`&`, `|` and `^` have two operands, `!` has one, `$ n` has n",
+        "write two operands after `&`, `|` and `^`, one after `!`, and n after `$ n`",
     );
     None
 }
 
-/// Whether a word is what only formulas in infix notation have. Names may be anything, so a
-/// declared one is not.
+/// Whether a word occurs in infix notation only. Names can contain any characters, so a declared
+/// name never counts.
 fn is_infix(names: &Names<'_>, word: &str) -> bool {
     let sign = matches!(word, "->" | "<->" | "&&" | "||" | "=" | "/\\" | "\\/");
     (sign || word.starts_with('(') || word.ends_with(')')) && names.find(word).is_none()
@@ -206,7 +214,7 @@ fn count(
     if number.is_none() {
         names.syntax(
             place,
-            format!("expected a number: {what}"),
+            format!("expected {what}"),
             "write `$ 2 f0 f1` for a buffer and `? 0` for its first formula",
         );
     }
@@ -224,10 +232,10 @@ fn variable(names: &mut Names<'_>, word: &str, range: Range<usize>) -> Option<Te
             names.syntax(
                 range,
                 format!(
-                    "`{}` is a number, and prefix notation has none",
+                    "`{}` is a number, which prefix notation does not support",
                     quoted(name)
                 ),
-                "write the line in infix notation, or name a bit of it",
+                "write the line in infix notation, or refer to a bit of the number",
             );
             return None;
         }

@@ -1,20 +1,24 @@
-//! Names that another language does not take, consistently replaced.
+//! Consistently replaces names that another language does not allow.
 
 use std::collections::BTreeSet;
 
-/// New names for `names`, in their order: those that `takes` accepts as they are, the others with
-/// `_` for each sign that is none of a name, and then with what makes them acceptable and unique.
+/// Unique names that `is_allowed` accepts, in the order of `names`.
+///
+/// The first occurrence of an allowed name keeps it. In other names, `_` replaces each character
+/// that is not an ASCII letter, digit or `_`. Then `prefix` and a suffix are added as needed.
 pub(super) fn renamed<'a>(
     names: impl IntoIterator<Item = &'a str>,
     prefix: &str,
-    takes: impl Fn(&str) -> bool,
+    is_allowed: impl Fn(&str) -> bool,
 ) -> Vec<String> {
     let names: Vec<&str> = names.into_iter().collect();
     let mut used: BTreeSet<String> = BTreeSet::new();
-    // Who has a good name keeps it, wherever it appears; of two equal ones the first.
+    // Allowed names first, so that no replacement takes one of them.
     let mut result: Vec<Option<String>> = names
         .iter()
-        .map(|name| (takes(name) && used.insert((*name).to_owned())).then(|| (*name).to_owned()))
+        .map(|name| {
+            (is_allowed(name) && used.insert((*name).to_owned())).then(|| (*name).to_owned())
+        })
         .collect();
     for (name, slot) in names.iter().zip(&mut result) {
         if slot.is_some() {
@@ -40,7 +44,7 @@ pub(super) fn renamed<'a>(
         let mut candidates = [stem.clone(), format!("{stem}_")]
             .into_iter()
             .chain(numbered);
-        *slot = candidates.find(|c| takes(c) && !used.contains(c));
+        *slot = candidates.find(|c| is_allowed(c) && !used.contains(c));
         used.extend(slot.clone());
     }
     result.into_iter().flatten().collect()

@@ -1,16 +1,16 @@
-//! Reads `.slugsin` and `.structuredslugs`: a line a declaration or formula, under section heads in
-//! brackets.
+//! Reads `.slugsin` and `.structuredslugs`: one declaration or formula per line, in sections whose
+//! names are in brackets.
 //!
 //! ```text
-//! [INPUT]              [OUTPUT]          # the environment's and the machine's variables
+//! [INPUT]              [OUTPUT]          # variables of the environment and of the system
 //! a                    d
 //! b:0...10                               # structured only: a number
-//! [ENV_INIT] [ENV_TRANS] [ENV_LIVENESS]  # and the same with SYS
+//! [ENV_INIT] [ENV_TRANS] [ENV_LIVENESS]  # formulas; also SYS_INIT, SYS_TRANS, SYS_LIVENESS
 //! ```
 //!
-//! All lines of a section hold together; sections may repeat and come in any order. `SYS_INIT` may
-//! name the environment's variables (the machine chooses after it has seen them), goals may have
-//! primes. Formulas are in [`prefix`] notation, and in structured files also in
+//! All formulas of a section have to hold. Sections can repeat and appear in any order. `SYS_INIT`
+//! can refer to the environment's variables, because the system chooses after it has seen them.
+//! Goals can contain primes. Formulas are in [`prefix`] notation; structured files also allow
 //! [`infix`](super::infix) notation.
 
 use super::names::{Names, Part, Section, quoted};
@@ -19,7 +19,7 @@ use linewright_core::diagnostics::{codes, nearest};
 use linewright_core::gr1::{Domain, Owner};
 use std::ops::Range;
 
-/// Which of the two formats.
+/// The format of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dialect {
     Prefix,
@@ -43,11 +43,11 @@ const fn section(owner: Owner, part: Part, name: &'static str) -> Section {
 enum Head {
     Variables(Owner),
     Formulas(Section),
-    /// Not known, or not taken; its lines are passed over.
+    /// Unknown or unsupported; its lines are skipped.
     Other,
 }
 
-/// Reads a file.
+/// Reads a file into `names`.
 pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
     let mut head = None;
     let mut formulas: Vec<(Section, Range<usize>)> = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
                 if !std::mem::replace(&mut orphan, true) {
                     names.syntax(
                         line,
-                        "this comes before the first section",
+                        "this line is before the first section",
                         "begin with a section: `[INPUT]` or `[OUTPUT]`",
                     );
                 }
@@ -76,13 +76,13 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
     if head.is_none() && !orphan {
         names.syntax(
             0..0,
-            "there is no section",
+            "the file has no section",
             "begin with a section: `[INPUT]` or `[OUTPUT]`",
         );
     }
-    // Formulas may appear before the declarations.
+    // Formulas can appear before the declarations of their variables.
     for (section, line) in formulas {
-        let infix = dialect == Dialect::Structured && !prefix::fits(names, line.clone());
+        let infix = dialect == Dialect::Structured && !prefix::is_prefix(names, line.clone());
         let term = if infix {
             structured::formula(names, line.clone())
         } else {
@@ -92,12 +92,12 @@ pub(super) fn read(names: &mut Names<'_>, dialect: Dialect) {
     }
 }
 
-/// The lines that hold something, without blanks around them.
+/// Byte ranges of the trimmed lines that are neither blank nor comments.
 fn lines(text: &str) -> Vec<Range<usize>> {
     let mut found = Vec::new();
     let mut start = 0;
     for line in text.split_inclusive(['\n', '\r']) {
-        // Some editors put a mark in front of a file.
+        // Some editors write a byte order mark at the start of a file.
         let blank = |c: char| c.is_whitespace() || c == '\u{feff}';
         let trimmed = line.trim_matches(blank);
         let begin = start + (line.len() - line.trim_start_matches(blank).len());
@@ -120,8 +120,8 @@ fn section_of(names: &mut Names<'_>, text: &str, line: Range<usize>) -> Head {
             names.error(
                 codes::NOT_GR1,
                 line,
-                format!("`{text}` makes another game of the specification"),
-                "every input is seen by the machine and chosen by the environment here: use [INPUT]",
+                format!("`{text}` is not supported: it changes the rules of the game"),
+                "use [INPUT]: the environment chooses every input, and the system sees it",
             );
             return Head::Other;
         }
@@ -135,10 +135,10 @@ fn section_of(names: &mut Names<'_>, text: &str, line: Range<usize>) -> Head {
     let known = SECTIONS.iter().map(|s| s.name).chain(["INPUT", "OUTPUT"]);
     let help = match nearest(&name, known) {
         Some(near) => format!("did you mean `[{near}]`?"),
-        None if !exact => "a line that begins with `[` names a section and nothing else; a formula needs no `[]`, its section says when it holds".to_owned(),
+        None if !exact => "write only a section's name in brackets; write formulas without `[]`, since the section says when they hold".to_owned(),
         None => "sections are [INPUT], [OUTPUT], and [ENV_INIT], [ENV_TRANS], [ENV_LIVENESS] with their SYS counterparts".to_owned(),
     };
-    names.syntax(line, format!("there is no section `{text}`"), help);
+    names.syntax(line, format!("`{text}` is not a section"), help);
     Head::Other
 }
 
@@ -149,11 +149,11 @@ fn declaration(names: &mut Names<'_>, owner: Owner, dialect: Dialect, line: Rang
         return;
     }
     let bad = if text.contains(char::is_whitespace) {
-        Some("a line declares one variable, without spaces in its name")
+        Some("a variable's name cannot contain spaces")
     } else if text.contains('\'') {
-        Some("a variable's name has no prime")
+        Some("a variable's name cannot contain a prime")
     } else if prefix::is_operator(text) {
-        Some("this is an operator or constant, and no name")
+        Some("an operator or a constant cannot be a variable's name")
     } else {
         None
     };
@@ -161,7 +161,7 @@ fn declaration(names: &mut Names<'_>, owner: Owner, dialect: Dialect, line: Rang
         names.syntax(
             line,
             message,
-            "write one name a line; its next value is called by it and a prime",
+            "write one name per line; in formulas, a prime after the name means its next value",
         );
         return;
     }

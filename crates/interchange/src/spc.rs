@@ -1,4 +1,4 @@
-//! Reads `.spc` files: gr1c's, for GR(1) games and for reachability games.
+//! Reads `.spc` files of gr1c, for GR(1) games and for reachability games.
 //!
 //! ```text
 //! ENV: x y [0,3];           # variables, Boolean unless a domain [0,n] follows
@@ -11,30 +11,28 @@
 //! SYSGOAL: []<>!z & []<>z;  # or <>z in a reachability game
 //! ```
 //!
-//! Every section may be left out or be empty, in any order. What this reader is more generous about
-//! than gr1c: a section may begin within a line, and `&` and the operator of the next formula may
-//! appear on different lines.
+//! Sections can be omitted, empty, and in any order. This reader accepts more than gr1c: a section
+//! can begin within a line, and `&` and the operator of the next formula can be on different
+//! lines.
 //!
 //! # Initial conditions
 //!
-//! For every initial choice of the environment that satisfies `ENVINIT` the machine needs one that
-//! satisfies `SYSINIT`: the tool's default, `ALL_ENV_EXIST_SYS_INIT`. `SYSINIT` is for the
-//! machine's variables; one that also names the environment's is taken by its plain meaning, with a
-//! note.
+//! For every initial choice of the environment that satisfies `ENVINIT`, the system needs one that
+//! satisfies `SYSINIT`. This is the tool's default, `ALL_ENV_EXIST_SYS_INIT`. `SYSINIT` should
+//! refer to the system's variables only; other variables are accepted with a note.
 //!
 //! # Reachability
 //!
-//! `<>p` is to be reached once, and nothing is asked of the machine from then on. So an internal
-//! variable `reached` remembers it:
+//! `<>p` has to be reached once; afterwards no guarantee applies. An internal variable `reached`
+//! remembers that the goal was reached:
 //!
 //! ```text
 //! initially        reached <-> p          always   reached' <-> reached | p'
 //! each transition  reached | φ            goal     reached
 //! ```
 //!
-//! As in a GR(1) game the machine also wins when the environment is blocked or stays away from one
-//! of its goals for ever. With `<>False` it can win only so: a game without a goal, in which the
-//! environment has to be blocked.
+//! As in a GR(1) game, the system also wins if the environment has no move or misses one of its
+//! goals for ever. With `<>False` these are the only ways to win.
 
 use super::infix::{self, Dialect, Infix, Token, Word};
 use super::names::{Names, Part, Section, one_line, quoted};
@@ -74,11 +72,11 @@ fn head(name: &str) -> Option<Head> {
     }
 }
 
-/// Reads a file; gives whether it describes a reachability game.
+/// Reads a file into `names`; returns whether it describes a reachability game.
 pub(super) fn read(names: &mut Names<'_>) -> bool {
     let tokens = infix::words(names.text, 0..names.text.len(), Dialect::Spc);
     let sections = sections(names, &tokens);
-    // Formulas may appear before the declarations.
+    // Formulas can appear before the declarations of their variables.
     for (head, _, body) in &sections {
         if let Head::Variables(owner) = head {
             variables(names, *owner, body);
@@ -88,7 +86,7 @@ pub(super) fn read(names: &mut Names<'_>) -> bool {
         names.syntax(
             0..0,
             "no variable is declared",
-            "name at least one behind `ENV:` or `SYS:`",
+            "declare at least one after `ENV:` or `SYS:`",
         );
     }
     let mut reader = Reader {
@@ -111,7 +109,7 @@ pub(super) fn read(names: &mut Names<'_>) -> bool {
 
 type SectionTokens<'a> = (Head, Range<usize>, &'a [Token]);
 
-/// Cuts a file into its sections: head, place of the head, words of the body.
+/// Splits a file into sections: head, range of the head, and tokens of the body.
 fn sections<'a>(names: &mut Names<'_>, tokens: &'a [Token]) -> Vec<SectionTokens<'a>> {
     let head_at = |names: &Names<'_>, i: usize| match (&tokens.get(i), tokens.get(i + 1)) {
         (Some((Word::Name, range)), Some((Word::Colon, _))) => head(&names.text[range.clone()]),
@@ -122,7 +120,7 @@ fn sections<'a>(names: &mut Names<'_>, tokens: &'a [Token]) -> Vec<SectionTokens
     while i < tokens.len() {
         let place = tokens[i].1.clone();
         let Some(head) = head_at(names, i) else {
-            // One finding for all up to the next section.
+            // Report only one finding up to the next section.
             let word = quoted(&names.text[place.clone()]);
             names.syntax(place, format!("expected a section, found `{word}`"), HEADS);
             while i < tokens.len() && head_at(names, i).is_none() {
@@ -154,7 +152,7 @@ fn sections<'a>(names: &mut Names<'_>, tokens: &'a [Token]) -> Vec<SectionTokens
     found
 }
 
-/// `x y [0,3] z`
+/// Reads declarations such as `x y [0,3] z`.
 fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
     let mut i = 0;
     while let Some((word, range)) = body.get(i) {
@@ -164,9 +162,9 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
             names.syntax(
                 range.clone(),
                 format!("expected a variable, found `{found}`"),
-                "names are separated by spaces, a domain `[0,n]` follows its variable",
+                "separate names with spaces, and write a domain `[0,n]` after its variable",
             );
-            // A domain that is written wrongly is said once.
+            // Report a malformed domain only once.
             while body.get(i).is_some_and(|t| t.0 != Word::Name) {
                 i += 1;
             }
@@ -184,7 +182,7 @@ fn variables(names: &mut Names<'_>, owner: Owner, body: &[Token]) {
                 ],
             ) = body.get(i..i + 5)
             else {
-                // The bracket is reported by the next round.
+                // The next iteration reports the bracket.
                 continue;
             };
             let place = start.start..end.end;
@@ -217,18 +215,15 @@ fn domain_of(
         names.error(
             codes::DOMAIN_EMPTY,
             place,
-            "a domain of this format begins with 0",
-            format!(
-                "write [0,{}] and count from there",
-                b.saturating_sub(a).max(0)
-            ),
+            "the domain does not begin with 0",
+            format!("write [0,{}] and count from 0", b.saturating_sub(a).max(0)),
         );
         return None;
     }
     names.domain(a, b, place)
 }
 
-/// A goal that is to be reached once.
+/// A goal that has to be reached once.
 struct Reach {
     goal: Expr,
     range: Range<usize>,
@@ -236,10 +231,10 @@ struct Reach {
 
 struct Reader<'n, 't> {
     names: &'n mut Names<'t>,
-    /// Initial sections that were there already.
+    /// Initial sections so far, with the ranges of their heads.
     initial: Vec<(&'static str, Range<usize>)>,
     reach: Option<Reach>,
-    /// A goal of the machine with `[]<>`.
+    /// Range of a system goal with `[]<>`.
     repeated: Option<Range<usize>>,
 }
 
@@ -262,7 +257,7 @@ impl Reader<'_, '_> {
             let first = self.names.span(first);
             self.names.syntax(
                 place.clone(),
-                format!("there is a section {name} already"),
+                format!("the section {name} appears twice"),
                 "join the two formulas with `&`",
             );
             if let Some(finding) = self.names.findings.last_mut() {
@@ -277,8 +272,8 @@ impl Reader<'_, '_> {
         self.initial_condition(section, body);
     }
 
-    /// The parts of a conjunction are formulas of their own: when no machine exists, the ones to
-    /// blame are pointed at.
+    /// Adds each conjunct as a formula of its own, so that an unrealizable core can point to single
+    /// conjuncts.
     fn initial_condition(&mut self, section: Section, body: &[Token]) {
         if section.owner == Owner::System {
             let outside = body.iter().find(|(word, range)| {
@@ -292,8 +287,8 @@ impl Reader<'_, '_> {
                 self.names.note(
                     codes::OWN_TOOL,
                     range.clone(),
-                    "gr1c refuses a SYSINIT that names a variable of the environment; here the machine chooses after it has seen that",
-                    "name only the variables of `SYS:` to have the file read by both",
+                    "gr1c refuses a SYSINIT that names a variable of the environment; here the system chooses after it has seen that variable",
+                    "to make the file readable by both, name only variables of `SYS:`",
                 );
             }
         }
@@ -308,14 +303,14 @@ impl Reader<'_, '_> {
             self.names.note(
                 codes::OWN_TOOL,
                 place.clone(),
-                "gr1c refuses primed variables in goals; here the goal is met by a transition that satisfies it",
-                "remember the transition in a variable to have the file read by both",
+                "gr1c refuses primed variables in goals; here a transition can meet a goal",
+                "to make the file readable by both, remember the transition in a variable",
             );
         }
         self.names.formula(section, term, place);
     }
 
-    /// One formula with its operator: `[]p`, `[]<>p` or `<>p`.
+    /// Reads one formula with its operator: `[]p`, `[]<>p` or `<>p`.
     fn temporal(&mut self, section: Section, tokens: &[Token]) {
         let place = span_of(tokens);
         let word = |i: usize| tokens.get(i).map(|t| t.0);
@@ -344,17 +339,20 @@ impl Reader<'_, '_> {
             let wanted = match (section.part, section.owner) {
                 (Part::Transition, _) => "`[]`",
                 (_, Owner::Environment) => "`[]<>`",
-                (_, Owner::System) => "`[]<>`, or `<>` for what is to be reached once",
+                (_, Owner::System) => "`[]<>`, or with `<>` for a goal that is reached once",
             };
             let head = tokens.first().map_or(place, |t| t.1.clone());
-            let message = format!("a formula of {} begins with {wanted}", section.name);
+            let message = format!(
+                "this formula of {} does not begin with {wanted}",
+                section.name
+            );
             let help = format!(
                 "formulas of a section are joined with `&`, each with its operator; {wanted} belongs in front of this one"
             );
             self.names.syntax(head, message, help);
             return;
         }
-        if section == SECTIONS[5] && !self.only_one_kind(operator, &place) {
+        if section == SECTIONS[5] && !self.is_one_kind(operator, &place) {
             return;
         }
         if operator == "<>" {
@@ -366,8 +364,8 @@ impl Reader<'_, '_> {
                 self.names.error(
                     codes::NOT_GR1,
                     place,
-                    "what is to be reached is a state: it cannot refer to next values",
-                    "remember the transition in a variable, and reach that",
+                    "a goal that is reached once cannot refer to next values",
+                    "remember the transition in a variable, and make that variable the goal",
                 );
             } else if let Some(goal) = self.names.tree(term, &place) {
                 self.reach = Some(Reach { goal, range: place });
@@ -378,8 +376,9 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A machine's goals are either all repeated, or one that is reached once.
-    fn only_one_kind(&mut self, operator: &str, place: &Range<usize>) -> bool {
+    /// Whether the system has either repeated goals or a single goal that is reached once; reports
+    /// a goal that breaks this rule.
+    fn is_one_kind(&mut self, operator: &str, place: &Range<usize>) -> bool {
         let once = operator == "<>";
         let clash = match (&self.reach, &self.repeated) {
             (Some(first), _) => Some(first.range.clone()),
@@ -395,8 +394,8 @@ impl Reader<'_, '_> {
         let first = self.names.span(first);
         self.names.syntax(
             place.clone(),
-            "a reachability game has one goal, and no other",
-            "join what is to be reached in one formula: `<>(p & q)`; or ask for each again and again with `[]<>`",
+            "a reachability game cannot have a second goal",
+            "join the goals in one formula, `<>(p & q)`, or require each repeatedly with `[]<>`",
         );
         if let Some(finding) = self.names.findings.last_mut() {
             finding.labels.push((first, "the other goal".to_owned()));
@@ -405,26 +404,24 @@ impl Reader<'_, '_> {
     }
 }
 
-/// What to write instead of `<>[]p`.
+/// The help for `<>[]p`.
 fn settling(owner: Owner) -> &'static str {
     match owner {
-        Owner::Environment => {
-            "write `[]<>p` in ENVGOAL, which asks less of the environment, and is often enough"
-        }
+        Owner::Environment => "write `[]<>p` in ENVGOAL: this weaker assumption is often enough",
         Owner::System => {
-            "let the machine say when it has settled: a variable `settled` in SYS, `[](settled -> settled') & [](settled -> p)` in SYSTRANS and `[]<>settled` in SYSGOAL"
+            "let the system signal when it has settled: declare `settled` in SYS, and write `[](settled -> settled') & [](settled -> p)` in SYSTRANS and `[]<>settled` in SYSGOAL"
         }
     }
 }
 
-/// Cuts `[]p & []q` into its formulas: at each `&` before an operator, outside of parentheses.
+/// Splits `[]p & []q` at each `&` that is before a temporal operator and outside of parentheses.
 fn parts(body: &[Token]) -> Vec<&[Token]> {
     let temporal =
         |t: Option<&Token>| t.is_some_and(|t| matches!(t.0, Word::Always | Word::Eventually));
     split(body, |i| temporal(body.get(i + 1)))
 }
 
-/// Cuts `p & q` into its parts, where nothing but `&` appears outside of parentheses.
+/// Splits `p & q` into its conjuncts; other operators outside of parentheses prevent the split.
 fn conjuncts(body: &[Token]) -> Vec<&[Token]> {
     let mut depth = 0usize;
     for (word, _) in body {
@@ -438,7 +435,7 @@ fn conjuncts(body: &[Token]) -> Vec<&[Token]> {
         }
     }
     let pieces = split(body, |_| true);
-    // Where an operand is missing, the whole is the place to say so.
+    // Report a missing operand for the whole formula.
     if pieces.iter().any(|p| p.is_empty()) {
         vec![body]
     } else {
@@ -470,7 +467,7 @@ fn span_of(tokens: &[Token]) -> Range<usize> {
     }
 }
 
-/// See the module's text.
+/// Adds the variable `reached` and its formulas; see the module's documentation.
 fn lower_reachability(names: &mut Names<'_>, reach: &Reach) {
     let reached = names.helper("reached");
     let (span, text) = (

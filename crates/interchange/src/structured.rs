@@ -1,8 +1,8 @@
-//! What structured slugs has beyond `.slugsin`: numbers with a range, and infix formulas.
+//! Features of structured slugs beyond `.slugsin`: numbers with a range, and infix formulas.
 //!
-//! A number `x: lo...hi` is one variable here; slugs' translator makes bits of it, which a line in
-//! prefix notation can name: `x@0.lo.hi` for the lowest, `x@1`, `x@2` ... for the others. They hold
-//! the distance from `lo`.
+//! A number `x: lo...hi` is read as one variable. slugs' translator encodes it in bits that hold
+//! the distance from `lo`. A line in prefix notation can refer to these bits: `x@0.lo.hi` is the
+//! lowest bit, `x@1`, `x@2`, ... are the others.
 
 use super::infix;
 use super::names::{Names, bit, quoted};
@@ -10,7 +10,7 @@ use super::terms::{Kind, Term};
 use linewright_core::gr1::{Domain, Owner, Time};
 use std::ops::Range;
 
-/// Words of slugs that are no names.
+/// Reserved words of slugs.
 pub(super) const WORDS: [&str; 9] = [
     "X",
     "F",
@@ -23,7 +23,7 @@ pub(super) const WORDS: [&str; 9] = [
     "LEASTSIGNIFICANTBITOVERWRITES",
 ];
 
-/// `x` or `x: lo...hi`.
+/// Reads a declaration `x` or `x: lo...hi`.
 pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize>) {
     let text = &names.text[line.clone()];
     let (name, range) = match text.split_once(':') {
@@ -39,7 +39,7 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
         names.syntax(
             place,
             format!("`{}` cannot be a variable's name", quoted(name)),
-            "a name has letters, digits, `_` and `.`, does not begin with a digit, and is not an operator",
+            "use letters, digits, `_` and `.`; do not begin with a digit or use the name of an operator",
         );
         return;
     }
@@ -59,7 +59,7 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
     let Some((low, high)) = bounds else {
         names.syntax(
             line,
-            "expected the smallest and the largest number behind the colon",
+            "expected the smallest and the largest number after the colon",
             "write `x: 0...7`",
         );
         names.declare_refused(owner, name, place);
@@ -71,13 +71,13 @@ pub(super) fn declaration(names: &mut Names<'_>, owner: Owner, line: Range<usize
     }
 }
 
-/// A line in infix notation.
+/// Parses a line in infix notation; `None` after an error, which is reported.
 pub(super) fn formula(names: &mut Names<'_>, line: Range<usize>) -> Option<Term> {
     let words = infix::words(names.text, line.clone(), infix::Dialect::Structured);
     infix::formula(names, &words, line, infix::Dialect::Structured)
 }
 
-/// The bit that a word in prefix notation names: `x@0.0.23'` or `x@1`.
+/// The bit that a word in prefix notation refers to, such as `x@0.0.23` or `x@1`.
 pub(super) fn bit_of(
     names: &mut Names<'_>,
     word: &str,

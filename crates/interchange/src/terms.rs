@@ -1,29 +1,26 @@
-//! Formulas while they are read: shared nodes that know how large and how deep they would be as a
-//! tree.
+//! Formulas under construction, as shared nodes that store the size and depth of their tree.
 //!
-//! Another tool's file may repeat a memory cell a thousand times in a line, or put ten thousand
-//! operands into one chain of `&`. An [`Expr`] is a tree that later stages walk by recursion. So
-//! operands are nodes that can be used more than once, the size of the tree is known before it is
-//! built, and chains of one associative operator become balanced trees: as deep as the logarithm of
-//! their length.
+//! A file can recall a memory cell a thousand times in one line, or join ten thousand operands
+//! with `&`. An [`Expr`] is a tree that later stages traverse recursively. Therefore operands are
+//! shared nodes, the size of the tree is known before it is built, and a chain of one associative
+//! operator becomes a balanced tree of logarithmic depth.
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Formulas may be so deep once chains are balanced: the depth that the language's own formulas may
-/// have.
+/// Maximum depth of a formula with balanced chains, the same as in Linewright's own language.
 pub(super) const MAX_DEPTH: u32 = 500;
 /// Maximum number of operators and operands of a single expanded formula.
 const MAX_SIZE: u64 = 1 << 20;
 
-/// What values a node has.
+/// The type of a node's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Bool,
     Int,
 }
 
-/// A node of a [`Terms`].
+/// Index of a node in a [`Terms`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Term(u32);
 
@@ -39,9 +36,9 @@ enum Shape {
 struct Node {
     shape: Shape,
     kind: Kind,
-    /// Nodes of the tree.
+    /// Number of nodes of the expanded tree.
     size: u64,
-    /// Operands of the chain of this node's operator, and the depth of the deepest one.
+    /// Number of operands of the chain of this node's operator, and the depth of the deepest one.
     links: u64,
     below: u32,
     /// Whether current and next values occur.
@@ -55,7 +52,7 @@ impl Node {
     }
 }
 
-/// Why a formula cannot be had as a tree.
+/// The limit that the tree of a formula exceeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TermLimit {
     Deep,
@@ -69,7 +66,7 @@ pub(super) struct Terms {
 }
 
 impl Terms {
-    /// Forgets all nodes.
+    /// Removes all nodes; existing terms become invalid.
     pub fn clear(&mut self) {
         self.nodes.clear();
     }
@@ -115,12 +112,12 @@ impl Terms {
         self.node(term).kind
     }
 
-    /// Whether a next value occurs.
+    /// Whether the term contains a next value.
     pub fn has_next(&self, term: Term) -> bool {
         self.node(term).next
     }
 
-    /// The value of a constant.
+    /// The value, if the term is a constant.
     pub fn constant(&self, term: Term) -> Option<i64> {
         match self.node(term).shape {
             Shape::Const(value) => Some(value),
@@ -128,12 +125,12 @@ impl Terms {
         }
     }
 
-    /// Whether it is a variable.
+    /// Whether the term is a variable.
     pub fn is_var(&self, term: Term) -> bool {
         matches!(self.node(term).shape, Shape::Var(..))
     }
 
-    /// A truth value as the number 0 or 1.
+    /// The truth value as the number 0 or 1.
     pub fn as_number(&mut self, term: Term) -> Term {
         let node = *self.node(term);
         self.push(Node {
@@ -162,8 +159,8 @@ impl Terms {
         })
     }
 
-    /// Two operands. Truth values that are constants are folded: the carries of an adder that is
-    /// written out bit by bit are mostly that.
+    /// Applies a binary operator. Constant truth values are folded, since most carries of an adder
+    /// that is written bit by bit are constants.
     pub fn binary(&mut self, op: BinaryOp, a: Term, b: Term) -> Term {
         use BinaryOp as B;
         if self.kind(a) == Kind::Bool {
@@ -205,7 +202,7 @@ impl Terms {
         })
     }
 
-    /// The same with next values for current ones. There are only current values.
+    /// The term with next values in place of current ones.
     pub fn primed(&mut self, term: Term) -> Term {
         if !self.node(term).now {
             return term;
@@ -254,12 +251,12 @@ impl Terms {
         found
     }
 
-    /// How many nodes the tree has.
+    /// Number of nodes of the expanded tree.
     pub fn size(&self, term: Term) -> u64 {
         self.node(term).size
     }
 
-    /// The tree, if it is not too large.
+    /// Builds the tree, unless it exceeds a limit.
     pub fn tree(&self, term: Term) -> Result<Expr, TermLimit> {
         let node = self.node(term);
         if node.depth() > MAX_DEPTH {
@@ -271,7 +268,7 @@ impl Terms {
         Ok(self.build(term))
     }
 
-    /// The recursion is as deep as the tree, which was checked.
+    /// Builds the tree; the recursion is as deep as the tree, whose depth was checked.
     fn build(&self, term: Term) -> Expr {
         match self.node(term).shape {
             Shape::Const(value) => Expr::Const(value),
@@ -295,8 +292,8 @@ impl Terms {
     }
 }
 
-/// Whether `(p inner q) outer r` may be put together otherwise: same operator, associative. `=` and
-/// `!=` are that for truth values only.
+/// Whether `(p inner q) outer r` is a chain of one associative operator. `=` and `!=` are
+/// associative for truth values only.
 fn chains(outer: BinaryOp, operands: Kind, inner: BinaryOp, inner_operands: Kind) -> bool {
     use BinaryOp as B;
     outer == inner
@@ -307,7 +304,7 @@ fn chains(outer: BinaryOp, operands: Kind, inner: BinaryOp, inner_operands: Kind
         }
 }
 
-/// A chain of an associative operator as a balanced tree, its operands in order.
+/// Joins operands with an associative operator in a balanced tree that keeps their order.
 pub(super) fn balanced(op: BinaryOp, mut operands: Vec<Expr>) -> Expr {
     while operands.len() > 1 {
         let mut rest = operands.into_iter();
@@ -325,7 +322,7 @@ pub(super) fn balanced(op: BinaryOp, mut operands: Vec<Expr>) -> Expr {
     })
 }
 
-/// The negation, without one before another.
+/// The simplified negation of `e`, without double negations.
 pub(super) fn negated(e: &Expr) -> Expr {
     match e.simplify() {
         Expr::Unary(UnaryOp::Not, inner) => *inner,

@@ -76,7 +76,7 @@ impl Plant {
         let mut replications = Replications::of(self.line(), &traces);
         if done < count {
             let late = self.late().unwrap_or(StopReason::Time);
-            let message = format!("{late}: {done} of {count} runs were over");
+            let message = format!("{late}: {done} of {count} runs were complete");
             replications.findings.push(
                 Diagnostic::error(codes::GAVE_UP, self.line().span, message).with_help(format!(
                     "{}, or ask for fewer runs with --replications",

@@ -22,8 +22,8 @@ impl UndecidedReason {
     }
 
     /// Whether a limit of the command was reached; otherwise the answer never changes.
-    pub fn is_of_command(&self) -> bool {
-        self.limit.is_some_and(Limit::is_of_command)
+    pub fn is_external(&self) -> bool {
+        self.limit.is_some_and(Limit::is_external)
     }
 }
 

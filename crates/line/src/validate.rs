@@ -33,11 +33,8 @@ struct Check<'a> {
 impl Check<'_> {
     fn refuse(&mut self, span: Span, message: String) {
         let finding = Diagnostic::error(codes::LINE_UNKNOWN, span, message);
-        self.findings.push(
-            finding.with_help(
-                "`linewright explain LW401` shows how what a line consists of is declared",
-            ),
-        );
+        self.findings
+            .push(finding.with_help("`linewright explain LW401` shows the declarations of a line"));
     }
 
     fn require(&mut self, holds: bool, span: Span, message: impl FnOnce() -> String) {
@@ -107,7 +104,7 @@ impl Check<'_> {
                 });
                 if let Supply::Every { seconds, .. } = supply {
                     self.require(is_duration(*seconds), node.span, || {
-                        format!("{name} makes a part every {seconds} seconds, which is not a valid duration")
+                        format!("{name} makes a part every {seconds} seconds, which is an invalid duration")
                     });
                 }
             }
@@ -119,7 +116,7 @@ impl Check<'_> {
                     )
                 });
                 self.require(known, node.span, || {
-                    format!("{name} orders a new part from what is not a source")
+                    format!("{name} reorders parts from a place that is not a source")
                 });
             }
             NodeKind::Store { stock } => {
@@ -140,13 +137,13 @@ impl Check<'_> {
                 });
                 self.require(is_duration(*setup_seconds), node.span, || {
                     format!(
-                        "the setup of {name} takes {setup_seconds} seconds, which is not a valid duration"
+                        "the setup of {name} takes {setup_seconds} seconds, which is an invalid duration"
                     )
                 });
                 if let Some(f) = failures {
                     let sound = f.mtbf > 0.0 && is_duration(f.mtbf) && is_duration(f.mttr);
                     self.require(sound, node.span, || {
-                        format!("the failures of {name} need a positive time between them and a time to repair")
+                        format!("the failures of {name} need a positive mean time between failures and a time to repair")
                     });
                 }
                 for task in tasks {
@@ -189,7 +186,7 @@ impl Check<'_> {
             }
             NodeKind::Buffer { capacity } => {
                 self.require(*capacity > 0, node.span, || {
-                    format!("{name} has room for nothing")
+                    format!("the capacity of {name} is 0")
                 });
             }
         }
@@ -222,7 +219,7 @@ impl Check<'_> {
             let (Some(part), Some(from), Some(to)) = (part, from, to) else {
                 self.refuse(
                     route.span,
-                    "a route names a part type or a node that does not exist".to_owned(),
+                    "a route names an unknown part type or place".to_owned(),
                 );
                 continue;
             };
@@ -232,19 +229,19 @@ impl Check<'_> {
                 .is_none_or(|c| fits(c, part.properties.len()));
             self.require(condition, route.span, || {
                 format!(
-                    "the condition of a route reads what {} does not carry",
+                    "the condition of a route reads a property that {} does not have",
                     part.name
                 )
             });
             self.require(
                 !matches!(from.kind, NodeKind::Sink { .. }),
                 route.span,
-                || format!("nothing comes out of the sink {}", from.name),
+                || format!("no route may start at the sink {}", from.name),
             );
             self.require(
                 !matches!(to.kind, NodeKind::Source { .. }),
                 route.span,
-                || format!("nothing goes into the source {}", to.name),
+                || format!("no route may lead to the source {}", to.name),
             );
             if let NodeKind::Station { tasks, .. } = &to.kind {
                 let taken = tasks.iter().any(|task| {

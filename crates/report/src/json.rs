@@ -1,7 +1,7 @@
 //! A run as a JSON document of the schema `linewright/run/1`.
 //!
-//! Seconds and rates have six decimal places, energies nine. Shares have six and are rounded so
-//! that they still sum to 1.
+//! Seconds and rates have six decimal places, energies nine. Shares have six decimal places and are
+//! rounded so that they still sum to 1.
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::Line;
@@ -9,12 +9,13 @@ use linewright_line::trace::{End, Shares};
 use linewright_line::{Estimate, Replications, Trace};
 use serde_json::{Value, json};
 
-/// The JSON Schema of the document, beside the definition of a finding.
+/// JSON Schema of the document.
 pub const RUN_SCHEMA: &str = include_str!("run.schema.json");
 
-/// The document of a run. `wall_seconds` is left out where there is none (`--no-timing`);
-/// `replications` is there where several seeds were run: it has its figures, the requirements are
-/// judged over all of them, and the rest shows the run of the first.
+/// Returns the document of a run. Without `wall_seconds` (`--no-timing`), the document has no such
+/// field. With `replications` (several random seeds), the document also has the figures of all
+/// replications and judges the requirements over all of them; everything else shows `trace`, the
+/// run with the first seed.
 pub fn json(
     line: &Line,
     trace: &Trace,
@@ -179,7 +180,7 @@ fn replicated(replications: &Replications) -> Value {
     })
 }
 
-/// An estimate with its interval; `null` if nothing was measured.
+/// Returns an estimate with its confidence interval; `None` if nothing was measured.
 fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
     let estimate = estimate?;
     Some(json!({
@@ -189,14 +190,15 @@ fn estimate(estimate: Option<Estimate>, places: i32) -> Option<Value> {
     }))
 }
 
-/// The end of an interval on the side of the mean given by `sign`; `None` without an interval.
+/// Returns the lower (`sign` -1) or upper (`sign` 1) end of a confidence interval; `None` if there
+/// is no interval.
 fn bound(estimate: Estimate, sign: f64, places: i32) -> Option<f64> {
     estimate
         .half_width
         .map(|half| round(estimate.mean + sign * half, places))
 }
 
-/// Why a run ended, as a word.
+/// Returns the word for the reason why a run ended.
 pub(super) fn end_word(end: End) -> &'static str {
     match end {
         End::Products => "products",
@@ -222,7 +224,8 @@ fn round(value: f64, places: i32) -> f64 {
     }
 }
 
-/// Shares with six decimal places that sum to 1: the largest share absorbs the rounding error.
+/// Rounds shares to six decimal places so that they sum to 1: the largest share absorbs the
+/// rounding error.
 fn rounded(shares: &Shares) -> Shares {
     let mut millionths = [
         shares.busy,

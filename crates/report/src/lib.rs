@@ -1,8 +1,8 @@
-//! Formats a run for people ([`table()`]) and for programs ([`json()`]).
+//! Formats a simulation run for people ([`table()`]) and for programs ([`json()`]).
 //!
-//! Both show the same [`Trace`](linewright_line::Trace) and add nothing to it. Figures are rounded
-//! to fixed places, so that the same run gives the same bytes; the one measured figure, the wall
-//! time, is passed in and may be left out.
+//! Both formats show the figures of a [`Trace`](linewright_line::Trace). Figures are rounded to a
+//! fixed number of decimal places, so that the same run gives the same bytes. Only the wall time
+//! differs between runs; the caller passes it in and can omit it.
 
 mod json;
 mod table;

@@ -1,4 +1,4 @@
-//! A run as text for a terminal 100 columns wide.
+//! A run as text for a terminal that is 100 columns wide.
 
 use super::JOULES_PER_KWH;
 use linewright_language::contract::line::{Comparison, Line, Metric};
@@ -7,7 +7,8 @@ use linewright_line::{Estimate, Replications, Trace};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-/// Returns the whole text, ending with a line break.
+/// Returns the text of a run, ending with a line break. With `replications`, requirements are
+/// judged over all of them and their figures are added; everything else shows `trace`.
 pub fn table(line: &Line, trace: &Trace, replications: Option<&Replications>) -> String {
     let mut out = String::new();
     summary(&mut out, line, trace);
@@ -28,7 +29,7 @@ fn summary(out: &mut String, line: &Line, trace: &Trace) {
     let product = line.parts.get(line.product).map_or("product", |p| &p.name);
     let ending = match trace.end {
         End::Products => "",
-        End::Time => " (the time was over)",
+        End::Time => " (the end time was reached)",
         End::Blocked => " (the line can no longer advance)",
         End::PartLost => " (a conveyor lost a part)",
         End::GaveUp => " (the time limit was reached)",
@@ -200,18 +201,19 @@ fn requirements(out: &mut String, line: &Line, trace: &Trace) {
             vec![
                 result.name.clone(),
                 if result.holds { "holds" } else { "fails" }.to_owned(),
-                asked_for(line, index),
+                required(line, index),
                 measured(result.value, 3),
             ]
         });
     columns(
         out,
-        &["requirement", "verdict", "asked for", "measured"],
+        &["requirement", "verdict", "required", "measured"],
         &rows.collect::<Vec<_>>(),
     );
 }
 
-/// The requirements over all runs: where they hold, the mean with its interval, and the worst run.
+/// Writes the requirements over all replications: the verdict, the mean with its confidence
+/// interval, and the value in the worst replication.
 fn requirements_of_all(out: &mut String, line: &Line, replications: &Replications) {
     let rows = replications
         .requirements
@@ -231,7 +233,7 @@ fn requirements_of_all(out: &mut String, line: &Line, replications: &Replication
             vec![
                 result.name.clone(),
                 verdict,
-                asked_for(line, index),
+                required(line, index),
                 mean,
                 low,
                 high,
@@ -243,7 +245,7 @@ fn requirements_of_all(out: &mut String, line: &Line, replications: &Replication
         &[
             "requirement",
             "verdict",
-            "asked for",
+            "required",
             "mean",
             "from",
             "to",
@@ -253,8 +255,8 @@ fn requirements_of_all(out: &mut String, line: &Line, replications: &Replication
     );
 }
 
-/// What requirement number `index` of the line demands.
-fn asked_for(line: &Line, index: usize) -> String {
+/// Returns the condition of requirement number `index` of the line, such as `products >= 5`.
+fn required(line: &Line, index: usize) -> String {
     line.requirements.get(index).map_or(String::new(), |r| {
         format!(
             "{} {} {}",
@@ -280,14 +282,14 @@ fn replicated(out: &mut String, replications: &Replications) {
     columns(out, &[&title, "mean", "from", "to"], &rows);
 }
 
-/// A mean and the ends of its interval; `-` for each that does not exist.
+/// Returns a mean and the ends of its confidence interval; `-` for each that does not exist.
 fn interval(estimate: Option<Estimate>, places: usize) -> [String; 3] {
     let half = estimate.and_then(|e| e.half_width);
     let bound = |sign: f64| Some(estimate?.mean + sign * half?);
     [estimate.map(|e| e.mean), bound(-1.0), bound(1.0)].map(|value| measured(value, places))
 }
 
-/// A number, or `-` if nothing was measured.
+/// Formats a number, or `-` if nothing was measured.
 fn measured(value: Option<f64>, places: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.places$}"))
 }
@@ -324,12 +326,12 @@ fn sign(comparison: Comparison) -> &'static str {
 
 /// Terminal width in columns.
 const TERMINAL: usize = 100;
-/// Headings of text columns. Apart from the first column, all others hold numbers and are
-/// right-aligned.
-const TEXTS: [&str; 3] = ["machine", "verdict", "asked for"];
+/// Headings of text columns, which are left-aligned like the first column. All other columns
+/// contain numbers and are right-aligned.
+const TEXT_COLUMNS: [&str; 3] = ["machine", "verdict", "required"];
 
-/// A table preceded by a blank line; empty if there are no rows. Long names are cut only if the
-/// rows would not fit otherwise.
+/// Writes a blank line and a table; nothing if there are no rows. Long texts are cut only if the
+/// rows would not fit into the terminal otherwise.
 fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     if rows.is_empty() {
         return;
@@ -357,7 +359,7 @@ fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
             let cell = cut(cell, widest);
             let pad = " ".repeat(widths[column].saturating_sub(cell.chars().count()));
             text.push(' ');
-            if column > 0 && !TEXTS.contains(&heads[column]) {
+            if column > 0 && !TEXT_COLUMNS.contains(&heads[column]) {
                 text.push_str(&pad);
                 text.push_str(&cell);
             } else {
@@ -374,7 +376,7 @@ fn columns(out: &mut String, heads: &[&str], rows: &[Vec<String>]) {
     }
 }
 
-/// Cuts a text to at most `widest` characters.
+/// Cuts a text to at most `widest` characters, of which the last is an ellipsis.
 fn cut(text: &str, widest: usize) -> Cow<'_, str> {
     if text.chars().count() <= widest {
         return text.into();

@@ -4,7 +4,7 @@
 //! gr1::Specification ─encode→ symbolic ─solve→ game::Outcome ─extract→ mealy::Machine (verified)
 //! ```
 
-// Unit tests share files with integration tests, which name the whole library.
+// Integration tests, whose files the unit tests share, call the whole library `linewright`.
 #[cfg(test)]
 extern crate self as linewright;
 #[cfg(test)]

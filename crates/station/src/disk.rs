@@ -6,7 +6,8 @@ use std::path::Path;
 /// Reads a regular file.
 ///
 /// # Errors
-/// Returns the error of [`std::fs::read`], or an error that describes what else the path leads to.
+/// Returns the error of [`std::fs::read`], or an error that names the type of the file if it is not
+/// a regular file.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     is_regular(path)?;
     std::fs::read(path)
@@ -15,7 +16,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 /// Checks that a path leads to a regular file.
 ///
 /// # Errors
-/// Returns a description of what is there instead.
+/// Returns an error that names the type of the file if it is not a regular file.
 pub fn is_regular(path: &Path) -> Result<()> {
     let kind = std::fs::metadata(path)?.file_type();
     if kind.is_file() {
@@ -25,7 +26,7 @@ pub fn is_regular(path: &Path) -> Result<()> {
         return Err(ErrorKind::IsADirectory.into());
     }
     let what = special(kind);
-    Err(Error::other(format!("it is {what}, and no regular file")))
+    Err(Error::other(format!("it is {what}, not a regular file")))
 }
 
 /// Names a file type other than file and folder.

@@ -1,17 +1,17 @@
 //! Interprets a machine in this process: the reference semantics of a station library, written for
 //! clarity.
 //!
-//! The emitted C does the same with tables (`ffi/step.c`), and is tested against this. Both check
-//! in the same order, so that they return the same error if several apply:
+//! The emitted C does the same with tables (`ffi/step.c`) and is tested against this interpreter.
+//! Both check in the same order, so that they return the same error if several apply:
 //!
 //! 1. the domains of the plant's wires, in order;
 //! 2. Moore components write their outputs to their wires;
-//! 3. the Mealy components in order, for each: inputs bound, their domains, assumptions (initial
-//!    ones in step 0, safety in a later one, then invariants), the transition, outputs, guarantees
-//!    likewise;
-//! 4. the Moore components in order, the coordinator among them, likewise.
+//! 3. each Mealy component in order: bind its inputs, check their domains, check its assumptions
+//!    (initial conditions in step 0 or safety in later steps, then invariants), take the
+//!    transition, write its outputs, check its guarantees in the same way;
+//! 4. each Moore component in order, including the coordinator, in the same way.
 //!
-//! The machine advances only after all have answered, so that an error changes nothing.
+//! The machine advances only after all components have answered, so an error changes nothing.
 
 use super::messages::Party;
 use super::{CallError, Controller, Service};
@@ -23,7 +23,7 @@ use linewright_solver::mealy;
 use linewright_solver::mealy::functions::Functions;
 use std::sync::Arc;
 
-/// Maximum distance of a property from an integer to count as one.
+/// Maximum distance from an integer at which a property value counts as that integer.
 const INTEGER_TOLERANCE: f64 = 1e-9;
 
 /// A machine interpreted in this process.
@@ -56,7 +56,7 @@ impl Interpreter {
     /// Prepares a machine with the controller of each of its components, in order.
     ///
     /// # Panics
-    /// Panics if they do not belong together.
+    /// Panics if a controller does not fit its component's contract.
     pub fn new(machine: Arc<Machine>, controllers: Arc<Vec<mealy::Controller>>) -> Self {
         super::assert_fit(&machine, &controllers);
         let state = State::new(&machine);
@@ -67,7 +67,7 @@ impl Interpreter {
         }
     }
 
-    /// Computes all wires of the step with these plant wires, or its error. Changes nothing.
+    /// Computes all wires of the next step for these plant wires, without advancing the machine.
     pub fn peek(&self, plant: &[i64]) -> Result<Vec<i64>, CallError> {
         self.advance(&self.state, plant).map(|next| next.wires)
     }
@@ -100,7 +100,7 @@ impl Interpreter {
                 }
                 mealy::Controller::Functions(functions) => {
                     let mut signals = self.signals(c, functions, before, None);
-                    functions.answer(before.places[c], &mut signals)
+                    functions.compute_outputs(before.places[c], &mut signals)
                 }
             };
             self.put(c, &output, &mut after);
@@ -153,8 +153,8 @@ impl Interpreter {
             }
             mealy::Controller::Functions(functions) => {
                 let mut signals = self.signals(c, functions, before, Some(&inputs));
-                let output = functions.answer(place, &mut signals);
-                (output, functions.pursued(place, &signals))
+                let output = functions.compute_outputs(place, &mut signals);
+                (output, functions.next_goal(place, &signals))
             }
         };
         self.put(c, &output, after);
@@ -163,9 +163,9 @@ impl Interpreter {
         Ok(())
     }
 
-    /// The signals read by a component's functions: the values of the previous step, and the inputs
-    /// of this one as far as they are known. Apart from the pursued goal, this is their only
-    /// memory.
+    /// The signals that a component's functions read: the values of the previous step, and the
+    /// inputs of this step if given. Besides the pursued goal, the previous values are the
+    /// functions' only memory.
     fn signals(
         &self,
         c: usize,
@@ -178,18 +178,18 @@ impl Interpreter {
             ids.map(|id| before.values[c][id.index()]).collect()
         };
         let mut signals = vec![false; 2 * functions.pairs()];
-        functions.put_inputs(
+        functions.write_inputs(
             &mut signals,
             Time::Now,
             &values(&mut specification.inputs()),
         );
-        functions.put_outputs(
+        functions.write_outputs(
             &mut signals,
             Time::Now,
             &values(&mut specification.outputs()),
         );
         if let Some(inputs) = inputs {
-            functions.put_inputs(&mut signals, Time::Next, inputs);
+            functions.write_inputs(&mut signals, Time::Next, inputs);
         }
         signals
     }
@@ -204,7 +204,8 @@ impl Interpreter {
         }
     }
 
-    /// The plant's wires in every step of an operation; those of signals are filled in later.
+    /// Computes the plant's wires for the first step of an operation. In later steps only those of
+    /// scripted signals change.
     fn abstract_properties(
         &self,
         from: &State,
@@ -242,7 +243,8 @@ impl Interpreter {
         &self.machine
     }
 
-    /// Uses the same controllers in a machine that differs only in its limits.
+    /// Returns an interpreter for a machine that differs from this one only in its limits, with the
+    /// same controllers.
     #[must_use]
     pub fn with_machine(&self, machine: Machine) -> Self {
         Self::new(Arc::new(machine), Arc::clone(&self.controllers))
@@ -253,12 +255,13 @@ impl Interpreter {
         State::new(&self.machine)
     }
 
-    /// Runs an operation from this state; returns the final state, the new values of the
-    /// properties, and duration, energy and steps.
+    /// Runs an operation from the state `from`. Returns the final state, the new values of the
+    /// properties, and the cost. Does not change this interpreter.
     ///
     /// # Errors
-    /// Returns the library's error. The instance then stays in the state `from`, except after
-    /// [`super::ErrorCode::Limit`], which resets it to its initial state.
+    /// Returns the error that a station library reports for the same call. The instance then stays
+    /// in the state `from`, except after [`super::ErrorCode::Limit`], where the caller must reset
+    /// it.
     pub fn perform(
         &self,
         from: &State,
@@ -371,17 +374,18 @@ impl State {
     }
 }
 
-/// The part of a state that can affect later calls. Two states that agree in it answer every
-/// sequence of calls alike.
+/// The parts of a state that can affect later calls. Two states that agree in these parts give the
+/// same answers to every sequence of calls.
 #[derive(Debug, Clone)]
 pub struct Relevance {
-    /// By component, whether the last value of each variable is read again.
+    /// By component, whether a later step reads the last value of each variable.
     values: Vec<Vec<bool>>,
+    /// By wire, whether a later operation reads its last value.
     wires: Vec<bool>,
 }
 
 impl Relevance {
-    /// Determines what a machine with these controllers reads of the step before a call.
+    /// Determines which values of the previous step a machine with these controllers reads.
     pub fn of(interpreter: &Interpreter) -> Self {
         let machine = &*interpreter.machine;
         let components = machine.components.iter().zip(&*interpreter.controllers);
@@ -444,7 +448,7 @@ impl Relevance {
     }
 }
 
-/// The first formula of one side that is violated in this step.
+/// Finds the first formula of a side that this step violates.
 fn first_broken<'a>(
     side: &'a Side,
     started: bool,
@@ -475,8 +479,8 @@ struct Meter<'a> {
     service: Service,
     /// Components that were active in the previous step.
     running: Vec<bool>,
-    /// Each justice assumption with the step, counted from 1, in which it last held; 0 means "not
-    /// in this operation".
+    /// Each justice assumption with its component and the step, counted from 1, in which it last
+    /// held; 0 if it has not held in this operation.
     justice: Vec<(usize, &'a Formula, u64)>,
 }
 
@@ -496,8 +500,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Accounts for one step. All actions work at the same time, so the step takes as long as the
-    /// slowest.
+    /// Adds the duration and energy of one step. All actions work at the same time, so the step
+    /// takes as long as the slowest one.
     fn charge(&mut self, before: &State, after: &State) -> Result<(), CallError> {
         self.service.steps += 1;
         for (c, formula, held) in &mut self.justice {
@@ -539,8 +543,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// Duration of an active step; `first` says whether it begins an execution. An action without a
-    /// declared time takes the machine's time per step.
+    /// Duration of a step in which the action is active; `first` is true in the first step of an
+    /// execution. An action without a declared time takes the machine's time per step.
     fn seconds(&self, component: &Component, first: bool) -> Result<f64, CallError> {
         let expr = match &component.time {
             None => return Ok(self.machine.step_seconds),
@@ -555,8 +559,8 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// The justice assumption that has not held for longest, and for how many steps. Among equals
-    /// the last: an action rather than the coordinator that waits for it.
+    /// The justice assumption that has not held for the longest time, and the number of steps. Of
+    /// several, the last one: an action comes after the coordinator that waits for it.
     fn longest_silence(&self) -> Option<(&'a Component, &'a Formula, u64)> {
         let (c, formula, held) = self.justice.iter().rev().min_by_key(|(_, _, held)| *held)?;
         let component = &self.machine.components[*c];

@@ -29,7 +29,7 @@ use linewright_core::deadline::StopReason;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_language::contract::machine::Machine;
 use linewright_solver::mealy;
-pub use package::{Package, file_stem, is_device};
+pub use package::{Package, file_stem, is_windows_device};
 use std::path::PathBuf;
 pub use toolchain::Toolchain;
 
@@ -59,15 +59,15 @@ pub enum ErrorCode {
     Order = -10,
 }
 
-/// An error returned by a controller. The controller is as it was before the call, except after
-/// `Limit`, where it has been reset.
+/// An error returned by a controller. The call leaves the controller's state unchanged, except for
+/// `Limit`, which resets the controller.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct CallError {
     /// Error code.
     pub code: ErrorCode,
-    /// Name of the rule, component first, for `Assumption`, `Guarantee` and `Order`:
-    /// `turn: gripped`.
+    /// Name of the violated rule, component first: `turn: gripped`. Set for `Assumption`,
+    /// `Guarantee` and `Order`, and for `Limit` if a justice assumption did not hold.
     pub rule: Option<String>,
     /// Complete text of `last_error`.
     pub message: String,
@@ -87,14 +87,15 @@ pub struct Service {
 /// One running instance of a machine.
 pub trait Controller {
     /// Runs an operation (an index into the machine's operations) to its end at one simulated
-    /// instant. `values` are those of the machine's properties, in order; the new ones are written
-    /// back.
+    /// instant. `values` holds the values of the machine's properties, in order, and receives the
+    /// new ones.
     fn simulate(&mut self, operation: usize, values: &mut [f64]) -> Result<Service, CallError>;
 
-    /// Makes one step. `plant` holds the plant's wires; `outputs` receives all components' wires.
+    /// Performs one controller step. `plant` holds the plant's wires; `outputs` receives all
+    /// components' wires.
     fn step(&mut self, plant: &[i64], outputs: &mut [i64]) -> Result<(), CallError>;
 
-    /// Resets the instance to before step 0.
+    /// Resets the instance to its state before step 0.
     fn reset(&mut self);
 }
 
@@ -124,9 +125,9 @@ pub enum Error {
     /// No C compiler of that name exists, or it cannot compile anything.
     #[error("the C compiler `{command}` cannot be used: {cause}")]
     CompilerMissing {
-        /// The command that was to be started.
+        /// Command of the compiler.
         command: String,
-        /// Reason of the failure.
+        /// Reason for the failure.
         cause: String,
     },
     /// No C compiler for 64-bit Windows was found.
@@ -138,22 +139,22 @@ pub enum Error {
     /// The C compiler reported an error.
     #[error("the C compiler `{command}` failed on the library of `{machine}`:\n{stderr}")]
     CompilerFailed {
-        /// The command that was started.
+        /// Command of the compiler.
         command: String,
         /// Name of the machine.
         machine: String,
         /// Output of the compiler.
         stderr: String,
     },
-    /// The compiler was terminated, or not started any more.
-    #[error("the library of `{machine}` was not built: {late}")]
+    /// The time limit or an interrupt stopped the build.
+    #[error("the library of `{machine}` was not built: {reason}")]
     GivenUp {
         /// Name of the machine.
         machine: String,
         /// Time limit or interrupt.
-        late: StopReason,
+        reason: StopReason,
     },
-    /// A library differs from what was built.
+    /// A library differs from its manifest, or cannot be loaded.
     #[error("the station library {} is damaged: {reason}", path.display())]
     LibraryDamaged {
         /// Path of the library.
@@ -162,14 +163,14 @@ pub enum Error {
         reason: String,
     },
     /// A library uses another layout of `UF_Value` than the runner.
-    #[error("the station library {} is built with {profile}, whose layout of UF_Value is not the one that the bundled runner passes", path.display())]
+    #[error("the station library {} was built with {profile}, whose UF_Value layout differs from the layout that the bundled runner uses", path.display())]
     ProfileForeign {
         /// Path of the library.
         path: PathBuf,
         /// Name of its profile.
         profile: String,
     },
-    /// Something could not be written.
+    /// A file or folder could not be written.
     #[error("{} cannot be written: {cause}", path.display())]
     Unwritable {
         /// Path of the file or folder.
@@ -183,12 +184,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// Converts the error to a finding that includes the next step.
+    /// Converts the error to a diagnostic with a help text.
     pub fn to_diagnostic(&self) -> Diagnostic {
         let (code, help) = match self {
             Self::CompilerMissing { .. } => (
                 codes::COMPILER_MISSING,
-                "install a C compiler (Debian and Ubuntu: `apt install gcc`; macOS: `xcode-select --install`), or name one in the environment variable CC; `linewright doctor` tries it",
+                "install a C compiler (Debian and Ubuntu: `apt install gcc`; macOS: `xcode-select --install`), or name one in the environment variable CC; `linewright doctor` tests it",
             ),
             Self::CrossCompilerMissing => (
                 codes::CROSS_COMPILER_MISSING,
@@ -200,23 +201,24 @@ impl Error {
             ),
             Self::CompilerFailed { .. } => (
                 codes::COMPILER_FAILED,
-                "the emitted C is plain C99: look at what CC and CFLAGS hold; if they are in order, please report this",
+                "the emitted C is plain C99: check the environment variables CC and CFLAGS; if they are correct, please report this",
             ),
-            Self::GivenUp { late, .. } => (
+            Self::GivenUp { reason, .. } => (
                 codes::GAVE_UP,
-                match late {
+                match reason {
                     StopReason::Time => {
-                        "give it more time with --timeout SECONDS; what was built is kept"
+                        "allow more time with --timeout SECONDS; finished libraries are kept"
                     }
-                    StopReason::Interrupt => "run it again; what was built is kept",
+                    StopReason::Interrupt => "run it again; finished libraries are kept",
                 },
             ),
-            Self::LibraryDamaged { .. } => {
-                (codes::LIBRARY_DAMAGED, "delete it, or run with --rebuild")
-            }
+            Self::LibraryDamaged { .. } => (
+                codes::LIBRARY_DAMAGED,
+                "delete the library, or run with --rebuild",
+            ),
             Self::ProfileForeign { .. } => (
                 codes::PROFILE_FOREIGN,
-                "it is for Plant Simulation alone; `run` builds libraries of its own, and `build` without --profile makes one with the assumed layout",
+                "use this library only in Plant Simulation; `run` builds its own libraries, and `build` without --profile builds one with the assumed layout",
             ),
             Self::Unwritable { .. } => (
                 codes::OUTPUT_UNWRITABLE,
@@ -231,7 +233,10 @@ impl Error {
     }
 }
 
-/// Panics if the controllers are not those of the machine's components: an internal error.
+/// Checks that each controller fits the contract of its component, and that their counts agree.
+///
+/// # Panics
+/// Panics if one does not fit: an internal error.
 fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     let fit = |c: &linewright_language::contract::machine::Component, k: &mealy::Controller| {
         let specification = &c.specification;
@@ -244,7 +249,7 @@ fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     assert_eq!(
         machine.components.len(),
         controllers.len(),
-        "machine `{}` needs one controller a component; please report this",
+        "machine `{}` needs one controller per component; please report this",
         machine.name
     );
     for (component, controller) in machine.components.iter().zip(controllers) {
@@ -257,8 +262,8 @@ fn assert_fit(machine: &Machine, controllers: &[mealy::Controller]) {
     }
 }
 
-/// Whether everything that a machine's transitions refer to exists. For functions, this is checked
-/// with their certificate.
+/// Whether all inputs, outputs and states that a Mealy machine's transitions refer to exist. For
+/// functions, the check of their certificate covers this.
 fn is_closed(m: &mealy::Machine) -> bool {
     let mut transitions = m.initial.iter().chain(m.states.iter().flatten());
     transitions.all(|t| {

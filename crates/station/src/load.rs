@@ -1,11 +1,11 @@
 //! Loads station libraries and calls them.
 //!
 //! An operation is called through the exports that Plant Simulation calls (`instantiate`,
-//! `simulate`, `get_real`, `deinstantiate`), so that the bundled runner runs what ships. A single
-//! step, which Plant Simulation does not use, goes through `lw_step`. Arguments are passed in the
-//! assumed layout of `UF_Value`, whatever Plant Simulation's may be; a library built with another
-//! layout is refused. A library is compared with its manifest before it is loaded: loading a
-//! truncated one would kill this process.
+//! `simulate`, `get_real`, `deinstantiate`), so that the bundled runner runs the shipped code. A
+//! single step, which Plant Simulation does not use, calls `lw_step`. Arguments use the assumed
+//! layout of `UF_Value`, which can differ from Plant Simulation's; a library built with another
+//! layout is rejected. Before a library is loaded, it is compared with its manifest, because
+//! loading a truncated file would kill this process.
 
 use super::profile::Profile;
 use super::toolchain::Manifest;
@@ -73,10 +73,10 @@ impl UfValue {
 
     fn answer(&self) -> Answer {
         match self.tag {
-            #[expect(unsafe_code, reason = "the tag says which field was written")]
+            #[expect(unsafe_code, reason = "the tag determines which field was written")]
             // SAFETY: every field is valid for any bits.
             TAG_INTEGER => Answer::Integer(unsafe { self.value.integer }),
-            #[expect(unsafe_code, reason = "the tag says which field was written")]
+            #[expect(unsafe_code, reason = "the tag determines which field was written")]
             // SAFETY: every field is valid for any bits.
             TAG_REAL => Answer::Real(unsafe { self.value.real }),
             _ => Answer::Other,
@@ -128,15 +128,15 @@ impl Library {
         // The system would search its library folders for a path without a folder.
         let absolute = std::path::absolute(path).map_err(|e| damaged(e.to_string()))?;
         #[expect(unsafe_code, reason = "the loader of station libraries")]
-        // SAFETY: the file is byte for byte what our compiler run made of our own C, which has no
-        // constructors.
+        // SAFETY: the file is byte for byte the output of our compiler run on our own C source,
+        // which has no constructors.
         let library =
             unsafe { libloading::Library::new(absolute) }.map_err(|e| damaged(e.to_string()))?;
         let library = Self::bind(path, library).map_err(damaged)?;
-        // So far only its description has been called, which takes no `UF_Value`.
+        // Up to here, only exports without `UF_Value` arguments have been called.
         let profile = &library.description["profile"];
-        let own = serde_json::json!(Profile::assumed().layout);
-        if profile["layout"] != own {
+        let expected = serde_json::json!(Profile::assumed().layout);
+        if profile["layout"] != expected {
             return Err(Error::ProfileForeign {
                 path: path.to_owned(),
                 profile: format!("profile {}", profile["name"]),
@@ -152,7 +152,7 @@ impl Library {
         unsafe {
             fn find<T: Copy>(library: &libloading::Library, name: &str) -> Result<T, String> {
                 #[expect(unsafe_code, reason = "the loader of station libraries")]
-                // SAFETY: as at the caller, who names the type.
+                // SAFETY: the caller names the declared type, as justified above.
                 unsafe { library.get::<T>(name) }
                     .map(|symbol| *symbol)
                     .map_err(|e| e.to_string())
@@ -160,7 +160,7 @@ impl Library {
             let version: unsafe extern "C" fn() -> i32 = find(&library, "lw_abi_version")?;
             if version() != super::toolchain::ABI_VERSION {
                 return Err(format!(
-                    "it has version {} of the interface, not {}",
+                    "its interface has version {}, not {}",
                     version(),
                     super::toolchain::ABI_VERSION
                 ));
@@ -192,17 +192,17 @@ impl Library {
         }
     }
 
-    /// Path that it was loaded from.
+    /// Path of the library file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The JSON of `station_describe`.
+    /// Description of the machine: the JSON that `lw_describe` returns.
     pub fn description(&self) -> &Value {
         &self.description
     }
 
-    /// Creates an instance, before its step 0.
+    /// Creates an instance in its state before step 0.
     pub fn instance(self: &Arc<Self>) -> Result<Instance, CallError> {
         let handle = match call(self.instantiate, &mut []) {
             Answer::Integer(handle) if handle > 0 => handle,
@@ -216,7 +216,7 @@ impl Library {
         })
     }
 
-    /// The error for a negative code.
+    /// Builds the error for a negative code from the texts that the library recorded.
     fn error(&self, handle: i32, number: i32) -> CallError {
         let Some(code) = ErrorCode::from_number(number) else {
             return unexpected("a call");
@@ -230,19 +230,19 @@ impl Library {
     }
 }
 
-/// Calls an export. `arguments` must have the number that it takes.
+/// Calls an export. The length of `arguments` must be the number of arguments that it takes.
 fn call(export: Export, arguments: &mut [UfValue]) -> Answer {
     let mut answer = UfValue::NOTHING;
     #[expect(unsafe_code, reason = "the loader of station libraries")]
-    // SAFETY: the export reads exactly the arguments that its documentation lists, which the
-    // callers below pass, and writes one answer; texts among the arguments live until it returns.
+    // SAFETY: the export reads exactly the arguments in its documentation, which the callers below
+    // pass, and writes one answer; texts among the arguments live until it returns.
     unsafe {
         export(&raw mut answer, arguments.as_mut_ptr());
     }
     answer.answer()
 }
 
-/// A text of the library about an instance.
+/// Reads a text about an instance from the library.
 fn text(export: TextExport, handle: i32) -> String {
     let mut buffer = vec![0_u8; 1024];
     #[expect(unsafe_code, reason = "the loader of station libraries")]
@@ -271,7 +271,7 @@ fn unexpected(what: &str) -> CallError {
     CallError {
         code: ErrorCode::Internal,
         rule: None,
-        message: format!("{what} of the station library gave an answer of an unknown kind"),
+        message: format!("{what} of the station library returned an unexpected value"),
     }
 }
 
@@ -283,7 +283,7 @@ pub struct Instance {
 }
 
 #[expect(unsafe_code, reason = "the loader of station libraries")]
-// SAFETY: the library may be called from any thread; the pointers in `arguments` are not looked at
+// SAFETY: the library can be called from any thread; the pointers in `arguments` are not used
 // between calls.
 unsafe impl Send for Instance {}
 
@@ -307,8 +307,8 @@ impl Instance {
         &self.library
     }
 
-    /// Calls `simulate` with an operation and the values of all properties. Returns the duration in
-    /// seconds and leaves the other results in the library.
+    /// Calls `simulate` with an operation and the values of all properties, and returns the
+    /// duration in seconds. The other results stay in the library.
     pub fn serve(&mut self, operation: usize, values: &[f64]) -> Result<f64, CallError> {
         let Ok(index) = i32::try_from(operation) else {
             return Err(CallError::operation(operation));
@@ -365,8 +365,7 @@ impl Controller for Instance {
         }
         #[expect(unsafe_code, reason = "the loader of station libraries")]
         // SAFETY: both slices have the given lengths, which the library checks against its own
-        // counts. The library takes a null pointer for "no outputs" only where there are none to
-        // give.
+        // counts. The pointer is null only if the machine has no outputs.
         let code = unsafe {
             let room = if outputs.is_empty() {
                 std::ptr::null_mut()

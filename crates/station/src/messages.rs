@@ -8,11 +8,11 @@ use linewright_core::gr1::Formula;
 use linewright_language::contract::machine::{
     Component, Machine, PlantInput, PlantSource, RealExpr, Role,
 };
-use linewright_language::contract::{LONGEST_SECONDS, is_energy};
-use linewright_language::order::lower::{AT_FIRST, rule_of};
+use linewright_language::contract::{MAX_SECONDS, is_energy};
+use linewright_language::order::lower::{INITIAL_SUFFIX, rule_name as order_rule};
 
 /// Maximum number of characters of a formula in a message.
-const LONGEST_TEXT: usize = 200;
+const MAX_FORMULA_CHARS: usize = 200;
 
 /// The party that has to keep a formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,22 +35,24 @@ impl Party {
     }
 }
 
-/// A rule's name, component first: `turn: gripped`. An order has the same name in every step.
-pub fn rule(component: &Component, formula: &Formula) -> String {
+/// Returns a rule's name, component first: `turn: gripped`. The formulas of an order for step 0 and
+/// for later steps get the same name.
+pub fn rule_name(component: &Component, formula: &Formula) -> String {
     let name = match component.role {
-        Role::Watch => of_all_steps(&formula.name),
+        Role::Watch => without_step_suffix(&formula.name),
         Role::Coordinator | Role::Action => &formula.name,
     };
     format!("{}: {name}", component.name)
 }
 
-fn of_all_steps(name: &str) -> &str {
-    name.strip_suffix(AT_FIRST).unwrap_or(name)
+fn without_step_suffix(name: &str) -> &str {
+    name.strip_suffix(INITIAL_SUFFIX).unwrap_or(name)
 }
 
-/// ``turn: the plant broke the assumption `gripped`: command = turn -> grip``, or of an
-/// order ``PickAndPlace: the order `trays` is broken: after Down until Up: never Left, Right``
-pub fn broken(component: &Component, formula: &Formula, party: Party) -> String {
+/// Describes a violated formula: ``turn: the plant broke the assumption `gripped`: command =
+/// turn -> grip``, or for an order ``PickAndPlace: the order `trays` is broken: after Down until
+/// Up: never Left, Right``.
+pub fn describe_violation(component: &Component, formula: &Formula, party: Party) -> String {
     let what = match party {
         Party::Plant => "the plant broke the assumption",
         Party::Machine => "the machine broke the guarantee",
@@ -66,19 +68,19 @@ pub fn broken(component: &Component, formula: &Formula, party: Party) -> String 
     format!("{}: {what} {}", component.name, cite(formula))
 }
 
-/// ``the assumption `free` of `turn` has not held: always eventually free``, as the step limit
-/// names a justice assumption.
-pub fn silent(component: &Component, formula: &Formula) -> String {
+/// Describes a justice assumption that did not hold before the step limit: ``the assumption `free`
+/// of `turn` has not held: always eventually free``.
+pub fn describe_unmet_justice(component: &Component, formula: &Formula) -> String {
     format!(
         "{} has not held: {}",
-        assumed(component, formula),
+        describe_assumption(component, formula),
         cut(&formula.text)
     )
 }
 
-/// Description of a component's assumption: ``the assumption `gripped` of `turn` `` or ``the
+/// Describes a component's assumption: ``the assumption `gripped` of `turn` `` or ``the
 /// order `trays` ``.
-pub fn assumed(component: &Component, formula: &Formula) -> String {
+pub fn describe_assumption(component: &Component, formula: &Formula) -> String {
     match Party::of_assumptions(component) {
         Party::Caller => order(formula),
         Party::Plant | Party::Machine => {
@@ -87,12 +89,12 @@ pub fn assumed(component: &Component, formula: &Formula) -> String {
     }
 }
 
-/// ``the order `trays` (R-7)``; a rule that is no declared order has a self-explanatory name.
+/// ``the order `trays` (R-7)``. A rule that belongs to no declared order is cited by its own name.
 fn order(formula: &Formula) -> String {
     let requirement = formula.requirement.as_deref();
-    match rule_of(&formula.name) {
+    match order_rule(&formula.name) {
         Some(declared) => format!("the order {}", named(declared, requirement)),
-        None => named(of_all_steps(&formula.name), requirement),
+        None => named(without_step_suffix(&formula.name), requirement),
     }
 }
 
@@ -113,15 +115,15 @@ fn named(name: &str, requirement: Option<&str>) -> String {
 }
 
 fn cut(text: &str) -> String {
-    match text.char_indices().nth(LONGEST_TEXT) {
+    match text.char_indices().nth(MAX_FORMULA_CHARS) {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.to_owned(),
     }
 }
 
-/// Beginning of a message about a failed property abstraction: ``property `angle`: plant input
-/// `cell` ``.
-pub fn about_abstraction(machine: &Machine, input: &PlantInput) -> String {
+/// Returns the beginning of a message about a failed property abstraction: ``property `angle`:
+/// plant input `cell` ``.
+pub fn abstraction_prefix(machine: &Machine, input: &PlantInput) -> String {
     let mut names: Vec<&str> = Vec::new();
     if let PlantSource::Property(expr) = &input.source {
         for_each_property(expr, &mut |i| {
@@ -157,10 +159,9 @@ fn for_each_property(expr: &RealExpr, visit: &mut impl FnMut(usize)) {
     }
 }
 
-/// A number with up to six decimals, without trailing zeros; the same text as `lw_say_real` in the
-/// C runtime.
+/// A number with up to six decimals, without trailing zeros; the same text as `lw_append_real` in
+/// the C runtime.
 fn real(value: f64) -> String {
-    // Written in this form so that it also rejects NaN.
     if value.is_nan() || value.abs() >= 1e12 {
         return "out of range".to_owned();
     }
@@ -194,14 +195,14 @@ impl CallError {
     pub(super) fn value_count() -> Self {
         Self::plain(
             ErrorCode::Argument,
-            "the values are missing, or are not as many as the machine's properties".to_owned(),
+            "the property values are missing, or their number differs from the machine's number of properties".to_owned(),
         )
     }
 
     pub(super) fn plant_count() -> Self {
         Self::plain(
             ErrorCode::Argument,
-            "the plant's values are missing, or are not as many as the machine's plant inputs"
+            "the plant values are missing, or their number differs from the machine's number of plant inputs"
                 .to_owned(),
         )
     }
@@ -209,7 +210,7 @@ impl CallError {
     pub(super) fn output_count() -> Self {
         Self::plain(
             ErrorCode::Argument,
-            "the room for outputs is not as large as the machine's outputs".to_owned(),
+            "the size of the output array differs from the machine's number of outputs".to_owned(),
         )
     }
 
@@ -234,8 +235,8 @@ impl CallError {
                 Party::Machine => ErrorCode::Guarantee,
                 Party::Caller => ErrorCode::Order,
             },
-            rule: Some(rule(component, formula)),
-            message: broken(component, formula, party),
+            rule: Some(rule_name(component, formula)),
+            message: describe_violation(component, formula, party),
         }
     }
 
@@ -248,8 +249,8 @@ impl CallError {
         )
     }
 
-    /// A component that moves first and has no outputs here: a verified table has a row for all
-    /// inputs that keep the assumptions, so none do.
+    /// Error of a Moore component without outputs in its current state. A verified table has a row
+    /// for every input that keeps the assumptions, so no input keeps them.
     pub(super) fn no_legal_inputs(component: &str) -> Self {
         Self::plain(
             ErrorCode::Assumption,
@@ -269,7 +270,7 @@ impl CallError {
             ErrorCode::Domain,
             format!(
                 "{} would be {}, not an integer of {}",
-                about_abstraction(machine, input),
+                abstraction_prefix(machine, input),
                 real(value),
                 input.describe()
             ),
@@ -290,13 +291,14 @@ impl CallError {
         )
     }
 
-    /// Duration and energy of an operation of a line, if a run cannot measure them.
-    pub fn unmeasured(seconds: f64, joules: f64) -> Option<Self> {
-        let sound = (0.0..=LONGEST_SECONDS).contains(&seconds) && is_energy(joules);
+    /// Returns an error if a run of a line cannot record an operation's duration and energy: if the
+    /// duration is outside 0 to [`MAX_SECONDS`], or the energy is negative or not finite.
+    pub fn check_measurable(seconds: f64, joules: f64) -> Option<Self> {
+        let sound = (0.0..=MAX_SECONDS).contains(&seconds) && is_energy(joules);
         (!sound).then(|| {
             Self::plain(
                 ErrorCode::Internal,
-                format!("the operation took {seconds} s and {joules} J: at most {LONGEST_SECONDS:e} s and no energy below 0 can be measured"),
+                format!("the operation took {seconds} s and {joules} J: a run records at most {MAX_SECONDS:e} s and no negative energy"),
             )
         })
     }
@@ -326,18 +328,18 @@ impl CallError {
             None => Self::plain(ErrorCode::Limit, begin),
             Some((component, formula, silence)) => Self {
                 code: ErrorCode::Limit,
-                rule: Some(rule(component, formula)),
+                rule: Some(rule_name(component, formula)),
                 message: format!(
                     "{begin}; for {silence} steps {}",
-                    silent(component, formula)
+                    describe_unmet_justice(component, formula)
                 ),
             },
         }
     }
 }
 
-/// A number of actions in words.
-pub fn actions(count: usize) -> String {
+/// Formats an action count with its noun: `1 action`, `2 actions`.
+pub fn format_action_count(count: usize) -> String {
     match count {
         1 => "1 action".to_owned(),
         _ => format!("{count} actions"),

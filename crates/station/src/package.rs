@@ -20,7 +20,7 @@ pub const SUPPORT: [(&str, &str); 6] = [
     ),
 ];
 
-/// The C of one machine, or of the probe.
+/// C source of one machine, or of the probe.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Package {
     /// Name of the machine.
@@ -30,7 +30,7 @@ pub struct Package {
     /// The C file to compile; it includes the others.
     pub c_source: String,
     support: Vec<(&'static str, String)>,
-    /// Text returned by `station_describe`.
+    /// JSON text that the library's `lw_describe` returns.
     pub description: String,
     /// Hash of everything that determines the machine's behavior, 64 hexadecimal digits.
     pub contract_hash: String,
@@ -42,7 +42,7 @@ impl Package {
     /// Emits a machine with the controller of each of its components, in order.
     ///
     /// # Panics
-    /// Panics if they do not belong together.
+    /// Panics if a controller does not fit its component's contract.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller]) -> Self {
         Self::emit_with(machine, controllers, &Profile::assumed())
     }
@@ -50,7 +50,7 @@ impl Package {
     /// Like `emit`, for a layout of `UF_Value` other than the assumed one.
     ///
     /// # Panics
-    /// Panics if machine and controllers do not belong together.
+    /// Panics if a controller does not fit its component's contract.
     pub fn emit_with(
         machine: &Machine,
         controllers: &[mealy::Controller],
@@ -69,7 +69,7 @@ impl Package {
         }
     }
 
-    /// Creates a package of these files; the first one is compiled.
+    /// Creates a package of these files; `c_source` is the one to compile.
     pub(super) fn of_files(
         name: &str,
         stem: &str,
@@ -160,8 +160,8 @@ fn make_readable(_: &std::fs::File) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Whether Windows reserves a name for a device, with any extension.
-pub fn is_device(stem: &str) -> bool {
+/// Whether Windows reserves a file name without its extension for a device: `con`, `com1`.
+pub fn is_windows_device(stem: &str) -> bool {
     let stem = stem.to_ascii_lowercase();
     let numbered = ["com", "lpt"].iter().any(|device| {
         let number = stem.strip_prefix(device).unwrap_or_default();
@@ -186,7 +186,7 @@ pub fn file_stem(name: &str) -> String {
             '_'
         });
     }
-    // Must also be a C name: units of FMI use it.
+    // Must also be a C identifier: FMI uses it as the model identifier.
     if !stem.starts_with(|c: char| c.is_ascii_alphabetic()) {
         stem.insert_str(0, "m_");
     }
@@ -195,7 +195,7 @@ pub fn file_stem(name: &str) -> String {
         .iter()
         .map(|(n, _)| *n)
         .chain(["fmi.c", "fmi2.c", "fmi3.c"]);
-    if names.any(|n| n == format!("{stem}.c")) || is_device(&stem) {
+    if names.any(|n| n == format!("{stem}.c")) || is_windows_device(&stem) {
         stem.push('_');
     }
     stem

@@ -2,10 +2,10 @@
 //! instructions.
 //!
 //! Little of SimTalk is public: `loadLibrary`, `callLibrary`, `freeLibrary`, `@` for the part, `?`
-//! for the station, and `?.Failed := true` (Spellini et al. 2021, Listing 2). The text uses as few
-//! other built-ins as possible, and lists those that are assumed. Unlike that listing it loads the
-//! library once, when the model starts, makes one instance per station, passes every argument that
-//! an export reads, and checks for every negative code.
+//! for the station, and `?.Failed := true` (Spellini et al. 2021, Listing 2). The methods use as
+//! few other built-ins as possible, and list those that they assume. Unlike that listing, the
+//! methods load the library once, when the model starts, create one instance per station, pass
+//! every argument that an export reads, and check for every negative code.
 //!
 //! Names that the user has to create begin with `LW_`, so that they do not clash with an existing
 //! attribute of a station or part.
@@ -29,17 +29,18 @@ pub struct Texts {
     pub page: String,
 }
 
-/// Endings of the texts' file names, after the library's name without extension.
+/// Endings of the file names of methods and page, which follow the library's name without
+/// extension.
 pub const ENDINGS: [&str; 2] = [".simtalk.txt", ".import.md"];
 
 /// Form of the library that the texts accompany.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LibraryForm<'a> {
-    /// A compiled library, and a folder with its C source.
+    /// A compiled library, and a folder that holds its C source.
     Library {
         /// File name of the library.
         library: &'a str,
-        /// Name of the folder.
+        /// Name of the source folder.
         source: &'a str,
     },
     /// The C source, which the user compiles into the library.
@@ -57,7 +58,7 @@ impl<'a> LibraryForm<'a> {
     }
 }
 
-/// A value in SimTalk.
+/// Formats a value as a SimTalk literal.
 pub fn literal(value: &Value) -> String {
     match value {
         Value::Integer(i) => i.to_string(),
@@ -67,25 +68,25 @@ pub fn literal(value: &Value) -> String {
     }
 }
 
-/// A text in quotes. A quote would end it, but names of contracts contain none.
+/// Puts a text in quotes. Names in contracts contain no quotes; others become apostrophes.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "'"))
 }
 
-/// The texts for a machine.
+/// Renders the texts for a machine.
 pub fn texts(
     machine: &Machine,
     package: &Package,
     profile: &Profile,
-    beside: LibraryForm<'_>,
+    form: LibraryForm<'_>,
 ) -> Texts {
     let names = Names::of(machine);
     let writer = Writer {
         machine,
         package,
         profile,
-        library: beside.library(),
-        beside,
+        library: form.library(),
+        form,
         names,
     };
     Texts {
@@ -112,11 +113,11 @@ impl Names {
             .map(str::to_owned)
             .into();
         let attributes = machine.properties.iter().map(|property| {
-            let wish = format!("LW_{}", plain(&property.name));
-            let mut name = wish.clone();
+            let base = format!("LW_{}", plain(&property.name));
+            let mut name = base.clone();
             let mut number = 2;
             while !taken.insert(name.to_lowercase()) {
-                name = format!("{wish}_{number}");
+                name = format!("{base}_{number}");
                 number += 1;
             }
             name
@@ -129,7 +130,8 @@ impl Names {
     }
 }
 
-/// Reduced to ASCII letters, digits and single underscores: `heights[2]` is `heights_2`.
+/// Reduces a name to ASCII letters, digits and single underscores: `heights[2]` becomes
+/// `heights_2`.
 fn plain(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
@@ -148,7 +150,7 @@ struct Writer<'a> {
     package: &'a Package,
     profile: &'a Profile,
     library: &'a str,
-    beside: LibraryForm<'a>,
+    form: LibraryForm<'a>,
     names: Names,
 }
 
@@ -175,7 +177,7 @@ struct Page<'a> {
     library_file: &'a str,
     methods: String,
     source: &'a str,
-    /// Folder of the source beside a compiled library.
+    /// Name of the source folder, for a compiled library.
     source_folder: Option<&'a str>,
     /// Commands that compile the source manually.
     commands: [String; 2],
@@ -199,7 +201,7 @@ struct Property<'a> {
     attribute: &'a str,
     name: &'a str,
     unit: &'a str,
-    /// Name of its result, in quotes.
+    /// Name of the property's result in the library, in quotes.
     result: String,
 }
 
@@ -235,8 +237,8 @@ impl Writer<'_> {
                 name: &self.names.machine,
                 library: &self.names.library,
                 library_file: self.library,
-                profile: self.profile.shown(),
-                verified: self.profile.verified(),
+                profile: self.profile.label(),
+                verified: self.profile.is_verified(),
                 page: page_name(self.library),
                 operations: self.operations(),
                 properties: (0..machine.properties.len()).map(property).collect(),
@@ -268,13 +270,13 @@ impl Writer<'_> {
                 library_file: self.library,
                 methods: methods_name(self.library),
                 source: &source,
-                source_folder: match self.beside {
+                source_folder: match self.form {
                     LibraryForm::Library { source, .. } => Some(source),
                     LibraryForm::Source { .. } => None,
                 },
-                commands: toolchain::by_hand(&source, self.library),
-                profile: self.profile.shown(),
-                verified: self.profile.verified(),
+                commands: toolchain::manual_commands(&source, self.library),
+                profile: self.profile.label(),
+                verified: self.profile.is_verified(),
                 handle: if self.profile.layout.integer_bits == 16 {
                     "real"
                 } else {
@@ -289,7 +291,7 @@ impl Writer<'_> {
         )
     }
 
-    /// Attributes of properties of a kind.
+    /// Attributes for the properties of one kind.
     fn attributes(&self, kind: PropertyKind) -> Vec<AttributeRow<'_>> {
         let properties = self
             .machine
@@ -314,7 +316,7 @@ impl Writer<'_> {
     }
 }
 
-/// Values of a property as the numbers passed.
+/// Lists the numbers that stand for a property's values: `0 false, 1 true`.
 fn numbers(domain: &Domain) -> String {
     match domain {
         Domain::Bool => "0 false, 1 true".to_owned(),
@@ -327,7 +329,7 @@ fn numbers(domain: &Domain) -> String {
     }
 }
 
-/// Owner of a property in SimTalk.
+/// SimTalk symbol of the object that holds a property.
 fn holder(kind: PropertyKind) -> &'static str {
     match kind {
         PropertyKind::Part => "@",

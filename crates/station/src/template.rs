@@ -10,8 +10,8 @@
 //! by a dot. Values are never interpreted as templates, so that no name in a contract can add a
 //! field.
 //!
-//! A row of a list takes about a microsecond. So the longest tables, those of functions, are fields
-//! of many lines.
+//! Rendering one row of a list takes about a microsecond, so the longest tables, those of
+//! functions, are passed as one field of many lines.
 
 use include_dir::{Dir, File, include_dir};
 use minijinja::syntax::SyntaxConfig;
@@ -32,8 +32,8 @@ static ENVIRONMENT: LazyLock<Environment<'static>> = LazyLock::new(|| {
     environment
 });
 
-/// An environment with this syntax, without filters or functions; it rejects undefined names and
-/// escapes nothing.
+/// Creates an environment with the syntax above, without filters or functions, which rejects
+/// undefined names and does not escape values.
 fn environment() -> Environment<'static> {
     let syntax = SyntaxConfig::builder()
         .variable_delimiters("@{", "}")

@@ -1,4 +1,4 @@
-//! Syntax trees: the text as written, with its places, and without any name lookup.
+//! Syntax trees of the text as written, with places in the file and without name lookup.
 
 mod skills;
 
@@ -14,16 +14,16 @@ use linewright_core::source::Span;
 pub struct Name {
     /// Text of the word.
     pub text: String,
-    /// Place of the word.
+    /// Role of the word.
     pub span: Span,
 }
 
 /// A file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct File {
-    /// Items, in order.
+    /// Top-level items in source order.
     pub items: Vec<Item>,
-    /// Places of the items and the items within them, in source order; outer items come before
+    /// Places of all items, including items within others, in source order; outer items come before
     /// inner ones.
     pub places: Vec<Span>,
 }
@@ -56,7 +56,7 @@ pub struct Import {
     pub path: String,
     /// Whether the path was a dotted name.
     pub dotted: bool,
-    /// Place of the path.
+    /// Role of the path.
     pub span: Span,
 }
 
@@ -85,16 +85,16 @@ pub struct ConstDecl {
 pub struct Domain {
     /// Kind of type.
     pub kind: DomainKind,
-    /// Place of the type.
+    /// Role of the type.
     pub span: Span,
 }
 
-/// The kinds of types.
+/// Kinds of types.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DomainKind {
     /// `{none, turn}`
     Labels(Vec<Name>),
-    /// `0..n-1`; the unit is one written after the range, `0..(n-1) mm`.
+    /// `0..n-1`; the string is a unit after the whole range, as in `0..(n-1) mm`.
     Range(Expr, Expr, Option<String>),
     /// `record {x: 0..3, y: 0..3}`
     Record(Vec<(Name, Domain)>),
@@ -113,7 +113,7 @@ pub struct Parameter {
     pub name: Name,
     /// Type of the parameter.
     pub domain: Domain,
-    /// Default value.
+    /// Default value, if any.
     pub default: Option<Expr>,
 }
 
@@ -131,13 +131,13 @@ pub struct Argument {
 pub struct Define {
     /// Name of the define.
     pub name: Name,
-    /// Formal parameters; empty for a plain name.
+    /// Formal parameters; empty if the define has none.
     pub formals: Vec<Formal>,
-    /// Expression that replaces it.
+    /// Expression that the define stands for.
     pub value: Expr,
 }
 
-/// `i: 0..3`, or `i` alone
+/// `i: 0..3` or `i`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formal {
     /// Name of the formal parameter.
@@ -153,13 +153,13 @@ pub struct Counter {
     pub name: Name,
     /// Range of values.
     pub domain: Domain,
-    /// Condition for counting a step.
+    /// Condition under which a step is counted.
     pub counts: Expr,
-    /// Condition for a restart.
+    /// Condition under which the counter restarts, if any.
     pub resets: Option<Expr>,
 }
 
-/// The part of a contract or machine before the brace.
+/// The header of a contract or machine: the text before its brace.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
     /// Doc comment without slashes.
@@ -168,16 +168,16 @@ pub struct Header {
     pub name: Name,
     /// Declared parameters.
     pub parameters: Vec<Parameter>,
-    /// Codes after `implements`.
+    /// Taxonomy codes after `implements`.
     pub codes: Vec<Name>,
 }
 
 /// `contract ...`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contract {
-    /// Name, parameters, codes.
+    /// Documentation, name, parameters and taxonomy codes.
     pub header: Header,
-    /// Whether it was declared `moore`.
+    /// Whether the contract is declared `moore`.
     pub moore: bool,
     /// Items within the braces.
     pub items: Vec<ContractItem>,
@@ -214,9 +214,9 @@ pub enum ContractItem {
     Formula {
         /// `true` for `guarantee`.
         guarantee: bool,
-        /// Name of the formula.
+        /// Name of the formula, if any.
         name: Option<Name>,
-        /// Requirement that it belongs to.
+        /// Requirement that the formula belongs to, if any.
         requirement: Option<String>,
         /// Asserted formula.
         expr: Expr,
@@ -232,7 +232,7 @@ pub enum ContractItem {
 pub struct Expr {
     /// Kind of expression.
     pub kind: ExprKind,
-    /// Place of the expression.
+    /// Role of the expression.
     pub span: Span,
 }
 
@@ -280,17 +280,17 @@ impl Expr {
     }
 }
 
-/// The kinds of expressions.
+/// Kinds of expressions.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExprKind {
-    /// An expression that could not be read. The parser has reported it; later stages conclude
-    /// nothing from it.
+    /// An expression that could not be built, such as a number that is too large. The parser has
+    /// reported it; later stages must not report anything that depends on it.
     Unknown,
     /// `true`
     Bool(bool),
     /// `17`
     Int(i64),
-    /// `0.5 m`: the number, and its unit or an empty string.
+    /// `0.5 m`: the number and its unit, which is empty for a bare number such as `0.5`.
     Quantity(f64, String),
     /// `cell.command`
     Path(Vec<Name>),
@@ -337,11 +337,11 @@ pub enum ExprKind {
 /// A past operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PastOp {
-    /// In the previous step.
+    /// The operand held in the previous step.
     Previous,
-    /// In this step or an earlier one.
+    /// The operand holds in this step or held in an earlier one.
     Once,
-    /// In this step and all earlier ones.
+    /// The operand holds in this step and held in all earlier ones.
     Historically,
 }
 
@@ -378,15 +378,15 @@ impl UntilOp {
     }
 }
 
-/// A specification pattern in its scope (Dwyer, Avrunin and Corbett, Patterns in Property
+/// A specification pattern with its scope (Dwyer, Avrunin and Corbett, Patterns in Property
 /// Specifications, 1999).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
-    /// Condition on the steps of the scope.
+    /// Condition that has to hold within the scope.
     pub kind: PatternKind,
-    /// Maximum number of steps.
+    /// Maximum number of steps, from `within n steps`.
     pub bound: Option<Box<Expr>>,
-    /// Part of the run to which it applies.
+    /// Steps of the run to which the pattern applies.
     pub scope: Scope,
 }
 
@@ -406,7 +406,7 @@ pub enum PatternKind {
 }
 
 impl PatternKind {
-    /// Returns the pattern with a bound and a scope.
+    /// Creates a pattern from this condition, a bound and a scope.
     pub fn in_scope(self, bound: Option<Box<Expr>>, scope: Scope) -> Pattern {
         Pattern {
             kind: self,
@@ -416,7 +416,7 @@ impl PatternKind {
     }
 }
 
-/// The part of a run to which a pattern applies.
+/// Steps of a run to which a pattern applies.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Scope {
     /// The whole run.
@@ -452,7 +452,7 @@ impl Pattern {
 
 /// A binary operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names say it")]
+#[expect(missing_docs, reason = "the names are standard")]
 pub enum BinaryOp {
     Iff,
     Implies,
@@ -499,9 +499,9 @@ impl BinaryOp {
 /// How the values of a quantified expression are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantifier {
-    /// All values are true.
+    /// Whether all values are true.
     Forall,
-    /// At least one value is true.
+    /// Whether at least one value is true.
     Exists,
     /// Number of true values.
     Count,
@@ -514,7 +514,7 @@ pub enum Quantifier {
 /// `machine ...`
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
-    /// Name, parameters, codes.
+    /// Documentation, name, parameters and taxonomy codes.
     pub header: Header,
     /// Items within the braces.
     pub items: Vec<MachineItem>,
@@ -529,7 +529,7 @@ pub struct TypedDecl {
     pub name: Name,
     /// Declared type.
     pub domain: Domain,
-    /// Values: none, one, or several for a script.
+    /// Values after `=`: none, one, or several for a script.
     pub values: Vec<Expr>,
 }
 
@@ -560,7 +560,7 @@ pub enum MachineItem {
     Operation {
         /// Name of the operation.
         name: Name,
-        /// Codes after `implements`.
+        /// Taxonomy codes after `implements`.
         codes: Vec<Name>,
         /// Actions, each with the inputs that the operation sets.
         sequence: Vec<OperationCall>,
@@ -578,13 +578,14 @@ pub enum MachineItem {
     },
     /// `skills Set at level { ... }`
     Skills(SkillCalls),
-    /// `refines Contract(...) { ... }`: a component named after its contract.
+    /// `refines Contract(...) { ... }`, represented as a component that is named after the
+    /// contract.
     Refines(Component),
     /// `guarantee ...`
     Guarantee {
-        /// Name of the formula.
+        /// Name of the formula, if any.
         name: Option<Name>,
-        /// Requirement that it belongs to.
+        /// Requirement that the formula belongs to, if any.
         requirement: Option<String>,
         /// Guaranteed formula.
         expr: Expr,
@@ -597,7 +598,7 @@ pub enum MachineItem {
 
 /// Role of a component in its machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum Role {
     /// `coordinator ...`
     Coordinator,
     /// `action ...`
@@ -610,14 +611,14 @@ pub enum Place {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Component {
     /// Role in the machine.
-    pub place: Place,
+    pub role: Role,
     /// Name of the component.
     pub name: Name,
     /// Name of the contract or inner machine.
     pub contract: Name,
     /// Arguments of the contract or inner machine.
     pub arguments: Vec<Argument>,
-    /// Condition under which it is active.
+    /// Condition under which the component is active, if any.
     pub when: Option<Expr>,
     /// `time e`, and whether `per step` was given.
     pub time: Option<(Expr, bool)>,
@@ -625,26 +626,26 @@ pub struct Component {
     pub power: Option<Expr>,
     /// `input = e`, `input[2] = e`
     pub bindings: Vec<Binding>,
-    /// Whether some part could not be parsed; this was reported.
+    /// Whether an item could not be parsed, which was reported.
     pub broken: bool,
 }
 
 impl Component {
     /// Returns whether the component is a coordinator.
     pub fn is_coordinator(&self) -> bool {
-        self.place == Place::Coordinator
+        self.role == Role::Coordinator
     }
 
     /// Returns whether the component is an inner machine.
     pub fn is_machine(&self) -> bool {
-        self.place == Place::Machine
+        self.role == Role::Machine
     }
 }
 
 /// `move_a(tx = 1)`
 #[derive(Debug, Clone, PartialEq)]
 pub struct OperationCall {
-    /// Action or operation; dotted for an operation of an inner machine.
+    /// Name of the action or operation; dotted for an operation of an inner machine.
     pub name: Name,
     /// Arguments.
     pub arguments: Vec<Argument>,
@@ -659,7 +660,7 @@ pub struct Binding {
     pub index: Option<i64>,
     /// Member of an array's element; dotted if nested.
     pub member: Option<Name>,
-    /// Expression that it is bound to.
+    /// Expression that the input is bound to.
     pub value: Expr,
 }
 
@@ -672,6 +673,10 @@ pub struct Line {
     pub name: Name,
     /// Items within the braces.
     pub items: Vec<LineItem>,
+    /// Second word of each statement that could not be parsed, in the line or its stations: the
+    /// declared name, if the statement is a declaration. Uses of these names cause no further
+    /// findings.
+    pub unparsed: Vec<String>,
 }
 
 /// `2 Brick`
@@ -679,7 +684,7 @@ pub struct Line {
 pub struct PartCount {
     /// Number of pieces.
     pub count: u64,
-    /// Name of what is counted.
+    /// Name of the counted part type.
     pub name: Name,
 }
 
@@ -690,7 +695,7 @@ pub enum LineItem {
     Part {
         /// Name of the part type.
         name: Name,
-        /// Bill of materials.
+        /// Bill of materials; empty if the part is not assembled.
         bill: Vec<PartCount>,
         /// Properties of each part.
         properties: Vec<TypedDecl>,
@@ -701,27 +706,27 @@ pub enum LineItem {
     Source {
         /// Name of the source.
         name: Name,
-        /// Part type that it makes.
+        /// Part type that the source makes.
         part: Name,
-        /// When it makes parts.
+        /// When the source makes parts.
         supply: Supply,
-        /// Maximum number in the line, from `, at most N in the line`.
+        /// Maximum number of its parts in the line, from `, at most N in the line`.
         most: Option<u64>,
     },
     /// `store ...`
     Store {
         /// Name of the store.
         name: Name,
-        /// Stock at the start.
+        /// Stock at the start of a run.
         stock: Vec<PartCount>,
     },
     /// `sink ...`
     Sink {
         /// Name of the sink.
         name: Name,
-        /// Whether it takes scrap.
+        /// Whether the sink takes rejected parts.
         rejects: bool,
-        /// Source that makes replacements.
+        /// Source that makes replacements for rejected parts, if any.
         reorder: Option<Name>,
     },
     /// `buffer ...`
@@ -757,24 +762,24 @@ pub enum LineItem {
         part: Name,
         /// Places along the route, in order.
         stops: Vec<Name>,
-        /// Condition for taking the route.
+        /// Condition under which a part takes the route, if any.
         when: Option<Expr>,
     },
     /// `requirement ...`
     Requirement {
         /// Name of the requirement.
         name: Name,
-        /// Metric that is measured.
+        /// Name of the metric.
         metric: Name,
-        /// Station that the metric is about.
+        /// Station whose metric it is, if the metric belongs to a station.
         of: Option<Name>,
         /// Comparison operator.
         op: BinaryOp,
-        /// Bound of the metric.
+        /// Value that the metric is compared with.
         bound: Expr,
         /// Whether the bound is `per hour`.
         per_hour: bool,
-        /// Place of the whole requirement.
+        /// Role of the whole requirement.
         span: Span,
     },
     /// `shift a to b`
@@ -821,7 +826,7 @@ pub enum StationItem {
         part: Name,
         /// Probability of the defect.
         probability: Expr,
-        /// Whether it says `one of`, which fits arrays only.
+        /// Whether `one of` is given, which is allowed for arrays only.
         one_of: bool,
         /// Affected property.
         property: Name,

@@ -1,7 +1,7 @@
-//! The contract language: grammar, syntax trees, parser.
+//! The contract language: grammar, syntax trees, parser and formatter.
 //!
-//! [`parse`] returns a tree and a list of findings; it never fails and never panics. The crate
-//! `language` resolves the names.
+//! [`parse`] always returns a tree and a list of findings, and does not panic on any text. The
+//! crate `language` resolves the names.
 
 pub mod ast;
 mod binds;
@@ -12,6 +12,6 @@ mod parser;
 mod spans;
 mod words;
 
-pub use mend::{is_component, is_skill_set, is_skills_head};
+pub use mend::{begins_skill_set, declares_inner_machine, declares_skill_set};
 pub use parser::parse;
-pub use words::{is_reserved, reserved};
+pub use words::{is_reserved, reserved_words};

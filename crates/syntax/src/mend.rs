@@ -1,14 +1,14 @@
-//! A scan of a file's brackets, comments and quotes before the grammar sees it.
+//! A scan of a file's brackets, comments and quotes before the file is parsed.
 //!
 //! The grammar recovers from mistakes within an item, but not from a brace that is never closed:
-//! everything after it would be part of one broken item (and searching for its end repeatedly takes
-//! exponential time). This scan finds the brace, reports it, and returns a *mended copy* in which
-//! blanks before the next contract, machine or line are replaced by the missing `}`. All other
-//! bytes stay where they are, so places in the copy are places in the file.
+//! everything after it would be part of one broken item (and the repeated search for its end would
+//! take exponential time). This scan finds the brace, reports it, and returns a *mended copy* in
+//! which blanks before the next contract, machine or line are replaced by the missing `}`. All
+//! other bytes keep their offsets, so places in the copy are places in the file.
 //!
-//! It also bounds the grammar's recursion depth. The bound is safe because strings, comments and
-//! words are split exactly as in the grammar, and because a prefix is only dropped where no rule of
-//! the grammar could continue.
+//! The scan also computes an upper bound of the grammar's recursion depth. The bound is safe
+//! because strings, comments and words are split exactly as in the grammar, and because a prefix
+//! word stops counting only where no rule of the grammar could continue.
 
 use super::words::ends_expressions;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -17,20 +17,20 @@ use std::ops::Range;
 
 /// Result of the scan.
 pub(super) struct Scan {
-    /// Text with balanced braces, if they were unbalanced.
+    /// Mended copy of the text; `None` if the text needed no change.
     pub mended: Option<String>,
     /// Findings about the file.
     pub findings: Vec<Diagnostic>,
-    /// Ranges of the file that were reported as a whole: the grammar's own messages about them are
+    /// Ranges of the file that are already reported; findings of the parser in these ranges are
     /// suppressed.
     pub silenced: Vec<Range<usize>>,
-    /// Maximum recursion depth of the grammar: open brackets and prefix words.
+    /// Upper bound of the grammar's recursion depth: the number of open brackets and prefix words.
     pub depth: usize,
-    /// Offset where that depth is reached.
+    /// Offset at which this depth is reached.
     pub deepest: usize,
 }
 
-/// Words that may precede an expression, so that the grammar recurses at each.
+/// Words that can precede an expression; the grammar recurses at each of them.
 const PREFIXES: &[&str] = &[
     "if",
     "always",
@@ -58,23 +58,23 @@ pub(super) const UNITS: &[&str] = &[
     "g",
 ];
 
-/// What precedes a word.
+/// The text before a word.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Before {
     /// The end of an operand: a name, a closing bracket, a prime.
     Operand,
-    /// The end of a number, which a unit may follow.
+    /// The end of a number, which a unit can follow.
     Number,
-    /// A position within an expression that is still to continue.
+    /// A position at which an expression has to begin or continue.
     Open,
 }
 
 struct Bracket {
     kind: u8,
     offset: usize,
-    /// Number of prefix words before it; they count again once it is closed.
+    /// Number of prefix words before the bracket, which count again once it is closed.
     prefixes: usize,
-    /// Whether it opens a set of skills, which contains no expressions.
+    /// Whether the bracket opens a set of skills, which contains no expressions.
     skills: bool,
 }
 
@@ -86,7 +86,7 @@ struct Scanner<'t> {
     before: Before,
     /// End of the last token that is neither blank nor comment.
     code_end: usize,
-    /// Whether there are only blanks and comments before this on its line.
+    /// Whether the line has only blanks and comments so far.
     line_start: bool,
     /// Offset of the next skill set's brace.
     skills: Option<usize>,
@@ -121,9 +121,9 @@ pub(super) fn scan(file: FileId, text: &str) -> Scan {
     scan
 }
 
-/// Returns whether the text after the word `machine` makes it an inner machine: `left: PickUnit`,
-/// and not `PickUnit {`.
-pub fn is_component(rest: &str) -> bool {
+/// Returns whether the text after the word `machine` declares an inner machine, such as
+/// `left: PickUnit`, and not a top-level machine, such as `PickUnit {`.
+pub fn declares_inner_machine(rest: &str) -> bool {
     let name = rest.trim_start();
     let end = name
         .find(|c: char| !c.is_alphanumeric() && c != '_')
@@ -131,17 +131,15 @@ pub fn is_component(rest: &str) -> bool {
     end > 0 && name[end..].trim_start().starts_with(':')
 }
 
-/// Returns whether the text after a word shows that it was meant as a name, as in `line -> left` or
-/// `line = c.a`. No declaration begins like this, and the word cannot be a name, but the cause is
-/// not a missing brace.
+/// Returns whether the text after a keyword shows that the keyword was meant as a name, as in
+/// `line -> left` or `line = c.a`. This is an error, but not one that a missing brace causes.
 fn is_meant_as_name(rest: &str) -> bool {
     let rest = rest.trim_start();
     rest.starts_with("->") || rest.starts_with([',', ';', '=', '}'])
 }
 
-/// Returns the length of the name and the blanks between the word `skills` and the brace of a set
-/// of skills; the text begins after the word. Only a skill set has a name between the two: no
-/// expression contains two adjacent names.
+/// Returns the offset of the brace if the text after the word `skills` is a name and a brace. Only
+/// a set of skills has this form, since no expression contains two adjacent names.
 fn skills_head(rest: &str) -> Option<usize> {
     let name = rest.trim_start();
     let end = name.find(|c: char| !c.is_alphanumeric() && c != '_')?;
@@ -151,9 +149,9 @@ fn skills_head(rest: &str) -> Option<usize> {
     (own && brace.starts_with('{')).then(|| rest.len() - brace.len())
 }
 
-/// Returns whether the text after the word `skills` declares a set of skills: `PickUnit {`, and a
-/// component or an order within.
-pub fn is_skill_set(rest: &str) -> bool {
+/// Returns whether the text after the word `skills` declares a set of skills: a name, a brace, and
+/// a component or an order after it.
+pub fn declares_skill_set(rest: &str) -> bool {
     let Some(brace) = skills_head(rest) else {
         return false;
     };
@@ -162,7 +160,7 @@ pub fn is_skill_set(rest: &str) -> bool {
         let end = within.find(['\n', '\r']).unwrap_or(within.len());
         within = within[end..].trim_start();
     }
-    // In a machine a skill may have such a name: `order = ...`.
+    // In a machine, a skill can have the name `component` or `order`: `order = ...`.
     let after = ["component", "order"].iter().find_map(|word| {
         let after = within.strip_prefix(word)?;
         (!after.starts_with(|c: char| c.is_alphanumeric() || c == '_')).then_some(after)
@@ -170,8 +168,9 @@ pub fn is_skill_set(rest: &str) -> bool {
     after.is_some_and(|after| !after.trim_start().starts_with('='))
 }
 
-/// Returns whether a set of skills begins after the word `skills` outside of all braces.
-pub fn is_skills_head(rest: &str) -> bool {
+/// Returns whether the text after the word `skills`, outside of all braces, begins a set of skills:
+/// a name and a brace.
+pub fn begins_skill_set(rest: &str) -> bool {
     skills_head(rest).is_some()
 }
 
@@ -241,8 +240,8 @@ impl Scanner<'_> {
         let rest = &self.text[offset + word.len()..];
         let begins_item = match word {
             "contract" | "moore" | "line" | "import" => !is_meant_as_name(rest),
-            "machine" => !is_component(rest) && !is_meant_as_name(rest),
-            "skills" => is_skill_set(rest),
+            "machine" => !declares_inner_machine(rest) && !is_meant_as_name(rest),
+            "skills" => declares_skill_set(rest),
             _ => false,
         };
         if begins_item && self.line_start {
@@ -254,7 +253,8 @@ impl Scanner<'_> {
         if matches!(word, "component" | "order")
             && matches!(self.stack.as_slice(), [Bracket { skills: true, .. }])
         {
-            // The end of an order may look as if it continued: `(Left Right)*`.
+            // An order can end with a symbol after which an expression would continue:
+            // `(Left Right)*`.
             self.expression_ends();
         }
         let goes_on = INFIX.contains(&word)
@@ -295,7 +295,7 @@ impl Scanner<'_> {
             _ => b'{',
         };
         if kind == b'}' {
-            // A brace closes everything that is open within it.
+            // A closing brace also closes all brackets that are open within the braces.
             let Some(at) = self.stack.iter().rposition(|b| b.kind == opening) else {
                 return;
             };
@@ -350,7 +350,7 @@ impl Scanner<'_> {
         self.scan.silenced.push(line..end + 1);
     }
 
-    /// Handles a word within braces that can only be outside of braces.
+    /// Handles a word within braces that is only allowed outside of braces.
     fn missing_brace(&mut self, word: &str, offset: usize) {
         let blanks = self.text.as_bytes()[self.code_end..]
             .iter()

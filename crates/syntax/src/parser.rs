@@ -1,8 +1,9 @@
-//! Parser: converts text to a syntax tree and findings.
+//! Parser: converts a text to a syntax tree and findings.
 //!
-//! pest stops at the first mistake, so recovery is in the grammar: text that matches no item is
-//! consumed by a `bad_*` rule up to the next item. [`explain`] then parses that piece again with
-//! the rule for its first word. The error of that second parse tells what was expected where.
+//! pest stops at the first error, so error recovery is part of the grammar: a `bad_*` rule consumes
+//! text that matches no item, up to the next item. [`explain`] then parses that piece again with
+//! the rule for its first word. The error of the second parse states the expected tokens and their
+//! place.
 
 mod skills;
 
@@ -23,15 +24,16 @@ mod grammar {
 }
 pub(super) use grammar::{Grammar, Rule};
 
-/// Maximum nesting depth of brackets, conditionals and prefixes within one item; bounds the
-/// parser's stack.
+/// Maximum nesting depth of brackets, conditionals and prefix words within one item, which limits
+/// the parser's stack.
 const MAX_DEPTH: usize = 200;
-/// Maximum depth that fits the stack of any thread.
+/// Maximum nesting depth that can be parsed on the stack of any thread.
 const SMALL_DEPTH: usize = 12;
 /// Stack size for `MAX_DEPTH` levels of the grammar's recursion, with a margin.
 const STACK_BYTES: usize = 256 << 20;
 
-/// Parses one file. Text that could not be parsed is in the findings; the tree has the rest.
+/// Parses one file. Text that cannot be parsed is reported in the findings; the tree contains the
+/// rest.
 pub fn parse(file: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     let scan = mend::scan(file, text);
     if scan.depth > MAX_DEPTH {
@@ -80,7 +82,8 @@ fn on_large_stack<T: Send>(run: impl FnOnce() -> T + Send) -> Option<T> {
     })
 }
 
-/// Returns the part of a span within the text: a mended copy can be longer.
+/// Limits a span to the text, since the mended copy can be longer, and moves it to character
+/// boundaries.
 fn within(span: Span, text: &str) -> Span {
     let boundary = |offset: u32| {
         let mut offset = (offset as usize).min(text.len());
@@ -102,7 +105,7 @@ fn too_deep(file: FileId, offset: usize) -> Diagnostic {
     .with_help("give the inner parts names with `define`, or use a constant array instead of a long `if ... else if`")
 }
 
-/// Explains what is wrong with a piece that matched no item. `context` is the `bad_*` rule that
+/// Returns the finding for a piece that matched no item. `context` is the `bad_*` rule that
 /// consumed it.
 pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) -> Diagnostic {
     let text = piece.trim_end();
@@ -113,6 +116,11 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         .chars()
         .take_while(|c| c.is_alphanumeric() || *c == '_')
         .collect();
+    if first == "shift" && context == Rule::bad_line_item && has_clock_time(text) {
+        let span = Span::new(file, start, start + code_end(text));
+        return Diagnostic::error(codes::SYNTAX, span, "times of day are hours after midnight")
+            .with_help("write `shift 6 h to 14 h`; half past six is `6.5 h`");
+    }
     let rule = match (context, first.as_str()) {
         (_, "import") => Some(Rule::only_import),
         (_, "type") => Some(Rule::only_type_decl),
@@ -155,23 +163,23 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     let operator = operator_at(text);
     let about_operator = if operator == "=" {
         Some((
-            "no value follows this `=`, or nothing precedes it that could have one".to_owned(),
+            "this `=` has no name before it or no value after it".to_owned(),
             "write `name = value`",
         ))
     } else if begins_with_operator(text) && !text.starts_with([')', ']']) {
         Some((
-            format!("an operand is missing beside `{operator}`"),
-            "an operator goes between two expressions",
+            format!("an operand of `{operator}` is missing"),
+            "write an expression on each side of it",
         ))
     } else if operator == "," {
         Some((
             "declarations are not separated by commas".to_owned(),
-            "leave it out",
+            "remove the comma",
         ))
     } else if operator == "[" {
         Some((
             "an index or length does not belong here".to_owned(),
-            "an array's type is written `array[3] of bool`",
+            "write the type of an array as `array[3] of bool`",
         ))
     } else {
         None
@@ -188,10 +196,10 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         return Diagnostic::error(
             codes::SYNTAX,
             Span::new(file, start, start + line.len()),
-            "this describes nothing: no declaration follows",
+            "no declaration follows this comment",
         )
         .with_help(
-            "a doc comment `///` comes before what it describes; other comments begin with `//`",
+            "write a doc comment `///` directly before a declaration, and begin other comments with `//`",
         );
     }
     let span = Span::new(file, at, at + word.len());
@@ -202,20 +210,24 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
         _ => None,
     };
     if let Some(opening) = opening {
-        let message = format!("this `{word}` closes nothing");
+        let message = format!("this `{word}` has no matching `{opening}`");
         return Diagnostic::error(codes::SYNTAX, span, message).with_help(format!(
-            "leave it out, or look for a `{opening}` that is missing before it"
+            "remove it, or add the missing `{opening}` before it"
         ));
     }
     let (place, words) = allowed(context);
     let list = format!(
-        "{place} holds {}",
+        "{place} contains {}",
         words
             .iter()
             .map(|w| format!("`{w}`"))
             .collect::<Vec<_>>()
             .join(", ")
     );
+    if context == Rule::bad_station_item && word == "time" {
+        return Diagnostic::error(codes::SYNTAX, span, "a station has no processing time")
+            .with_help("write it in an action of the station's machine: `time 30 s`");
+    }
     let near = nearest(&word, words.iter().copied());
     let help = match near.ok_or_else(|| unit_meant(&word)) {
         Ok(near) if near != word => format!("did you mean `{near}`? {list}"),
@@ -226,13 +238,21 @@ pub(super) fn explain(file: FileId, start: usize, piece: &str, context: Rule) ->
     Diagnostic::error(
         codes::SYNTAX,
         span,
-        format!("`{word}` does not begin anything that {place} can hold"),
+        format!("`{word}` does not belong in {place}"),
     )
     .with_help(help)
 }
 
-/// Explains a piece that begins with an operator by what follows the operator. The expression
-/// before it is complete, so a name can stand in for it.
+/// Whether the text contains a time of day such as `6:30`.
+fn has_clock_time(text: &str) -> bool {
+    let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    text.match_indices(':').any(|(at, _)| {
+        digit(text[..at].chars().next_back()) && digit(text[at + 1..].chars().next())
+    })
+}
+
+/// Explains a piece that begins with an operator by an error after the operator. The expression
+/// before the operator is complete, so it is replaced by a name.
 fn explain_operand(file: FileId, start: usize, piece: &str) -> Option<Diagnostic> {
     const BEFORE: &str = "guarantee always x ";
     if !begins_with_operator(piece) || piece.starts_with([')', ']']) {
@@ -241,11 +261,11 @@ fn explain_operand(file: FileId, start: usize, piece: &str) -> Option<Diagnostic
     let text = format!("{BEFORE}{piece}");
     let error = Grammar::parse(Rule::only_formula, &text).err()?;
     let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = error.location;
-    let behind = BEFORE.len() + operator_at(piece).len();
+    let after_operator = BEFORE.len() + operator_at(piece).len();
     let found = finding_of(file, 0, &text, &error);
     let at_end = after_comments(text.get(at..)?).is_empty();
     let lacks_operand = found.help.iter().any(|h| h.contains("an expression"));
-    if at < behind || at_end && lacks_operand {
+    if at < after_operator || at_end && lacks_operand {
         return None;
     }
     let place = found.span?;
@@ -266,8 +286,8 @@ fn operator_at(text: &str) -> String {
     sign.map_or_else(|| word_at(text), str::to_owned)
 }
 
-/// Returns whether a piece continues with an operator, so that the expression before it is not what
-/// was meant.
+/// Returns whether a piece begins with an operator, so that the expression before it is not the one
+/// that the author meant.
 pub(super) fn begins_with_operator(text: &str) -> bool {
     text.starts_with([
         ')', ']', '&', '|', '+', '-', '*', '<', '>', '=', '!', '∧', '∨', '→', '↔', '⇒', '⇔',
@@ -279,8 +299,8 @@ pub(super) fn begins_with_operator(text: &str) -> bool {
         .contains(&word_at(text).as_str())
 }
 
-/// Returns the name of the context that a `bad_*` rule belongs to, and the words that begin an item
-/// in it.
+/// Returns the name of the context of a `bad_*` rule, and the words that begin an item in this
+/// context.
 fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
     match context {
         Rule::bad_contract_item => (
@@ -342,7 +362,7 @@ fn allowed(context: Rule) -> (&'static str, &'static [&'static str]) {
             ],
         ),
         Rule::bad_skills_item => ("a set of skills", &["component", "order"]),
-        Rule::bad_skill_call => ("what a machine says of its skills", &["Skill = ..."]),
+        Rule::bad_skill_call => ("the skills of a machine", &["Skill = ..."]),
         Rule::bad_station_item => ("a station", &["perform", "setup", "defect", "failures"]),
         _ => (
             "a file",
@@ -372,7 +392,7 @@ fn code_end(text: &str) -> usize {
     end
 }
 
-/// Returns the text after the blanks and comments at its beginning.
+/// Returns the text without blanks and comments at its beginning.
 fn after_comments(text: &str) -> &str {
     let mut rest = text.trim_start();
     loop {
@@ -396,8 +416,8 @@ fn finding_of(
     let at = match error.location {
         InputLocation::Pos(p) | InputLocation::Span((p, _)) => p,
     };
-    // Points at the word that does not fit, not at the blanks and comments before it; at the end of
-    // the text, directly after the last word.
+    // The place is the word that does not fit, without blanks and comments before it; at the end of
+    // the text, it is directly after the last word.
     let at = text.len() - after_comments(&text[at..]).len();
     let (at, word) = if at == text.len() {
         (code_end(text), String::new())
@@ -432,12 +452,12 @@ fn finding_of(
     }
     if is_reserved(&word) && !expected.contains("an expression") && expected.contains("a name") {
         return finding.with_help(format!(
-            "expected {expected}; `{word}` is a word of the language and cannot be a name"
+            "expected {expected}; `{word}` is a keyword and cannot be a name"
         ));
     }
     if expected.contains("an expression") && WIDE.contains(&word.as_str()) {
         return finding.with_help(format!(
-            "put brackets around it: `{word}` reaches as far to the right as it can, and may not follow an operator that binds tighter"
+            "put brackets around it: `{word}` extends as far to the right as possible, and cannot follow an operator that binds tighter"
         ));
     }
     if expected.contains("a unit")
@@ -452,17 +472,17 @@ fn finding_of(
     }
 }
 
-/// Returns how a scope is written. Only its first end is followed by `and` and by no other operator
-/// of its kind.
+/// Returns help for a scope if one is being parsed: only in `between p and q` can `and` follow
+/// where `or` cannot.
 fn scope_hint(expected: &[Rule]) -> Option<String> {
     let in_scope = expected.contains(&Rule::and_op) && !expected.contains(&Rule::or_op);
     in_scope.then(|| {
-        "a scope is written `between p and q`; put brackets around an end that is a formula"
+        "write the scope as `between p and q`, with brackets around `p` or `q` if it has operators"
             .to_owned()
     })
 }
 
-/// Returns the unit that an invalid unit word may mean.
+/// Returns the unit that an unknown unit word probably means.
 fn unit_meant(word: &str) -> Option<&'static str> {
     Some(match word.to_lowercase().as_str() {
         "sec" | "secs" | "second" | "seconds" => "s",
@@ -479,7 +499,7 @@ fn unit_meant(word: &str) -> Option<&'static str> {
     })
 }
 
-/// Prefix words that apply to everything after them.
+/// Prefix words whose operand extends as far to the right as possible.
 const WIDE: &[&str] = &[
     "always",
     "eventually",
@@ -505,13 +525,13 @@ fn word_at(text: &str) -> String {
     }
 }
 
-/// Describes the rules that could have matched; several rules share one phrase.
+/// Lists the expected tokens, with one phrase for several rules.
 fn expectations(rules: &[Rule]) -> String {
     let mut words: Vec<String> = Vec::new();
     for rule in rules {
         // The rule of a keyword is named `k_` and the word.
         let name = format!("{rule:?}");
-        // The next item of an order only ends it.
+        // After an order, the beginning of the next item is not worth mentioning.
         if matches!(rule, Rule::k_component | Rule::k_order) && rules.contains(&Rule::EOI) {
             continue;
         }

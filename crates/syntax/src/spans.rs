@@ -1,4 +1,4 @@
-//! Trees without places, for comparing the meaning of two texts.
+//! Removal of places from trees, to compare the content of two texts.
 
 mod skills;
 
@@ -10,7 +10,8 @@ use super::ast::{
 use linewright_core::source::Span;
 
 impl File {
-    /// Clears all spans and places: equal for two texts with the same content in the same words.
+    /// Clears all spans and places, so that trees of texts that differ only in layout and comments
+    /// are equal.
     #[must_use]
     pub fn without_spans(mut self) -> Self {
         self.places.clear();

@@ -1,8 +1,8 @@
 //! Keywords of the language, which cannot be names.
 //!
-//! The grammar has its own rule for them (`reserved` in `lw.pest`); everything else uses this
-//! table: the parser's messages, the bracket scan, and the printers of contracts.
-//! `tests/language/words.rs` compares the two.
+//! The grammar has its own rule for keywords (`reserved` in `lw.pest`). The parser's messages, the
+//! bracket scan and the printers of contracts use this table. `tests/language/words.rs` compares
+//! the two.
 
 /// Letters of temporal operators. In skill sets they can be names.
 const TEMPORAL_LETTERS: [&str; 5] = ["GF", "G", "F", "X", "O"];
@@ -54,13 +54,13 @@ const ITEMS: [&str; 13] = [
 ];
 
 /// Returns the words that cannot be names.
-pub fn reserved() -> impl Iterator<Item = &'static str> {
+pub fn reserved_words() -> impl Iterator<Item = &'static str> {
     EXPRESSION.into_iter().chain(ITEMS).chain(TEMPORAL_LETTERS)
 }
 
 /// Returns whether a word cannot be a name.
 pub fn is_reserved(word: &str) -> bool {
-    reserved().any(|reserved| reserved == word)
+    reserved_words().any(|reserved| reserved == word)
 }
 
 /// Returns whether a word cannot be a name in a skill set, where the letters of temporal operators

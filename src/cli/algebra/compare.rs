@@ -1,9 +1,9 @@
-//! Compares two states of a library: which contracts still keep what they promised.
+//! `refine` of two folders: compares the contracts with the same name in two versions of a library.
 
 use super::document::{self, ContractComparison, Document, LibraryChange, Semantics, Verdict};
 use super::operand::Operand;
-use super::refine::{explain, of_question};
-use super::{Common, Outcome, tell};
+use super::refine::{explain, question_printer};
+use super::{Common, Outcome, print_outcome};
 use crate::algebra::join::{Member, Sharing, join};
 use crate::algebra::refine::refine;
 use crate::cli::console::schema;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The path of an operand that stands for all contracts in it: a folder on disk.
+/// The path of an operand that is a folder on disk, which means all contracts in it.
 pub fn library(operand: &Operand) -> Option<String> {
     match operand {
         Operand::Contract {
@@ -52,7 +52,7 @@ pub fn run(
             .exit_code(&loaded.findings)
             .and(ExitCode::of_loading(&loaded)));
     }
-    let (before, after) = (within(&loaded, old), within(&loaded, new));
+    let (before, after) = (contracts_in(&loaded, old), contracts_in(&loaded, new));
     let limits = options.limits();
     let mut outcome = Outcome {
         document: Document {
@@ -75,15 +75,15 @@ pub fn run(
     let mut gave_up = false;
     for name in names {
         let compared = match (before.get(name), after.get(name)) {
-            (Some(old), Some(new)) => pair(name, old, new, &limits, &mut outcome.findings),
+            (Some(old), Some(new)) => compare(name, old, new, &limits, &mut outcome.findings),
             (Some(old), None) => {
                 outcome.findings.push(
                     Diagnostic::error(
-                        codes::PROMISE_BROKEN,
+                        codes::GUARANTEE_UNPROVED,
                         old.span,
-                        format!("the contract `{name}` is gone"),
+                        format!("the contract `{name}` was removed"),
                     )
-                    .with_help("keep it, or publish the change as one that is not compatible"),
+                    .with_help("keep it, or publish the change as incompatible"),
                 );
                 entry(name, LibraryChange::Removed)
             }
@@ -100,7 +100,7 @@ pub fn run(
         }
         outcome.document.contracts.push(compared);
     }
-    let code = tell(outcome, &loaded, options)?;
+    let code = print_outcome(outcome, &loaded, options)?;
     Ok(if gave_up {
         code.and(ExitCode::GaveUp)
     } else {
@@ -116,30 +116,30 @@ fn entry(name: &str, verdict: LibraryChange) -> ContractComparison {
     }
 }
 
-/// The contracts of a folder by name.
-fn within<'a>(loaded: &'a LoadedFiles, folder: &str) -> BTreeMap<String, &'a Contract> {
+/// The contracts declared in the files of a folder, by name.
+fn contracts_in<'a>(loaded: &'a LoadedFiles, folder: &str) -> BTreeMap<String, &'a Contract> {
     let sources = &loaded.library.sources;
     let inside = |c: &&Contract| Path::new(&sources.file(c.span.file).name).starts_with(folder);
     let own = loaded.library.contracts.iter().filter(inside);
     own.map(|c| (c.name.clone(), c)).collect()
 }
 
-/// Compares a contract that both have.
-fn pair(
+/// Compares two versions of a contract.
+fn compare(
     name: &str,
     old: &Contract,
     new: &Contract,
     limits: &Limits,
     findings: &mut Vec<Diagnostic>,
 ) -> ContractComparison {
-    if alike(old, new) {
+    if is_unchanged(old, new) {
         return entry(name, LibraryChange::Same);
     }
     let (was, is) = (format!("{name} (old)"), format!("{name} (new)"));
     let members = [(old, &was), (new, &is)].map(|(contract, called)| Member {
         specification: &contract.specification,
         name: called.clone(),
-        renamed: Vec::new(),
+        renamings: Vec::new(),
     });
     let system = match join(&members, Sharing::SeveralViews) {
         Ok(system) => system,
@@ -153,10 +153,10 @@ fn pair(
             let mut finding = Diagnostic::error(
                 codes::GAVE_UP,
                 new.span,
-                format!("whether `{name}` was refined was not decided: {limit}"),
+                format!("could not decide whether `{name}` is refined: {limit}"),
             )
-            .with_help(crate::engine::closed::more(limit))
-            .giving_up(limit.is_of_command());
+            .with_help(crate::engine::closed::limit_help(limit))
+            .giving_up(limit.is_external());
             finding.severity = Severity::Warning;
             findings.push(finding);
             entry(name, LibraryChange::GaveUp)
@@ -176,7 +176,7 @@ fn pair(
                 (&refinement.assumptions, &is),
                 (&refinement.guarantees, &was),
             ] {
-                let printer = of_question(question, whole);
+                let printer = question_printer(question, whole);
                 let open = question.proof.open.iter();
                 compared
                     .open
@@ -187,8 +187,8 @@ fn pair(
     }
 }
 
-/// Whether two contracts have the same wording, wherever they are declared.
-fn alike(old: &Contract, new: &Contract) -> bool {
+/// Whether two contracts have the same variables and formulas.
+fn is_unchanged(old: &Contract, new: &Contract) -> bool {
     let (a, b) = (&old.specification, &new.specification);
     let variables = |s: &crate::gr1::Specification| -> Vec<_> {
         let all = s.variables.iter();

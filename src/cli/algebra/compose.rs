@@ -1,7 +1,9 @@
-//! Composition with its discharge table, a controller of all parts, and compatibility.
+//! `compose`, with its discharge table and the controller of all parts, and `compat`.
 
 use super::document::{self, Document, Semantics, Verdict};
-use super::{CompatArguments, ComposeArguments, Joined, Outcome, bring_together, gave_up, tell};
+use super::{
+    CompatArguments, ComposeArguments, Joined, Outcome, gave_up, load_joined, print_outcome,
+};
 use crate::algebra::compat::{Compatibility, compatible};
 use crate::algebra::join::Sharing;
 use crate::algebra::proof::{Claim, Exports, Proof, Refutation, prove};
@@ -25,7 +27,7 @@ use std::sync::Arc;
 pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let operands: Vec<_> = arguments.contracts.iter().collect();
     let common = &arguments.common;
-    let joined = match bring_together("compose", &operands, common, Sharing::OneDriver, options)? {
+    let joined = match load_joined("compose", &operands, common, Sharing::OneDriver, options)? {
         Ok(joined) => joined,
         Err(code) => return Ok(code),
     };
@@ -56,7 +58,7 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
                 Verdict::Open
             },
             semantics: Semantics::Strict,
-            pairs: document::pairs(&joined.system),
+            pairs: document::contract_texts(&joined.system),
             proofs: BTreeMap::from([("proof", document::proof(printer, &proof))]),
             counterexample: None,
             contracts: Vec::new(),
@@ -64,14 +66,14 @@ pub fn run(arguments: &ComposeArguments, options: &GlobalOptions) -> anyhow::Res
         },
         findings,
     };
-    tell(outcome, &joined.loaded, options)
+    print_outcome(outcome, &joined.loaded, options)
 }
 
-/// The table, the assumptions and guarantees of the whole, and the verdict as a sentence.
+/// Formats the discharge table, and the verdict as a sentence.
 fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     let names: Vec<&str> = printer
         .system
-        .parts
+        .components
         .iter()
         .map(|p| p.name.as_str())
         .collect();
@@ -80,15 +82,14 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
         text.push_str(&printer.table(&proof.discharges));
     }
     let exported = printer.exported(proof);
-    let semantics =
-        "Semantics: strict, step by step: who keeps its assumptions so far keeps its guarantees.\n";
+    let semantics = "Semantics: strict, step by step: a component keeps its guarantees as long as its assumptions have been kept.\n";
     if proof.holds() {
         let what = match exported.len() {
-            0 => "nothing is assumed of the outside".to_owned(),
-            1 => "one assumption is handed on to the outside".to_owned(),
-            n => format!("{n} assumptions are handed on to the outside"),
+            0 => "there are no assumptions about the environment".to_owned(),
+            1 => "one assumption remains, about the environment".to_owned(),
+            n => format!("{n} assumptions remain, about the environment"),
         };
-        let _ = writeln!(text, "All assumptions are met; {what}.");
+        let _ = writeln!(text, "All assumptions are discharged; {what}.");
         text.push_str(semantics);
     } else {
         let open = proof.open.len();
@@ -97,8 +98,8 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
             "{}{}{}",
             match open {
                 0 => "Not composed".to_owned(),
-                1 => "1 assumption is not met".to_owned(),
-                n => format!("{n} assumptions are not met"),
+                1 => "1 assumption is not discharged".to_owned(),
+                n => format!("{n} assumptions are not discharged"),
             },
             match proof.circles.len() {
                 0 => String::new(),
@@ -106,7 +107,7 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
                 n => format!("; {n} cycles"),
             },
             if synth {
-                ": there is no GR(1) contract of the whole, so nothing is synthesized."
+                ": the composition has no GR(1) contract, so nothing is synthesized."
             } else {
                 "."
             }
@@ -115,15 +116,15 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
     text
 }
 
-/// One contract of all parts, if every assumption is met or passed on: its assumptions are those
-/// passed on.
-fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
+/// The contract of the composition, for a proof without open assumptions. Its assumptions are those
+/// that the proof passes on.
+fn composition_contract(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     let system = printer.system;
     let mut assumptions = Side::default();
     for at in printer.exported(proof) {
         let formula = printer.formula(at).clone();
-        let Some(part) = at.part else { continue };
-        debug_assert!(list(&system.parts[part].assumptions, at.kind).contains(&formula));
+        let Some(part) = at.component else { continue };
+        debug_assert!(list(&system.components[part].assumptions, at.kind).contains(&formula));
         match at.kind {
             RuleKind::Initial => assumptions.initial.push(formula),
             RuleKind::Invariant => assumptions.invariants.push(formula),
@@ -133,7 +134,7 @@ fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     }
     let mut guarantees = Side::default();
     for side in system
-        .parts
+        .components
         .iter()
         .flat_map(|p| [&p.guarantees, &p.definitions])
     {
@@ -151,10 +152,10 @@ fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
         },
         ..v.clone()
     });
-    let names: Vec<&str> = system.parts.iter().map(|p| p.name.as_str()).collect();
+    let names: Vec<&str> = system.components.iter().map(|p| p.name.as_str()).collect();
     Specification {
         name: names.join("_"),
-        timing: if system.parts.iter().all(|p| p.timing == Timing::Moore) {
+        timing: if system.components.iter().all(|p| p.timing == Timing::Moore) {
             Timing::Moore
         } else {
             Timing::Mealy
@@ -165,10 +166,11 @@ fn whole(printer: ProofPrinter<'_>, proof: &Proof) -> Specification {
     }
 }
 
-/// Assumptions that are passed on although the outside does not control what they constrain: no
-/// GR(1) contract of the whole can make them, since its environment gives the inputs of a step
-/// before it sees the outputs (the rule of [`Specification::assumptions`]).
-fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
+/// Findings about assumptions that are passed on although they constrain variables that the
+/// environment does not set. The GR(1) contract of the composition cannot have them, since its
+/// environment sets the inputs of a step before it sees the outputs (the rule of
+/// [`Specification::assumptions`]).
+fn uncontrolled_assumptions(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnostic> {
     let system = printer.system;
     let mut findings = Vec::new();
     for at in printer.exported(proof) {
@@ -188,34 +190,34 @@ fn beyond_the_outside(printer: ProofPrinter<'_>, proof: &Proof) -> Vec<Diagnosti
             continue;
         }
         let variables = chosen.keys().map(|v| &system.variables[v.index()].name);
-        let variables = words(variables.map(String::as_str));
+        let variables = quoted_list(variables.map(String::as_str));
         let parts: BTreeSet<usize> = chosen.into_values().collect();
-        let parts = words(parts.iter().map(|p| system.parts[*p].name.as_str()));
+        let parts = quoted_list(parts.iter().map(|p| system.components[*p].name.as_str()));
         findings.push(
             Diagnostic::error(
                 codes::NOT_CONTROLLED,
                 formula.span,
                 format!(
-                    "`{}` of `{}` is handed on to the outside, but constrains {variables}, chosen by {parts} in the same step: there is no GR(1) contract of the whole, so nothing is synthesized",
+                    "`{}` of `{}` remains an assumption about the environment, but constrains {variables}, which {parts} sets in the same step: the composition has no GR(1) contract, so nothing is synthesized",
                     formula.name,
                     printer.owner(at),
                 ),
             )
             .with_help(format!(
-                "let {parts} guarantee what is assumed of {variables}, or refer to the step before"
+                "let {parts} guarantee what is assumed about {variables}, or refer to the previous step"
             )),
         );
     }
     findings
 }
 
-/// A list of quoted names.
-fn words<'a>(names: impl Iterator<Item = &'a str>) -> String {
+/// Formats a list of names in backticks.
+fn quoted_list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let quoted: Vec<String> = names.map(|name| format!("`{name}`")).collect();
     findings::list(&quoted)
 }
 
-/// Synthesizes a controller of the whole.
+/// Synthesizes a controller of the composition, and prints it.
 fn synth(
     joined: &Joined,
     printer: ProofPrinter<'_>,
@@ -223,12 +225,12 @@ fn synth(
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let console = options.console();
-    let beyond = beyond_the_outside(printer, proof);
-    if !beyond.is_empty() {
-        console.failed("compose", &joined.loaded.library.sources, &beyond)?;
-        return Ok(options.exit_code(&beyond));
+    let uncontrolled = uncontrolled_assumptions(printer, proof);
+    if !uncontrolled.is_empty() {
+        console.failed("compose", &joined.loaded.library.sources, &uncontrolled)?;
+        return Ok(options.exit_code(&uncontrolled));
     }
-    let specification = Arc::new(whole(printer, proof));
+    let specification = Arc::new(composition_contract(printer, proof));
     let span = joined.spans[0];
     let mut jobs = Jobs::examining();
     let job = jobs.add(&specification, span);
@@ -257,7 +259,7 @@ fn synth(
 pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let operands: Vec<_> = arguments.contracts.iter().collect();
     let common = &arguments.common;
-    let joined = match bring_together("compat", &operands, common, Sharing::OneDriver, options)? {
+    let joined = match load_joined("compat", &operands, common, Sharing::OneDriver, options)? {
         Ok(joined) => joined,
         Err(code) => return Ok(code),
     };
@@ -265,34 +267,39 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
         Ok(answer) => answer,
         Err(limit) => return gave_up(limit, "compat", &joined.loaded, options),
     };
-    let names: Vec<String> = joined.system.parts.iter().map(|p| p.name.clone()).collect();
+    let names: Vec<String> = joined
+        .system
+        .components
+        .iter()
+        .map(|p| p.name.clone())
+        .collect();
     let together = findings::list(&names);
     let mut outcome = Outcome {
         document: Document {
             schema: schema("compat"),
             verdict: Verdict::Compatible,
             semantics: Semantics::Strict,
-            pairs: document::pairs(&joined.system),
+            pairs: document::contract_texts(&joined.system),
             proofs: BTreeMap::new(),
             counterexample: None,
             contracts: Vec::new(),
             findings: Vec::new(),
         },
         text: format!(
-            "{together}: some environment keeps what {} assumed, whatever happens within the guarantees.\n",
-            if names.len() == 1 { "is" } else { "they have" }
+            "{together}: some environment can keep {} assumptions, whatever happens within the guarantees.\n",
+            if names.len() == 1 { "its" } else { "their" }
         ),
         findings: Vec::new(),
     };
     if let Compatibility::Incompatible { assumptions, play } = answer {
         outcome.document.verdict = Verdict::Incompatible;
         outcome.text = String::new();
-        let named = words(assumptions.iter().map(String::as_str));
+        let named = quoted_list(assumptions.iter().map(String::as_str));
         let mut finding = Diagnostic::error(
             codes::INCOMPATIBLE,
             joined.spans[0],
             format!(
-                "no environment can keep what {together} assume{}: {} {} broken, whatever comes from outside",
+                "no environment can keep what {together} assume{}: {} {} broken, whatever the environment does",
                 if names.len() == 1 { "s" } else { "" },
                 named,
                 if assumptions.len() == 1 {
@@ -308,7 +315,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
                 let shown = shown(&joined.system, steps);
                 let last = steps.len() - 1;
                 finding = finding.with_note(format!(
-                    "{shown}in step {last} nothing that could come from outside keeps the assumptions"
+                    "{shown}in step {last} no inputs from the environment keep the assumptions"
                 ));
             }
             Some(Refutation::Lasso(run)) => {
@@ -321,7 +328,7 @@ pub fn compat(arguments: &CompatArguments, options: &GlobalOptions) -> anyhow::R
             "weaken the assumption to what the environment controls, or let a contract guarantee the rest",
         ));
     }
-    tell(outcome, &joined.loaded, options)
+    print_outcome(outcome, &joined.loaded, options)
 }
 
 fn shown(system: &System, steps: &[Vec<i64>]) -> String {

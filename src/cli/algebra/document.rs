@@ -21,29 +21,29 @@ pub struct FormulaReference {
     pub text: String,
 }
 
-/// How an obligation is met.
+/// An obligation that is discharged.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct DischargeEntry {
     /// The obligation.
     #[serde(flatten)]
     pub what: FormulaReference,
-    /// The rule that meets it.
+    /// The rule by which it is discharged.
     pub rule: DischargeRuleName,
     /// For justice: the turn, counted from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub turn: Option<usize>,
-    /// Formulas on which it rests.
+    /// The formulas from which it follows.
     pub by: Vec<FormulaReference>,
 }
 
-/// An obligation that is not met.
+/// An obligation that is not discharged.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct OpenEntry {
     /// The obligation.
     #[serde(flatten)]
     pub what: FormulaReference,
-    /// Why it is not met.
+    /// Why it is not discharged.
     pub reason: String,
     /// A run that violates it.
     pub counterexample: Counterexample,
@@ -57,36 +57,36 @@ pub struct Counterexample {
     pub kind: &'static str,
     /// Steps in order.
     pub steps: Vec<BTreeMap<String, String>>,
-    /// For a lasso: index of the step that follows the last one.
+    /// For a lasso: index of the step from which the run repeats after the last one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<usize>,
 }
 
-/// A proof.
+/// A proof, complete or with open obligations.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct ProofEntry {
-    /// Obligations that are met.
+    /// Obligations that are discharged.
     pub discharges: Vec<DischargeEntry>,
-    /// Obligations that are not met.
+    /// Obligations that are not discharged.
     pub open: Vec<OpenEntry>,
-    /// Justice assumptions that wait for one another.
+    /// Circles of justice assumptions that depend on each other.
     pub circles: Vec<Vec<FormulaReference>>,
-    /// Variables that wait for one another within a step.
+    /// Loops of variables that depend on each other within a step.
     pub loops: Vec<Vec<String>>,
 }
 
-/// One of the contracts that a result is made of.
+/// A contract of which a result consists, as assumptions and guarantees.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Pair {
     /// Name of the contract.
     pub name: String,
-    /// Its assumptions.
+    /// Assumptions of the contract.
     pub assumptions: Vec<Text>,
-    /// Its guarantees.
+    /// Guarantees of the contract.
     pub guarantees: Vec<Text>,
 }
 
-/// A formula as it was written.
+/// A formula as written.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Text {
     /// Name of the formula.
@@ -99,21 +99,21 @@ pub struct Text {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// Every assumption of a part is met.
+    /// Every assumption of a part is discharged.
     Composed,
-    /// Some assumptions are not met.
+    /// Some assumptions are not discharged.
     Open,
     /// Some environment keeps all assumptions.
     Compatible,
-    /// No environment does.
+    /// No environment keeps all assumptions.
     Incompatible,
-    /// What was promised is still kept.
+    /// The new contract refines the old one.
     Refined,
-    /// A promise is broken.
+    /// The new contract does not refine the old one.
     Broken,
     /// A law of the algebra was proved for these operands.
     Proved,
-    /// A run refutes it.
+    /// A run refutes a law of the algebra: a fault of this program.
     Refuted,
 }
 
@@ -127,15 +127,15 @@ pub enum Semantics {
     Runs,
 }
 
-/// Fate of a contract from one library to the next.
+/// Change of a contract between two versions of a library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LibraryChange {
     /// Unchanged.
     Same,
-    /// It promises at least as much, and assumes no more.
+    /// The new contract refines the old one.
     Refined,
-    /// It promises less, or assumes more.
+    /// The new contract guarantees less, or assumes more.
     Broken,
     /// Only in the new library.
     Added,
@@ -160,14 +160,14 @@ pub struct Document {
     pub verdict: Verdict,
     /// Semantics of the decision.
     pub semantics: Semantics,
-    /// Contracts concerned.
+    /// The contracts of which the result consists.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<Pair>,
-    /// Proofs by what they show.
+    /// The proofs, by name.
     #[serde(flatten)]
     #[schemars(with = "Proofs")]
     pub proofs: BTreeMap<&'static str, ProofEntry>,
-    /// A run or play that shows why not, if it belongs to no single formula.
+    /// A run or play that refutes the claim as a whole, not a single formula.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub counterexample: Option<Counterexample>,
     /// Comparison of two libraries, contract by contract.
@@ -177,7 +177,7 @@ pub struct Document {
     pub findings: Vec<json::Finding>,
 }
 
-/// The proofs that there can be, for the schema.
+/// All possible proofs, for the schema.
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "it only describes what `proofs` can hold")]
 struct Proofs {
@@ -192,20 +192,20 @@ struct Proofs {
     guarantees: Option<ProofEntry>,
 }
 
-/// What became of a contract from one library to the other.
+/// Comparison of two versions of a contract.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct ContractComparison {
     /// Name of the contract.
     pub name: String,
-    /// What became of it.
+    /// Change of the contract.
     pub verdict: LibraryChange,
-    /// What is not kept any more.
+    /// Obligations that are no longer met.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<OpenEntry>,
 }
 
-/// A formula with its name.
-pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> FormulaReference {
+/// Creates a reference to a formula.
+pub fn reference(printer: ProofPrinter<'_>, at: FormulaRef) -> FormulaReference {
     let formula = printer.formula(at);
     FormulaReference {
         of: printer.owner(at).to_owned(),
@@ -214,7 +214,7 @@ pub fn named(printer: ProofPrinter<'_>, at: FormulaRef) -> FormulaReference {
     }
 }
 
-/// A proof as JSON.
+/// Converts a proof.
 pub fn proof(printer: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
     ProofEntry {
         discharges: proof
@@ -226,7 +226,12 @@ pub fn proof(printer: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
         circles: proof
             .circles
             .iter()
-            .map(|c| c.assumptions.iter().map(|at| named(printer, *at)).collect())
+            .map(|c| {
+                c.assumptions
+                    .iter()
+                    .map(|at| reference(printer, *at))
+                    .collect()
+            })
             .collect(),
         loops: proof
             .loops
@@ -243,20 +248,24 @@ pub fn proof(printer: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
 
 fn discharge(printer: ProofPrinter<'_>, discharge: &Discharge) -> DischargeEntry {
     DischargeEntry {
-        what: named(printer, discharge.what),
+        what: reference(printer, discharge.what),
         rule: discharge.rule.into(),
         turn: match discharge.rule {
             DischargeRule::Justice { turn } => Some(turn + 1),
             _ => None,
         },
-        by: discharge.by.iter().map(|at| named(printer, *at)).collect(),
+        by: discharge
+            .by
+            .iter()
+            .map(|at| reference(printer, *at))
+            .collect(),
     }
 }
 
-/// An open obligation as JSON.
+/// Converts an open obligation.
 pub fn open(printer: ProofPrinter<'_>, open: &Open) -> OpenEntry {
     OpenEntry {
-        what: named(printer, open.what),
+        what: reference(printer, open.what),
         reason: printer.reason(open),
         counterexample: match &open.why {
             Refutation::Trace(steps) => trace(printer.system, steps),
@@ -265,7 +274,7 @@ pub fn open(printer: ProofPrinter<'_>, open: &Open) -> OpenEntry {
     }
 }
 
-/// A finite run.
+/// Converts a finite run.
 pub fn trace(system: &System, steps: &[Vec<i64>]) -> Counterexample {
     Counterexample {
         kind: "trace",
@@ -274,7 +283,7 @@ pub fn trace(system: &System, steps: &[Vec<i64>]) -> Counterexample {
     }
 }
 
-/// An infinite run.
+/// Converts an infinite run.
 pub fn lasso(system: &System, run: &Lasso) -> Counterexample {
     let steps = run.prefix.iter().chain(&run.cycle);
     Counterexample {
@@ -292,8 +301,8 @@ fn values(system: &System, step: &[i64]) -> BTreeMap<String, String> {
         .collect()
 }
 
-/// The contracts of a system as written.
-pub fn pairs(system: &System) -> Vec<Pair> {
+/// The contracts of a system as written, without repeated formulas.
+pub fn contract_texts(system: &System) -> Vec<Pair> {
     let texts = |side| {
         let mut texts: Vec<Text> = Vec::new();
         for (_, _, formula) in formulas(side) {
@@ -309,7 +318,7 @@ pub fn pairs(system: &System) -> Vec<Pair> {
         }
         texts
     };
-    let parts = system.parts.iter();
+    let parts = system.components.iter();
     parts
         .map(|part| Pair {
             name: part.name.clone(),

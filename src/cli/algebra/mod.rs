@@ -24,21 +24,27 @@ use operand::{Members, Operand, Operation, Rename};
 
 /// The documents of the commands: all have the same form.
 pub const DOCUMENTS: [Described; 6] = [
-    of_command(
-        "compose",
-        "Whether contracts discharge one another's assumptions",
-    ),
+    of_command("compose", "Which guarantees discharge which assumptions"),
     of_command(
         "refine",
-        "Whether one contract, or a whole library, can stand in for another",
+        "Whether one contract, or a whole library, refines another",
     ),
-    of_command("compat", "Whether some environment fits contracts"),
-    of_command("conjoin", "Two viewpoints of one component as one contract"),
+    of_command(
+        "compat",
+        "Whether some environment can keep the assumptions of contracts",
+    ),
+    of_command(
+        "conjoin",
+        "The conjunction of contracts: several views of one component",
+    ),
     of_command(
         "quotient",
-        "What is missing beside one contract to keep another",
+        "The quotient of two contracts: the missing component",
     ),
-    of_command("merge", "Requirements that hold at once"),
+    of_command(
+        "merge",
+        "The merge of contracts: requirements that hold at the same time",
+    ),
 ];
 
 const fn of_command(name: &'static str, title: &'static str) -> Described {
@@ -66,12 +72,12 @@ pub struct RefineArguments {
     /// Contract, expression or folder that refines it
     #[arg(value_name = "NEW")]
     pub new: Operand,
-    /// What only one command needs
+    /// Options common to the commands of the algebra.
     #[command(flatten)]
     pub common: Common,
 }
 
-/// What all commands of the algebra take.
+/// Options common to the commands of the algebra.
 #[derive(Debug, Args)]
 pub struct Common {
     /// Rename a port, to wire contracts that use different names (repeatable)
@@ -97,7 +103,7 @@ pub struct ComposeArguments {
     /// Synthesize one controller of the composition, and print it as JSON
     #[arg(long)]
     pub synth: bool,
-    /// What only one command needs
+    /// Options common to the commands of the algebra.
     #[command(flatten)]
     pub common: Common,
 }
@@ -115,7 +121,7 @@ pub struct CompatArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 1..)]
     pub contracts: Vec<Operand>,
-    /// What only one command needs
+    /// Options common to the commands of the algebra.
     #[command(flatten)]
     pub common: Common,
 }
@@ -130,7 +136,7 @@ pub struct ConjoinArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 2..)]
     pub contracts: Vec<Operand>,
-    /// What only one command needs
+    /// Options common to the commands of the algebra.
     #[command(flatten)]
     pub common: Common,
 }
@@ -140,12 +146,12 @@ pub struct ConjoinArguments {
 #[command(after_help = "Examples:
     linewright merge std.handling.turn std.handling.turn
 
-Merge contracts (requirements that hold at the same time): all assumptions together, and under them all guarantees.")]
+The merge assumes everything that any of the contracts assumes, and under these assumptions keeps all their guarantees.")]
 pub struct MergeArguments {
     /// The contracts
     #[arg(value_name = "CONTRACT", required = true, num_args = 2..)]
     pub contracts: Vec<Operand>,
-    /// What only one command needs
+    /// Options common to the commands of the algebra.
     #[command(flatten)]
     pub common: Common,
 }
@@ -163,30 +169,30 @@ pub struct QuotientArguments {
     /// Contract of the existing component
     #[arg(value_name = "EXISTING")]
     pub existing: Operand,
-    /// What only one command needs
+    /// Options common to the commands of the algebra.
     #[command(flatten)]
     pub common: Common,
 }
 
-/// Operands that were loaded and joined into one system.
+/// Operands that are loaded and joined into one system.
 struct Joined {
     loaded: LoadedFiles,
     system: System,
-    /// One expression per operand.
+    /// For each operand, the expression over the system's parts.
     sets: Vec<Sets>,
     /// Place of each part's declaration.
     spans: Vec<Span>,
 }
 
-/// Result of a command, before it is printed.
+/// Result of a command that is not printed yet.
 struct Outcome {
     document: Document,
-    /// Text for people.
+    /// Text for human-readable output.
     text: String,
     findings: Vec<Diagnostic>,
 }
 
-/// Loads everything that some operands name.
+/// Loads the files of the operands; on errors, prints the findings and returns the exit code.
 fn load(
     command: &str,
     operands: &[&Operand],
@@ -215,7 +221,7 @@ fn load(
 }
 
 /// Loads and joins operands; on failure, prints the findings and returns the exit code.
-fn bring_together(
+fn load_joined(
     command: &str,
     operands: &[&Operand],
     common: &Common,
@@ -252,8 +258,8 @@ fn bring_together(
     }
 }
 
-/// Prints the result and returns the exit code.
-fn tell(
+/// Prints a result and returns the exit code.
+fn print_outcome(
     outcome: Outcome,
     loaded: &LoadedFiles,
     options: &GlobalOptions,
@@ -278,7 +284,7 @@ fn tell(
     Ok(options.exit_code(&findings))
 }
 
-/// Reports that a limit was reached before anything was known.
+/// Reports that a limit was reached before there was a result.
 fn gave_up(
     limit: crate::game::Limit,
     command: &str,
@@ -288,10 +294,10 @@ fn gave_up(
     let finding = Diagnostic::error(
         crate::diagnostics::codes::GAVE_UP,
         None,
-        format!("it was not decided: {limit}"),
+        format!("not decided: {limit}"),
     )
-    .with_help(crate::engine::closed::more(limit))
-    .giving_up(limit.is_of_command());
+    .with_help(crate::engine::closed::limit_help(limit))
+    .giving_up(limit.is_external());
     let sources = &loaded.library.sources;
     options.console().failed(command, sources, &[finding])?;
     Ok(ExitCode::GaveUp)

@@ -17,30 +17,30 @@ pub enum Operand {
     Contract {
         /// Its alias; `None` for its own name.
         name: Option<String>,
-        /// Where it is declared.
+        /// File and name of the contract.
         selection: Selection,
     },
-    /// A result of other operands.
+    /// The result of an operation on other operands.
     Result(Operation, Vec<Operand>),
 }
 
 /// Operations on contracts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operation {
-    /// ⊗
+    /// Composition, ⊗.
     Compose,
-    /// ∧
+    /// Conjunction, ∧.
     Conjoin,
-    /// /
+    /// Quotient, /.
     Quotient,
-    /// •
+    /// Merging, •.
     Merge,
 }
 
 impl Operation {
     const ALL: [Self; 4] = [Self::Compose, Self::Conjoin, Self::Quotient, Self::Merge];
 
-    /// The command's name.
+    /// Name of the operation as typed.
     pub fn word(self) -> &'static str {
         match self {
             Self::Compose => "compose",
@@ -59,7 +59,7 @@ impl Operation {
         }
     }
 
-    /// Applies the operation to several contracts from left to right.
+    /// Applies the operation to several contracts from left to right; `None` if there are none.
     pub fn fold(self, operands: Vec<Sets>) -> Option<Sets> {
         operands.into_iter().reduce(|a, b| self.apply(&a, &b))
     }
@@ -116,7 +116,7 @@ fn parts(text: &str) -> Result<Vec<&str>, String> {
             ')' => {
                 depth = depth
                     .checked_sub(1)
-                    .ok_or("a parenthesis is closed that was not opened")?;
+                    .ok_or("unmatched closing parenthesis")?;
             }
             ',' if depth == 0 => {
                 parts.push(&text[start..i]);
@@ -126,13 +126,13 @@ fn parts(text: &str) -> Result<Vec<&str>, String> {
         }
     }
     if depth > 0 {
-        return Err("a parenthesis is not closed".to_owned());
+        return Err("unmatched opening parenthesis".to_owned());
     }
     parts.push(&text[start..]);
     Ok(parts)
 }
 
-/// A port of a contract under another name: `Turn.command=cmd`.
+/// A new name for a port of a contract: `Turn.command=cmd`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rename {
     contract: String,
@@ -157,7 +157,7 @@ impl std::str::FromStr for Rename {
     }
 }
 
-/// The contracts of some operands, each place once.
+/// The contracts of all operands. A contract that occurs twice is listed twice, under two names.
 #[derive(Debug, Default)]
 pub struct Members<'a> {
     /// Contracts in order of occurrence.
@@ -167,7 +167,8 @@ pub struct Members<'a> {
 }
 
 impl<'a> Members<'a> {
-    /// Adds the contracts of an operand; returns it as an expression over them.
+    /// Adds the contracts of an operand, and returns the operand as an expression over all
+    /// contracts.
     pub fn add(&mut self, operand: &Operand, loaded: &'a LoadedFiles) -> anyhow::Result<Sets> {
         match operand {
             Operand::Result(operation, operands) => {
@@ -179,21 +180,21 @@ impl<'a> Members<'a> {
                 Ok(result.expect("at least two operands were parsed; please report this"))
             }
             Operand::Contract { name, selection } => {
-                let contract = one(selection, loaded)?;
+                let contract = find(selection, loaded)?;
                 let wanted = name.clone().unwrap_or_else(|| contract.name.clone());
-                let mut told = wanted.clone();
+                let mut shown = wanted.clone();
                 let mut number = 2;
-                while self.list.iter().any(|m| m.name == told) {
-                    told = format!("{wanted}_{number}");
+                while self.list.iter().any(|m| m.name == shown) {
+                    shown = format!("{wanted}_{number}");
                     number += 1;
                 }
                 self.list.push(Member {
                     specification: &contract.specification,
-                    name: told,
-                    renamed: Vec::new(),
+                    name: shown,
+                    renamings: Vec::new(),
                 });
                 self.contracts.push(contract);
-                Ok(Sets::part(self.list.len() - 1))
+                Ok(Sets::component(self.list.len() - 1))
             }
         }
     }
@@ -205,13 +206,13 @@ impl<'a> Members<'a> {
             let member = self.list.iter_mut().find(|m| m.name == rename.contract);
             let Some(member) = member else {
                 anyhow::bail!(
-                    "--rename refers to `{}`, and the contracts here are {}",
+                    "--rename names the contract `{}`, but the contracts here are {}",
                     rename.contract,
                     names.join(", ")
                 );
             };
             member
-                .renamed
+                .renamings
                 .push((rename.from.clone(), rename.to.clone()));
         }
         Ok(())
@@ -230,8 +231,8 @@ pub fn paths(operands: &[Operand]) -> Vec<String> {
     found
 }
 
-/// Finds the one contract that is meant.
-fn one<'a>(selection: &Selection, loaded: &'a LoadedFiles) -> anyhow::Result<&'a Contract> {
+/// Finds the contract of a selection.
+fn find<'a>(selection: &Selection, loaded: &'a LoadedFiles) -> anyhow::Result<&'a Contract> {
     let of_file: Vec<&Contract> = loaded
         .library
         .contracts
@@ -250,7 +251,7 @@ fn one<'a>(selection: &Selection, loaded: &'a LoadedFiles) -> anyhow::Result<&'a
         (_, []) => anyhow::bail!("{path} declares no contract that can be used"),
         (None, [only]) => Ok(only),
         (None, _) => anyhow::bail!(
-            "{path} declares several contracts: write one of {} behind {path}::",
+            "{path} declares several contracts: append one of {} to {path}::",
             names()
         ),
         (Some(name), _) => match of_file.iter().find(|c| c.name == *name) {
@@ -260,8 +261,8 @@ fn one<'a>(selection: &Selection, loaded: &'a LoadedFiles) -> anyhow::Result<&'a
     }
 }
 
-/// Whether a file of the library is the one named by a path: the same text, or a library name and
-/// its place.
+/// Whether a path names a loaded file: by the file's name, or by a library name such as
+/// `std.handling.turn`.
 fn same_file(file: &str, path: &str) -> bool {
     if file == path {
         return true;

@@ -2,13 +2,13 @@
 
 use super::document::{self, Document, Semantics, Verdict};
 use super::operand::{Operand, Operation};
-use super::{Joined, Outcome, RefineArguments, bring_together, gave_up, tell};
+use super::{Joined, Outcome, RefineArguments, gave_up, load_joined, print_outcome};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::decide::Decider;
 use crate::algebra::join::Sharing;
 use crate::algebra::proof::{Claim, Exports, prove};
 use crate::algebra::refine::{Question, Refinement, refine};
-use crate::algebra::system::{ContractSide, Part, System};
+use crate::algebra::system::{Component, ContractSide, System};
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
@@ -23,7 +23,7 @@ use std::fmt::Write as _;
 /// Runs `refine` on two operands.
 pub fn run(arguments: &RefineArguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     let operands = [&arguments.old, &arguments.new];
-    let joined = match bring_together(
+    let joined = match load_joined(
         "refine",
         &operands,
         &arguments.common,
@@ -34,16 +34,16 @@ pub fn run(arguments: &RefineArguments, options: &GlobalOptions) -> anyhow::Resu
         Err(code) => return Ok(code),
     };
     let outcome = match (&arguments.old, &arguments.new) {
-        (Operand::Contract { .. }, Operand::Contract { .. }) => single(&joined, options),
+        (Operand::Contract { .. }, Operand::Contract { .. }) => refine_contract(&joined, options),
         (Operand::Contract { .. }, Operand::Result(Operation::Compose, inner))
             if inner.iter().all(|o| matches!(o, Operand::Contract { .. })) =>
         {
-            composed(&joined, options)
+            refine_by_composition(&joined, options)
         }
-        _ => sets(&joined, options),
+        _ => refine_expression(&joined, options),
     };
     match outcome {
-        Ok(outcome) => tell(outcome, &joined.loaded, options),
+        Ok(outcome) => print_outcome(outcome, &joined.loaded, options),
         Err(limit) => gave_up(limit, "refine", &joined.loaded, options),
     }
 }
@@ -57,7 +57,7 @@ fn document(joined: &Joined, holds: bool, semantics: Semantics) -> Document {
             Verdict::Broken
         },
         semantics,
-        pairs: document::pairs(&joined.system),
+        pairs: document::contract_texts(&joined.system),
         proofs: BTreeMap::new(),
         counterexample: None,
         contracts: Vec::new(),
@@ -65,13 +65,13 @@ fn document(joined: &Joined, holds: bool, semantics: Semantics) -> Document {
     }
 }
 
-/// One contract against another, formula by formula.
-fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
+/// Compares two contracts formula by formula.
+fn refine_contract(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let (old, new) = (0, 1);
     let refinement = refine(&joined.system, new, old, &options.limits())?;
     let names = [
-        &joined.system.parts[old].name,
-        &joined.system.parts[new].name,
+        &joined.system.components[old].name,
+        &joined.system.components[new].name,
     ];
     let mut outcome = Outcome {
         document: document(joined, refinement.holds(), Semantics::Runs),
@@ -88,15 +88,15 @@ fn single(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
         ("guarantees", &refinement.guarantees, names[0]),
     ];
     for (what, question, whole) in entries {
-        let printer = of_question(question, whole);
+        let printer = question_printer(question, whole);
         let entry = document::proof(printer, &question.proof);
         outcome.document.proofs.insert(what, entry);
     }
     Ok(outcome)
 }
 
-/// Builds a question, with the owner of its goal's formulas.
-pub fn of_question<'a>(question: &'a Question, whole: &'a str) -> ProofPrinter<'a> {
+/// Creates a printer for the proof of a question; `whole` owns the formulas of its goal.
+pub fn question_printer<'a>(question: &'a Question, whole: &'a str) -> ProofPrinter<'a> {
     ProofPrinter {
         system: &question.system,
         claim: &question.claim,
@@ -104,7 +104,8 @@ pub fn of_question<'a>(question: &'a Question, whole: &'a str) -> ProofPrinter<'
     }
 }
 
-/// A refinement in words.
+/// Findings about a refinement, and its text. `at` maps the index of a part to its place in the
+/// text.
 pub fn explain(
     refinement: &Refinement,
     old: &str,
@@ -116,31 +117,33 @@ pub fn explain(
         (&refinement.assumptions, new, "assumes more"),
         (&refinement.guarantees, old, "guarantees less"),
     ] {
-        let printer = of_question(question, whole);
+        let printer = question_printer(question, whole);
         for open in &question.proof.open {
             let formula = printer.formula(open.what);
             let message = match what {
                 "assumes more" => format!(
-                    "`{new}` assumes `{}`, and `{old}` does not: an environment of `{old}` may break it",
+                    "`{new}` assumes `{}`, and `{old}` does not: an environment of `{old}` can break it",
                     formula.name
                 ),
                 _ => format!("`{new}` does not keep `{}` of `{old}`", formula.name),
             };
             let help = match what {
-                "assumes more" => "drop the assumption, or weaken it to what was assumed before",
-                _ => "guarantee it, too, or publish the change as one that is not compatible",
+                "assumes more" => {
+                    "remove the assumption, or weaken it to what the old contract assumes"
+                }
+                _ => "guarantee it as well, or publish the change as incompatible",
             };
             findings.push(
-                Diagnostic::error(codes::PROMISE_BROKEN, at(Some(0)), message)
+                Diagnostic::error(codes::GUARANTEE_UNPROVED, at(Some(0)), message)
                     .with_label(
                         formula.span,
                         if what == "assumes more" {
                             "this is assumed"
                         } else {
-                            "this was guaranteed"
+                            "guaranteed here"
                         },
                     )
-                    .with_note(printer.shown(open))
+                    .with_note(printer.counterexample(open))
                     .with_help(help),
             );
         }
@@ -150,8 +153,9 @@ pub fn explain(
             "no environment keeps the assumptions of `{old}`, so every contract refines it"
         );
         findings.push(
-            Diagnostic::warning(codes::ENVIRONMENT_EMPTY, at(None), message)
-                .with_help("`check` names the assumptions; weaken them, and compare again"),
+            Diagnostic::warning(codes::ENVIRONMENT_EMPTY, at(None), message).with_help(
+                "`check` names the contradictory assumptions; weaken them, and compare again",
+            ),
         );
     }
     let mut text = String::new();
@@ -161,14 +165,17 @@ pub fn explain(
     ] {
         if !question.proof.discharges.is_empty() {
             let _ = writeln!(text, "What `{whole}` {what} follows from:");
-            text.push_str(&of_question(question, whole).rests(&question.proof.discharges, old));
+            text.push_str(
+                &question_printer(question, whole)
+                    .refinement_table(&question.proof.discharges, old),
+            );
         }
     }
     let _ = writeln!(
         text,
         "{}",
         if refinement.holds() {
-            format!("`{new}` refines `{old}`: it can be used wherever that was used.")
+            format!("`{new}` refines `{old}`: it can be used wherever `{old}` was used.")
         } else {
             format!("`{new}` does not refine `{old}`.")
         }
@@ -177,17 +184,21 @@ pub fn explain(
     (findings, text)
 }
 
-/// A contract against a composition: whether under its assumptions the parts discharge one
-/// another's assumptions and keep its guarantees.
-fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
-    let (whole, parts) = joined.system.parts.split_first().expect("two operands");
+/// Compares a contract with a composition: under the assumptions of the contract, the parts have to
+/// discharge each other's assumptions, and to keep the contract's guarantees.
+fn refine_by_composition(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
+    let (whole, parts) = joined
+        .system
+        .components
+        .split_first()
+        .expect("two operands");
     let mut system = System {
         variables: joined.system.variables.clone(),
-        parts: parts.to_vec(),
+        components: parts.to_vec(),
     };
-    // The definitions of the whole's monitors hold, whoever keeps them.
+    // The definitions of the contract's monitors hold in any case.
     if whole.definitions != Side::default() {
-        system.parts.push(Part {
+        system.components.push(Component {
             assumptions: Side::default(),
             guarantees: Side::default(),
             drives: whole
@@ -237,12 +248,12 @@ fn composed(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> 
 }
 
 /// Compares two arbitrary expressions as sets of runs.
-fn sets(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
+fn refine_expression(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
     let mut decider = Decider::new(&joined.system, &options.limits())?;
     let refutation = decider.refutation(&joined.sets[1], &joined.sets[0])?;
     let mut outcome = Outcome {
         document: document(joined, refutation.is_none(), Semantics::Runs),
-        text: "Refined: whatever keeps the second keeps the first, in every environment of the first.\n".to_owned(),
+        text: "Refined: every component that satisfies the second satisfies the first, in every environment of the first.\n".to_owned(),
         findings: Vec::new(),
     };
     if let Some((half, run)) = refutation {
@@ -258,19 +269,19 @@ fn sets(joined: &Joined, options: &GlobalOptions) -> Result<Outcome, Limit> {
 fn refuted(joined: &Joined, half: ContractSide, shown: &str) -> Diagnostic {
     let message = match half {
         ContractSide::Assumptions => {
-            "it is not refined: an environment of the first may do this, and the second does not allow for it"
+            "not refined: an environment of the first can do this, but the second assumes that it does not"
         }
         ContractSide::Guarantees => {
-            "it is not refined: an implementation of the second may do this, and the first forbids it"
+            "not refined: an implementation of the second can do this, but the first forbids it"
         }
     };
-    Diagnostic::error(codes::PROMISE_BROKEN, joined.spans[0], message)
+    Diagnostic::error(codes::GUARANTEE_UNPROVED, joined.spans[0], message)
         .with_note(shown.to_owned())
-        .with_help("add a guarantee that rules this run out, or promise less")
+        .with_help("add a guarantee that excludes this run, or weaken the guarantees of the first")
 }
 
-/// Whether one expression refines another, for claims that other commands prove along the way.
-pub fn refutes(
+/// Returns a run by which `small` does not refine `large`; `None` if it does.
+pub fn refutation(
     joined: &Joined,
     small: &Sets,
     large: &Sets,

@@ -1,9 +1,9 @@
-//! Conjunction, quotient and merging: results that generally leave GR(1), and are kept as
-//! expressions.
+//! `conjoin`, `quotient` and `merge`, whose results are generally outside GR(1), and are
+//! represented as expressions.
 
 use super::document::{self, Document, Semantics, Verdict};
 use super::operand::{Operand, Operation};
-use super::{Common, Joined, Outcome, bring_together, gave_up, refine, tell};
+use super::{Common, Joined, Outcome, gave_up, load_joined, print_outcome, refine};
 use crate::algebra::contract::Contract as Sets;
 use crate::algebra::join::Sharing;
 use crate::cli::console::schema;
@@ -15,7 +15,7 @@ use crate::game::Limit;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Runs one of the three.
+/// Runs one of the three commands.
 pub fn run(
     operation: Operation,
     operands: &[&Operand],
@@ -23,12 +23,12 @@ pub fn run(
     options: &GlobalOptions,
 ) -> anyhow::Result<ExitCode> {
     let word = operation.word();
-    let joined = match bring_together(word, operands, common, Sharing::SeveralViews, options)? {
+    let joined = match load_joined(word, operands, common, Sharing::SeveralViews, options)? {
         Ok(joined) => joined,
         Err(code) => return Ok(code),
     };
     match outcome(operation, &joined, options) {
-        Ok(outcome) => tell(outcome, &joined.loaded, options),
+        Ok(outcome) => print_outcome(outcome, &joined.loaded, options),
         Err(limit) => gave_up(limit, word, &joined.loaded, options),
     }
 }
@@ -46,7 +46,7 @@ fn outcome(
             schema: schema(operation.word()),
             verdict: Verdict::Proved,
             semantics: Semantics::Runs,
-            pairs: document::pairs(&joined.system),
+            pairs: document::contract_texts(&joined.system),
             proofs: BTreeMap::new(),
             counterexample: None,
             contracts: Vec::new(),
@@ -57,18 +57,18 @@ fn outcome(
     };
     let claims = claims(operation, joined, &result);
     for (sentence, small, large) in claims {
-        match refine::refutes(joined, &small, &large, options)? {
+        match refine::refutation(joined, &small, &large, options)? {
             None => {
                 let _ = writeln!(outcome.text, "Proved: {sentence}.");
             }
             Some(run) => {
                 outcome.document.verdict = Verdict::Refuted;
                 outcome.document.counterexample = Some(document::lasso(&joined.system, &run));
-                let message = format!("it is not so that {sentence}");
+                let message = format!("this does not hold: {sentence}");
                 outcome.findings.push(
-                    Diagnostic::error(codes::PROMISE_BROKEN, joined.spans[0], message)
+                    Diagnostic::error(codes::GUARANTEE_UNPROVED, joined.spans[0], message)
                         .with_note(lasso_table(&joined.system, &run))
-                        .with_help("this is a law of the algebra: please report it"),
+                        .with_help("this is a law of the contract algebra: please report it"),
                 );
             }
         }
@@ -76,11 +76,12 @@ fn outcome(
     Ok(outcome)
 }
 
-/// Proves the laws that define a result: a sentence, and which contract refines which.
+/// The laws that define a result, each as a sentence and two contracts, of which the first refines
+/// the second.
 fn claims(operation: Operation, joined: &Joined, result: &Sets) -> Vec<(String, Sets, Sets)> {
     let names: Vec<&str> = joined
         .system
-        .parts
+        .components
         .iter()
         .map(|p| p.name.as_str())
         .collect();
@@ -114,10 +115,10 @@ fn claims(operation: Operation, joined: &Joined, result: &Sets) -> Vec<(String, 
     }
 }
 
-/// The result as a list of pairs with the operation that combines them.
+/// Formats the result: the contracts, and a sentence about the operation that combines them.
 fn text(operation: Operation, joined: &Joined) -> String {
     let mut text = String::new();
-    for pair in document::pairs(&joined.system) {
+    for pair in document::contract_texts(&joined.system) {
         let _ = writeln!(text, "{}", pair.name);
         for (word, list) in [
             ("assume", &pair.assumptions),
@@ -130,13 +131,13 @@ fn text(operation: Operation, joined: &Joined) -> String {
     }
     let sentence = match operation {
         Operation::Conjoin => {
-            "The conjunction: an environment of any of them will do, and each guarantee holds where its own assumptions do."
+            "The conjunction: the environment has to fit at least one of the contracts, and each guarantee holds where the assumptions of its contract hold."
         }
         Operation::Merge => {
-            "The merging: an environment keeps all assumptions, and then all guarantees hold."
+            "The merge: if the environment keeps all assumptions, all guarantees hold."
         }
         Operation::Quotient => {
-            "The quotient: what is missing may rely on what the whole assumes and what is there guarantees; it has to keep what the whole guarantees, and what is there assumes."
+            "The quotient: the missing component can assume what the whole assumes and what the existing component guarantees; it has to guarantee what the whole guarantees and what the existing component assumes."
         }
         Operation::Compose => "",
     };

@@ -22,19 +22,20 @@ use crate::engine::machines::{self, MachinePlan};
 use crate::engine::pipeline::{CheckedContract, Jobs, Verdict};
 use crate::game::Limits;
 use crate::gr1::{Specification, VarId};
+use crate::interchange::Format;
 use crate::source::Span;
 use indicatif::ProgressBar;
 use std::path::Path;
 
-/// Everything that the document is made from.
+/// The data from which the document is assembled.
 pub(super) struct Assembly<'a> {
     pub(super) loaded: &'a LoadedFiles,
     pub(super) files: &'a [FileView<'a>],
     pub(super) contracts: &'a [(&'a Contract, usize)],
     pub(super) machines: &'a [MachinePlan<'a>],
-    /// Machines with the arguments that lines give them; each with the place of the first such
-    /// line.
-    pub(super) sized: &'a [(Span, MachinePlan<'a>)],
+    /// Machines to which lines give arguments other than the defaults, each with the place of the
+    /// first such line.
+    pub(super) instances: &'a [(Span, MachinePlan<'a>)],
     pub(super) jobs: &'a Jobs,
     pub(super) checked: &'a [CheckedContract],
     pub(super) limits: Limits,
@@ -48,7 +49,7 @@ pub(super) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    /// Returns the document, and every finding in it once.
+    /// Returns the document, and all findings in it, each once.
     pub(super) fn document(&self) -> (Document, Vec<Diagnostic>) {
         let sources = &self.loaded.library.sources;
         let mut document = Document {
@@ -74,23 +75,23 @@ impl Assembly<'_> {
             loose.extend(file.outside());
             for declaration in &file.declarations {
                 let mut findings = file.within(declaration);
-                if self.is_left_out(declaration) && findings.is_empty() {
+                if self.is_omitted(declaration) && findings.is_empty() {
                     continue;
                 }
                 match declaration.kind {
                     Kind::Contract => {
                         let name = &declaration.name;
                         let doing = || format!("explaining the contract `{name}`");
-                        let told = internal::caught(doing, || {
+                        let shown = internal::caught(doing, || {
                             self.contract(file, declaration, &mut findings)
                         });
-                        let entry = told.unwrap_or_else(|fault| {
+                        let entry = shown.unwrap_or_else(|fault| {
                             findings.push(fault.finding(Some(declaration.extent)));
                             ContractEntry {
                                 name: name.clone(),
                                 verdict: Verdict::InternalError,
                                 findings: json::findings(sources, &findings),
-                                ..nameless(file.name)
+                                ..invalid_file(file.name)
                             }
                         });
                         document.contracts.push(entry);
@@ -112,15 +113,16 @@ impl Assembly<'_> {
                 }
                 all.extend(findings);
             }
-            // Without a declaration, nothing else would show the file as invalid.
+            // If the file has no declaration, an entry for the file itself shows that it is
+            // invalid.
             if file.broken && file.declarations.is_empty() {
-                document.contracts.push(nameless(file.name));
+                document.contracts.push(invalid_file(file.name));
             }
         }
         self.progress.finish_and_clear();
-        self.lines_of_invalid_machines(&mut document);
+        self.invalidate_lines(&mut document);
         for path in &self.loaded.unreadable {
-            document.contracts.push(nameless(path));
+            document.contracts.push(invalid_file(path));
         }
         document.findings = json::findings(sources, &loose);
         all.extend(loose);
@@ -145,15 +147,15 @@ impl Assembly<'_> {
     }
 
     /// Whether a declaration is a contract that was imported only to be refined.
-    fn is_left_out(&self, declaration: &Declaration) -> bool {
+    fn is_omitted(&self, declaration: &Declaration) -> bool {
         let mut contracts = self.loaded.library.contracts.iter();
         declaration.kind == Kind::Contract
             && contracts
                 .any(|c| declaration.holds(c.span) && super::is_only_refined(self.loaded, c))
     }
 
-    /// A line is only as valid as its machines.
-    fn lines_of_invalid_machines(&self, document: &mut Document) {
+    /// Changes the verdict on lines with machines that are invalid or unrealizable.
+    fn invalidate_lines(&self, document: &mut Document) {
         let Document {
             machines, lines, ..
         } = document;
@@ -183,7 +185,7 @@ impl Assembly<'_> {
         }
     }
 
-    /// The entry of a contract; findings of its pipeline are added to those of its text.
+    /// Creates the entry of a contract; adds the findings of the pipeline to those of its text.
     fn contract(
         &self,
         file: &FileView<'_>,
@@ -199,9 +201,10 @@ impl Assembly<'_> {
             .find(|(c, _)| declaration.holds(c.span))
             .map(|(_, job)| &self.checked[*job]);
         if let Some(result) = result {
-            let slips = findings.clone();
-            let explained = result.findings.iter().filter(|f| !follows(f, &slips));
-            findings.extend(explained.cloned());
+            let mistakes = findings.clone();
+            let others = result.findings.iter();
+            let others = others.filter(|f| !is_consequence(f, &mistakes));
+            findings.extend(others.cloned());
         }
         let bits = |inputs: bool| {
             contract.map(|c| {
@@ -213,26 +216,25 @@ impl Assembly<'_> {
                 }
             })
         };
-        let told = result.and_then(|r| Some((&*contract?.specification, r.lost.as_deref()?)));
+        let format = self.loaded.foreign(file.id).map(|f| f.reading.format);
+        let shown =
+            result.and_then(|r| Some((&*contract?.specification, r.explanation.as_deref()?)));
         ContractEntry {
             name: declaration.name.clone(),
             file: file.name.to_owned(),
-            format: self
-                .loaded
-                .foreign(file.id)
-                .map(|f| f.reading.format.ending()),
+            format: format.map(Format::ending),
             codes: contract.map(|c| texts(&c.codes)).unwrap_or_default(),
             verdict: result.map_or(Verdict::Invalid, |r| r.verdict),
             findings: json::findings(sources, findings),
             core: result.map(|r| r.core.clone()).unwrap_or_default(),
-            matters: told
-                .map(|(s, e)| lost::matter_names(s, e))
+            matters: shown
+                .map(|(s, e)| lost::relevant_assumptions(s, e))
                 .unwrap_or_default(),
-            play: told.and_then(|(s, e)| Some(explained::play(s, e.play.as_ref()?))),
-            suggestions: told
-                .and_then(|(s, e)| Some(lost::suggestions(s, e.advice.as_ref()?)))
+            play: shown.and_then(|(s, e)| Some(explained::play(s, e.play.as_ref()?))),
+            suggestions: shown
+                .and_then(|(s, e)| Some(lost::suggestions(s, format, e.advice.as_ref()?)))
                 .unwrap_or_default(),
-            counterstrategy: told
+            counterstrategy: shown
                 .and_then(|(_, e)| Some(explained::counterstrategy(e.counterstrategy.as_ref()?))),
             well_separation: result
                 .and_then(|r| Some(explained::well_separation(r.environment.as_ref()?))),
@@ -249,7 +251,7 @@ impl Assembly<'_> {
             kernel: result
                 .map(|r| r.statistics.kernel.clone())
                 .unwrap_or_default(),
-            verdict_only: result.is_some_and(|r| r.left_out),
+            verdict_only: result.is_some_and(|r| r.verdict_only),
         }
     }
 
@@ -295,14 +297,14 @@ impl Assembly<'_> {
         let line = known.find(|l| sound && declaration.holds(l.span));
         let controlled = |machine: &Machine| {
             let alike = |p: &&MachinePlan<'_>| machines::is_alike(p.machine, machine);
-            let sized = self.sized.iter().map(|(_, planned)| planned);
-            let mut known = self.machines.iter().chain(sized);
+            let instances = self.instances.iter().map(|(_, planned)| planned);
+            let mut known = self.machines.iter().chain(instances);
             known.find(alike)?.controlled(self.checked)
         };
         let mut fits = true;
         if let Some(line) = line {
-            let own = self.sized.iter().filter(|(of, _)| *of == line.span);
-            for found in own.map(|(_, planned)| self.judged(planned)) {
+            let own = self.instances.iter().filter(|(of, _)| *of == line.span);
+            for found in own.map(|(_, planned)| self.instance_findings(planned)) {
                 fits &= !has_errors(&found);
                 findings.extend(found);
             }
@@ -323,7 +325,7 @@ impl Assembly<'_> {
             });
         let failed = failed || is_failed(&proof.findings);
         if proof.routes_decided {
-            findings.retain(|f| !line.is_some_and(|line| lines::is_doubt(f, line)));
+            findings.retain(|f| !line.is_some_and(|line| lines::is_route_warning(f, line)));
         }
         findings.extend(proof.findings);
         LineEntry {
@@ -342,9 +344,9 @@ impl Assembly<'_> {
         }
     }
 
-    /// Findings about a machine that only lines have in this size.
-    fn judged(&self, planned: &MachinePlan<'_>) -> Vec<Diagnostic> {
-        // Findings about a contract are reported with its own defaults.
+    /// Findings about a machine with the arguments that a line gives it.
+    fn instance_findings(&self, planned: &MachinePlan<'_>) -> Vec<Diagnostic> {
+        // Warnings are already reported for the machine with its default arguments.
         let mut found = planned.findings(self.jobs, self.checked);
         found.retain(|f| f.severity == Severity::Error);
         if let Some(controlled) = planned.controlled(self.checked) {
@@ -371,13 +373,13 @@ impl Assembly<'_> {
             .map(|c| {
                 let (name, span) = (&c.machine.name, c.machine.span);
                 let doing = || format!("checking the machine `{name}`");
-                let standing = if machines::is_only_inner(c.machine, &self.loaded.library) {
+                let context = if machines::is_only_inner(c.machine, &self.loaded.library) {
                     MachineContext::Within
                 } else {
                     MachineContext::Alone
                 };
                 let proved =
-                    internal::caught(doing, || machine::proved(&c, standing, &self.limits));
+                    internal::caught(doing, || machine::prove_machine(&c, context, &self.limits));
                 let proved = proved.unwrap_or_else(|fault| MachineProof {
                     findings: vec![fault.finding(Some(span))],
                     ..MachineProof::default()
@@ -425,19 +427,19 @@ fn is_failed(findings: &[Diagnostic]) -> bool {
 }
 
 /// Whether a finding is merely a consequence of a mistake in the text of the same formula.
-fn follows(finding: &Diagnostic, slips: &[Diagnostic]) -> bool {
-    let hollow = [codes::UNBREAKABLE, codes::NEVER_ASKED].contains(&finding.code);
-    let slip =
+fn is_consequence(finding: &Diagnostic, mistakes: &[Diagnostic]) -> bool {
+    let is_vacuous = [codes::UNBREAKABLE, codes::CONDITION_NEVER_HOLDS].contains(&finding.code);
+    let is_cause =
         |f: &Diagnostic| [codes::COMPARISON_DECIDED, codes::NEXT_BOTH_SIDES].contains(&f.code);
     let within = |f: &Diagnostic| match (finding.span, f.span) {
-        (Some(formula), Some(slip)) => formula.holds(slip) || slip.holds(formula),
+        (Some(formula), Some(mistake)) => formula.contains(mistake) || mistake.contains(formula),
         _ => false,
     };
-    hollow && slips.iter().any(|f| slip(f) && within(f))
+    is_vacuous && mistakes.iter().any(|f| is_cause(f) && within(f))
 }
 
-/// The entry of a file that contains no contract with a name.
-fn nameless(file: &str) -> ContractEntry {
+/// Creates an entry for a file that cannot be read, or is invalid and has no declarations.
+fn invalid_file(file: &str) -> ContractEntry {
     let stem = Path::new(file).file_stem();
     ContractEntry {
         name: stem.map_or(file.to_owned(), |s| s.to_string_lossy().into_owned()),

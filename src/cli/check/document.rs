@@ -1,4 +1,4 @@
-//! The JSON document of `check`, from which its other formats are also made.
+//! The JSON document of `check`, from which the text formats are also generated.
 
 use super::watch::Trigger;
 use crate::cli::schema::AnyValue;
@@ -19,10 +19,10 @@ use std::fmt;
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct Document {
     pub(super) schema: String,
-    /// Why it was checked again, with `--watch`.
+    /// With `--watch`: the reason for the check.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub(super) occasion: Option<Trigger>,
-    /// What a contract means: always `strict`, safety first.
+    /// The semantics of contracts: always `strict`, safety first.
     #[schemars(extend("const" = "strict"))]
     pub(super) semantics: &'static str,
     /// The contracts.
@@ -36,11 +36,11 @@ pub(super) struct Document {
     pub(super) lines: Vec<LineEntry>,
     /// Findings outside all declarations.
     pub(super) findings: Vec<json::Finding>,
-    /// How many there are of each verdict.
+    /// The number of contracts by verdict, and of findings.
     pub(super) summary: Summary,
 }
 
-/// What is known of a contract.
+/// Result for a contract.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct ContractEntry {
     /// The name of the contract.
@@ -58,10 +58,11 @@ pub(super) struct ContractEntry {
     pub(super) findings: Vec<json::Finding>,
     /// For an unrealizable contract: the guarantees that clash.
     pub(super) core: Vec<String>,
-    /// For an unrealizable one: the assumptions that matter for the core.
+    /// For an unrealizable contract: the assumptions without which fewer guarantees would already
+    /// clash.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) matters: Vec<String>,
-    /// The play that shows that it is unrealizable.
+    /// For an unrealizable contract: a play that the plant wins.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) play: Option<PlayEntry>,
     /// Changes that would make it realizable.
@@ -70,8 +71,8 @@ pub(super) struct ContractEntry {
     /// Size of its counterstrategy, which `synth --counterstrategy` writes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) counterstrategy: Option<CounterstrategyEntry>,
-    /// For a realizable one: the number of situations from which the machine can make the plant
-    /// break an assumption.
+    /// For a realizable contract: the number of situations from which the machine can make the
+    /// plant break an assumption.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) well_separation: Option<WellSeparation>,
     /// The number of bits of its inputs.
@@ -83,25 +84,25 @@ pub(super) struct ContractEntry {
     /// The number of states of its controller.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) states: Option<usize>,
-    /// How long it took, in seconds; left out with `--no-timing`.
+    /// Wall-clock time in seconds; absent with `--no-timing`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
     pub(super) seconds: Option<f64>,
-    /// The largest number of nodes that were kept at once; left out with `--no-timing`.
+    /// Peak number of BDD nodes; absent with `--no-timing`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) peak_nodes: Option<u64>,
-    /// Present with `--stats`.
+    /// Statistics of the solver; only with `--stats`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) statistics: Option<Statistics>,
-    /// Kernel name, for people; in JSON it is in the statistics.
+    /// Name of the kernel, for the table; in JSON, it is in the statistics.
     #[serde(skip)]
     pub(super) kernel: String,
-    /// Whether only the verdict was computed, since the game is large.
+    /// Whether only the verdict was decided because the game is large.
     #[serde(skip)]
     pub(super) verdict_only: bool,
 }
 
-/// A play lost by the machine.
+/// A play that the plant wins.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct PlayEntry {
     /// Values of all variables by name for every step; for a step without an answer, only those of
@@ -111,10 +112,10 @@ pub(super) struct PlayEntry {
     /// Guarantees that clash in the last step.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) clash: Vec<String>,
-    /// Index of the step that follows the last one, for ever.
+    /// Index of the step from which the play repeats for ever after the last step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) repeats_from: Option<usize>,
-    /// The guarantee that is never met again.
+    /// The guarantee that never holds again.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) never: Option<String>,
 }
@@ -128,7 +129,8 @@ pub(super) struct CounterstrategyEntry {
     pub(super) verified: bool,
 }
 
-/// Both checks of Maoz and Ringert: `[from, of]` possible situations.
+/// Results of both checks of Maoz and Ringert (2016): `[number, total]` of the situations that can
+/// occur.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct WellSeparation {
     /// For a machine that always keeps its guarantees.
@@ -161,13 +163,13 @@ impl fmt::Display for Validity {
 pub(super) enum SkillsVerdict {
     /// Its rules can be kept.
     Consistent,
-    /// They allow nothing, or lead nowhere.
+    /// Its rules or situations have errors: for example, they allow no call.
     Contradictory,
-    /// A limit was reached before it was decided.
+    /// A limit was reached first.
     GaveUp,
     /// The declaration is invalid.
     Invalid,
-    /// This program failed while it looked at it.
+    /// An internal error occurred.
     InternalError,
 }
 
@@ -177,7 +179,7 @@ impl fmt::Display for SkillsVerdict {
     }
 }
 
-/// What is known of a set of skills.
+/// Result for a set of skills.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct SkillsEntry {
     /// The name of the set.
@@ -194,7 +196,7 @@ pub(super) struct SkillsEntry {
     pub(super) findings: Vec<json::Finding>,
 }
 
-/// What is known of a machine.
+/// Result for a machine.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct MachineEntry {
     /// The name of the machine.
@@ -207,7 +209,7 @@ pub(super) struct MachineEntry {
     pub(super) verdict: Verdict,
     /// Its components.
     pub(super) components: Vec<ComponentEntry>,
-    /// How each assumption of a component is met, if the composition was checked.
+    /// How each assumption of a component is discharged, if the composition was checked.
     pub(super) discharges: Vec<DischargeEntry>,
     /// Closed composition of its controllers, if each component has one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -230,7 +232,7 @@ pub(super) struct ComponentEntry {
     pub(super) verdict: Verdict,
 }
 
-/// What is known of a production line.
+/// Result for a production line.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct LineEntry {
     /// The name of the line.
@@ -242,13 +244,13 @@ pub(super) struct LineEntry {
     /// For a valid line: whether parts keep moving.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) proof: Option<LineVerdict>,
-    /// If proved or safe: premises that the line itself does not establish.
+    /// If proved or safe: premises of the proof that it does not establish itself.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) premises: Vec<PremiseEntry>,
-    /// If safe: what was not decided.
+    /// If safe: names of the goals that were not decided.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) undecided: Vec<String>,
-    /// What each requirement of the line, and each assumption of a place in it, rests on.
+    /// How each requirement of the line, and each assumption of a place in it, is discharged.
     pub(super) discharges: Vec<DischargeEntry>,
     /// Its findings.
     pub(super) findings: Vec<json::Finding>,
@@ -269,21 +271,21 @@ impl From<Premise> for PremiseEntry {
     }
 }
 
-/// How many contracts there are of each verdict.
+/// Numbers of contracts by verdict, and of findings.
 #[derive(Debug, Default, JsonSchema, Serialize)]
 pub(super) struct Summary {
-    /// Contracts that have a controller.
+    /// Number of contracts that have a controller.
     pub(super) realizable: usize,
-    /// Contracts that have none.
+    /// Number of contracts that have no controller.
     pub(super) unrealizable: usize,
-    /// Contracts for which a limit was reached.
+    /// Number of contracts for which a limit was reached.
     pub(super) gave_up: usize,
-    /// Contracts that could not be understood.
+    /// Number of contracts with errors, and of files that cannot be read.
     pub(super) invalid: usize,
     /// Number of contracts with an internal error; omitted if there are none.
     #[serde(skip_serializing_if = "is_zero")]
     pub(super) internal_error: usize,
-    /// All findings of the document.
+    /// Number of findings in the document.
     pub(super) findings: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Explanations of a contract's verdict, for the document.
+//! Converts explanations of a contract's verdict to entries of the document.
 
 use super::document::{CounterstrategyEntry, PlayEntry, WellSeparation};
 use crate::game::{Ending, EnvironmentFindings, GuaranteeRef, Play};
@@ -6,7 +6,7 @@ use crate::gr1::{Domain, Owner, Specification, Timing};
 use crate::mealy::Machine;
 use serde_json::Value;
 
-/// A play by variable names.
+/// Converts a play; values are keyed by variable name.
 pub(super) fn play(s: &Specification, play: &Play) -> PlayEntry {
     let last = play.steps.len() - 1;
     let clashes = matches!(play.ending, Ending::Clash(_));
@@ -42,7 +42,7 @@ pub(super) fn play(s: &Specification, play: &Play) -> PlayEntry {
     entry
 }
 
-/// A value in JSON.
+/// Converts a value to JSON.
 fn shown(domain: &Domain, value: i64) -> Value {
     match domain {
         Domain::Bool => Value::Bool(value != 0),
@@ -51,7 +51,7 @@ fn shown(domain: &Domain, value: i64) -> Value {
     }
 }
 
-/// A counterstrategy; present only if verified.
+/// Entry for a counterstrategy, which is known only if it was verified.
 pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
     CounterstrategyEntry {
         states: machine.states.len(),
@@ -59,7 +59,7 @@ pub(super) fn counterstrategy(machine: &Machine) -> CounterstrategyEntry {
     }
 }
 
-/// Both numbers.
+/// Converts the results of both checks.
 pub(super) fn well_separation(found: &EnvironmentFindings) -> WellSeparation {
     // Rounded above 2^53.
     let whole = |counts: [f64; 2]| counts.map(|n| n as u64);

@@ -32,7 +32,7 @@ use view::{FileView, view};
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "check",
-    "What is known of contracts, machines and lines",
+    "Verdicts on contracts, machines and lines",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -58,8 +58,8 @@ pub struct Arguments {
     /// [default: ./contracts, or else the bundled library]
     #[arg(value_name = "PATH")]
     pub paths: Vec<String>,
-    /// Show how each verdict was found: BDD kernel, time by phase, nodes, iterations, variable
-    /// order
+    /// Show solver statistics for each contract: BDD kernel, time by phase, nodes, iterations,
+    /// variable order
     #[arg(long)]
     pub stats: bool,
     /// Write down why the contract is realizable, in a form that others can check
@@ -115,13 +115,13 @@ fn check(
     );
     let files = FileView::all(&loaded);
 
-    // A machine's actions are examined in the form that `build` gives them.
+    // Controllers of actions have the same form as in `build`.
     let mut jobs = Jobs::examining()
-        .wishing(ExtractionOptions {
+        .with_extraction(ExtractionOptions {
             functions: true,
             ..ExtractionOptions::default()
         })
-        .ranking(arguments.proof.is_some());
+        .with_ranking(arguments.proof.is_some());
     let library = &loaded.library;
     let contracts: Vec<(&Contract, usize)> = library
         .contracts
@@ -143,7 +143,7 @@ fn check(
         .filter(|m| view(&files, m.span.file).is_some_and(|f| f.is_sound(m.span)))
         .map(|m| MachinePlan::new(m, &mut jobs))
         .collect();
-    let sized = sized(&files, library, &machines, &mut jobs);
+    let instances = line_instances(&files, library, &machines, &mut jobs);
     let progress = console.progress(jobs.len(), "checking");
     let checked = jobs.run_with(memory, settings, &progress);
 
@@ -152,7 +152,7 @@ fn check(
         files: &files,
         contracts: &contracts,
         machines: &machines,
-        sized: &sized,
+        instances: &instances,
         jobs: &jobs,
         checked: &checked,
         limits: settings.limits,
@@ -171,7 +171,7 @@ fn check(
                 .contains(&library.sources.file(c.span.file).name)
         });
         let own: Vec<_> = own.map(|(c, job)| (*c, &checked[*job])).collect();
-        // If errors prevented a contract, those errors are the findings.
+        // If the contract has errors, these are already the findings.
         let found = if own.is_empty() && has_errors(&findings) {
             Vec::new()
         } else {
@@ -202,30 +202,30 @@ fn check(
     })
 }
 
-/// Machines to which lines give arguments other than the defaults, each with the place of the first
-/// such line.
-fn sized<'a>(
+/// Plans the machines to which lines give arguments other than the defaults, each with the place of
+/// the first such line.
+fn line_instances<'a>(
     files: &[FileView<'_>],
     library: &'a Library,
     declared: &[MachinePlan<'a>],
     jobs: &mut Jobs,
 ) -> Vec<(Span, MachinePlan<'a>)> {
-    let mut sized: Vec<(Span, MachinePlan<'a>)> = Vec::new();
+    let mut instances: Vec<(Span, MachinePlan<'a>)> = Vec::new();
     let lines = library.lines.iter();
     for line in lines.filter(|l| view(files, l.span.file).is_some_and(|f| f.is_sound(l.span))) {
         for machine in machines::of_line(line) {
-            let own = sized.iter().map(|(_, planned)| planned);
+            let own = instances.iter().map(|(_, planned)| planned);
             let mut known = declared.iter().chain(own);
-            if !known.any(|p| machines::is_judged_alike(p.machine, machine)) {
-                sized.push((line.span, MachinePlan::new(machine, jobs)));
+            if !known.any(|p| machines::has_same_proofs(p.machine, machine)) {
+                instances.push((line.span, MachinePlan::new(machine, jobs)));
             }
         }
     }
-    sized
+    instances
 }
 
-/// Whether a contract was imported only to be refined: whatever refines it shows that it can be
-/// kept.
+/// Whether a contract was imported only to be refined by machines. Such a contract is not solved: a
+/// machine that refines it shows that it can be kept.
 fn is_only_refined(loaded: &LoadedFiles, contract: &Contract) -> bool {
     let library = &loaded.library;
     let own = &library.sources.file(contract.span.file).name;
@@ -237,7 +237,8 @@ fn is_only_refined(loaded: &LoadedFiles, contract: &Contract) -> bool {
         && !library.machines.iter().any(used)
 }
 
-/// Writes the proof of the only contract; the findings explain why there is none.
+/// Writes the proof of the only contract. Returns a finding if the contract is unrealizable, or the
+/// file cannot be written.
 fn write_proof(
     path: &Path,
     contracts: &[(&Contract, &CheckedContract)],
@@ -245,7 +246,7 @@ fn write_proof(
 ) -> anyhow::Result<Vec<Diagnostic>> {
     let [(contract, checked)] = contracts else {
         anyhow::bail!(
-            "--proof is for a single contract, and there are {}: give a file with one",
+            "--proof needs exactly one contract, but there are {}: give a file with one contract, or FILE::NAME",
             contracts.len()
         );
     };
@@ -261,11 +262,11 @@ fn write_proof(
             output::write(path, &text, sources).err().map(|f| *f).into_iter().collect()
         }
         (None, Verdict::Unrealizable) => vec![
-            note(format!("there is no proof for `{name}` in {}", path.display())).with_help(
-                "a proof can only be written of a realizable contract as yet; the guarantees that clash are named above",
+            note(format!("no proof of `{name}` was written to {}", path.display())).with_help(
+                "--proof works only for realizable contracts; the guarantees that clash are listed above",
             ),
         ],
-        // Its own finding explains why there is no verdict.
+        // Another finding explains why there is no verdict.
         (None, _) => Vec::new(),
     })
 }

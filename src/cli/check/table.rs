@@ -1,4 +1,4 @@
-//! The result of `check` as text: one line per contract, machine and line, and a summary.
+//! Formats the result of `check` as text: one line per declaration, and a summary.
 
 use super::document::{Document, SkillsVerdict, Validity};
 use crate::engine::lines::LineVerdict;
@@ -67,18 +67,19 @@ impl From<Validity> for Mark {
     }
 }
 
-/// A verdict as shown in the table.
+/// Formats a verdict for the table: `gave up`.
 fn in_words(verdict: impl fmt::Display) -> String {
     verdict.to_string().replace('_', " ")
 }
 
-/// One line of the table, before the columns are aligned.
+/// A row of the table, before the columns are aligned.
 struct Row {
     mark: Mark,
     cells: Vec<String>,
 }
 
-/// The table and the summary, in color. With `verbose`, the files are included.
+/// The table and the summary, in color. With `verbose`, also the files, the kernels, and how each
+/// assumption is discharged.
 pub(super) fn human(document: &Document, verbose: bool) -> String {
     let mut rows: Vec<Row> = Vec::new();
     let file = |name: &str| {
@@ -170,11 +171,11 @@ pub(super) fn human(document: &Document, verbose: bool) -> String {
     text
 }
 
-/// Premises of the proofs of lines.
+/// Lists the premises of the proofs of lines.
 fn premises(document: &Document) -> String {
     let mut text = String::new();
     for line in document.lines.iter().filter(|l| !l.premises.is_empty()) {
-        let _ = writeln!(text, "what is known of {} holds provided that", line.name);
+        let _ = writeln!(text, "the verdict on {} holds provided that", line.name);
         for premise in &line.premises {
             let _ = writeln!(text, "    {}", premise.text);
         }
@@ -218,7 +219,7 @@ fn align(rows: &[Row]) -> String {
                 continue;
             }
             let padding = " ".repeat(width - cell.chars().count());
-            // Times are numbers: right-aligned.
+            // Times are right-aligned.
             let (before, after) = if i == 5 {
                 (padding.as_str(), "")
             } else {
@@ -263,28 +264,32 @@ fn interface(inputs: Option<u32>, outputs: Option<u32>) -> String {
     }
 }
 
-/// Contracts too large for more than a verdict.
+/// Lists the contracts that are too large for more than a verdict.
 fn verdicts_only(document: &Document) -> String {
     let large = document.contracts.iter().filter(|c| c.verdict_only);
     let lines = large.map(|c| {
         format!(
-            "{}: only the verdict; it is large, so its controller was not written down, and its plant not examined\n",
+            "{}: verdict only; the contract is large, so its controller was not extracted and its assumptions were not examined\n",
             c.name
         )
     });
     lines.collect()
 }
 
-/// For every machine, how its components' assumptions are met, and how it refines its contracts.
+/// For every line and machine, how each assumption is discharged, and how it refines its contracts.
 fn discharges(document: &Document) -> String {
     let mut text = String::new();
     for line in document.lines.iter().filter(|l| !l.discharges.is_empty()) {
-        let _ = writeln!(text, "\n{}: how each assumption is met", line.name);
+        let _ = writeln!(text, "\n{}: how each assumption is discharged", line.name);
         text.push_str(&discharged(&line.discharges));
     }
     for machine in &document.machines {
         if !machine.discharges.is_empty() {
-            let _ = writeln!(text, "\n{}: how each assumption is met", machine.name);
+            let _ = writeln!(
+                text,
+                "\n{}: how each assumption is discharged",
+                machine.name
+            );
             text.push_str(&discharged(&machine.discharges));
         }
         for refined in &machine.refines {
@@ -293,11 +298,11 @@ fn discharges(document: &Document) -> String {
                 RefinementVerdict::Refined => writeln!(text, "\n{machine} refines {contract}"),
                 RefinementVerdict::Broken => writeln!(
                     text,
-                    "\n{machine} does not refine {contract}; what holds of it"
+                    "\n{machine} does not refine {contract}; these obligations are discharged"
                 ),
                 RefinementVerdict::GaveUp => writeln!(
                     text,
-                    "\nwhether {machine} refines {contract} was not decided"
+                    "\ncould not decide whether {machine} refines {contract}"
                 ),
             };
             text.push_str(&discharged(&refined.discharges));

@@ -1,4 +1,4 @@
-//! A file as seen by `check`: its declarations, and which of them are reliable.
+//! The files of a check with their declarations, and whether these are free of errors.
 
 use crate::cli::outline::{self, Declaration, Kind};
 use crate::diagnostics::{Diagnostic, codes, has_errors};
@@ -12,8 +12,8 @@ pub(super) struct FileView<'a> {
     pub(super) name: &'a str,
     pub(super) declarations: Vec<Declaration>,
     pub(super) findings: Vec<&'a Diagnostic>,
-    /// Whether it does not parse, or has an error outside all declarations: then nothing in it is
-    /// reliable.
+    /// Whether the file does not parse, or has an error outside all declarations. No declaration of
+    /// such a file is checked.
     pub(super) broken: bool,
 }
 
@@ -23,10 +23,10 @@ impl<'a> FileView<'a> {
         sources
             .files()
             .map(|(id, file)| {
-                // An import of another tool's file declares nothing of its own; an error in it
-                // counts for the importing file.
+                // A file that is imported by another tool's file has no declarations; its errors
+                // are errors of the importing file.
                 let imported =
-                    loaded.foreign(id).is_none() && Format::of_path(&file.name).is_some();
+                    loaded.foreign(id).is_none() && Format::from_path(&file.name).is_some();
                 let declarations = match loaded.foreign(id) {
                     Some(foreign) => vec![Declaration {
                         kind: Kind::Contract,
@@ -58,7 +58,7 @@ impl<'a> FileView<'a> {
             .collect()
     }
 
-    /// Whether the declaration at this place has no errors.
+    /// Whether the declaration that contains `name` has no errors.
     pub(super) fn is_sound(&self, name: Span) -> bool {
         let declaration = self.declarations.iter().find(|d| d.holds(name));
         !self.broken && declaration.is_some_and(|d| !has_errors(&self.within(d)))

@@ -1,9 +1,9 @@
 //! `check --watch`: checks again whenever a file has changed, until Ctrl-C.
 //!
-//! Unchanged contracts keep their results: those at the same place from the previous check, those
-//! that have moved within their file from the cache. If the user disabled the cache, a temporary
-//! one lasts as long as the watch. Ctrl-C ends the watch normally, with the exit code of the last
-//! completed check.
+//! Unchanged contracts keep their results: contracts at the same place from the previous check,
+//! contracts that have moved within their file from the cache. If the user disabled the cache, a
+//! temporary one is used during the watch. Ctrl-C ends the watch normally, with the exit code of
+//! the last completed check.
 
 mod file_watcher;
 
@@ -22,10 +22,10 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// The reason for another check: a part of its JSON document.
+/// The reason for a check: a part of its JSON document.
 #[derive(Debug, JsonSchema, Serialize)]
 pub(super) struct Trigger {
-    /// Empty for the first check.
+    /// Changes since the previous check; empty for the first check.
     changes: Vec<Change>,
     /// Start time, in seconds since 1970 (UTC).
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -62,16 +62,16 @@ impl Trigger {
 pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
     if options.format == Format::Sarif {
         anyhow::bail!(
-            "SARIF is one document for one check: leave --watch out, or take `--format json` with it"
+            "SARIF holds one check only: leave --watch out, or use it with `--format json`"
         );
     }
     let console = options.console();
     let standard = StandardLibrary::new(options.library.clone());
     let mut watcher = FileWatcher::new(&arguments.paths, standard.clone());
     let mut memory = Memory::default();
-    let own = tempfile::tempdir().context("no temporary folder can be made")?;
+    let own = tempfile::tempdir().context("cannot create a temporary folder")?;
     let mut code = None;
-    let mut changes = watcher.look();
+    let mut changes = watcher.scan();
     changes.clear();
     loop {
         let occasion = Trigger::now(changes, !options.no_timing);
@@ -91,9 +91,9 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
             return Ok(checked.code);
         }
         if code.replace(checked.code).is_none() && options.format != Format::Json {
-            console.remark("Watching; Ctrl-C ends it.\n")?;
+            console.remark("Watching for changes; stop with Ctrl-C.\n")?;
         }
-        watcher.also(&places_of(&checked, &standard));
+        watcher.set_imports(&read_files(&checked, &standard));
         let Some(found) = watcher.wait(interrupt::interrupted) else {
             interrupt::take();
             return Ok(checked.code);
@@ -102,8 +102,8 @@ pub(super) fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Res
     }
 }
 
-/// The line for a trigger where it is not a part of the document; in human output, surrounded by
-/// blank lines.
+/// Text for the line of a trigger, if the trigger is not a part of the document; in human output,
+/// surrounded by blank lines.
 fn line_for(format: Format, line: &str) -> String {
     match format {
         Format::Human if !line.is_empty() => format!("\n\u{1b}[1m{line}\u{1b}[0m\n"),
@@ -112,26 +112,26 @@ fn line_for(format: Format, line: &str) -> String {
     }
 }
 
-/// The files that a check has read, with their texts, and those that it tried to read, apart from
-/// those given as arguments.
-fn places_of<'a>(
+/// Paths of all files that a check has read, with their texts, and of imports that could not be
+/// read.
+fn read_files<'a>(
     checked: &'a CheckResult,
     standard: &StandardLibrary,
 ) -> Vec<(PathBuf, Option<&'a str>)> {
     let loaded = &checked.loaded;
     let sources: &SourceMap = &loaded.library.sources;
-    // Bundled files have no place on disk.
-    let is_there = |name: &str| !name.starts_with("std/") || standard.place(name).exists();
+    // Bundled files do not exist on disk.
+    let is_on_disk = |name: &str| !name.starts_with("std/") || standard.disk_path(name).exists();
     let read = sources
         .files()
-        .filter(|(_, file)| is_there(&file.name))
-        .map(|(_, file)| (standard.place(&file.name), Some(&*file.text)));
+        .filter(|(_, file)| is_on_disk(&file.name))
+        .map(|(_, file)| (standard.disk_path(&file.name), Some(&*file.text)));
     let missing = loaded
         .missing
         .iter()
-        .map(|name| (standard.place(name), None));
+        .map(|name| (standard.disk_path(name), None));
     read.chain(missing).collect()
 }
 
-/// Maximum delay before a change is noticed if the system does not report it.
-pub(super) const SLOWEST: Duration = Duration::from_millis(200);
+/// Interval between scans where the operating system cannot report file changes.
+pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(200);

@@ -1,5 +1,5 @@
-//! `linewright doctor --probe`: the layout inferred from a dump, its uncertainties, and the
-//! profile.
+//! `linewright doctor --probe`: infers the layout of `UF_Value` from a dump, with the confidence in
+//! each fact, and writes the profile.
 
 use super::super::console::schema;
 use super::super::exit::ExitCode;
@@ -16,22 +16,23 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
 
-const ELSEWHERE: &str = "name another file with --out, or move that one away first";
+/// Help text if the profile file already exists.
+const FILE_EXISTS_HELP: &str = "name another file with --out, or move the existing one first";
 
-/// Maximum size of a dump.
-const LARGEST_FILE: u64 = 16 << 20;
+/// Maximum size of a dump in bytes.
+const MAX_FILE_BYTES: u64 = 16 << 20;
 
 /// The JSON document of `doctor --probe`.
 #[derive(JsonSchema, Serialize)]
 pub(super) struct Document {
     schema: String,
-    /// What the dump tells; null where it is not understood.
+    /// The evaluation of the dump; null if it failed.
     probe: Option<ProbeReport>,
     /// All findings.
     findings: Vec<json::Finding>,
 }
 
-/// What a dump tells.
+/// The evaluation of a dump.
 #[derive(JsonSchema, Serialize)]
 struct ProbeReport {
     /// The platform on which the probe ran.
@@ -40,9 +41,9 @@ struct ProbeReport {
     calls: usize,
     /// The profile that was found.
     profile: ProfileEntry,
-    /// The answers, and how sure they are.
+    /// The facts about the layout, with the confidence in each.
     facts: Vec<Fact>,
-    /// The file that the profile was written to; null where it was not.
+    /// The file to which the profile was written; null if it was not written.
     written: Option<String>,
 }
 
@@ -52,14 +53,14 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     let mut sources = SourceMap::new();
     let mut findings = Vec::new();
     let mut found = None;
-    match profiles::text(path, LARGEST_FILE) {
+    match profiles::text(path, MAX_FILE_BYTES) {
         Err(finding) => findings.push(*finding),
         Ok(text) => {
             let file = sources.add(path.display().to_string(), text.as_str());
             let (dump, damages) = dump::parse(file, &text);
             findings.extend(damages);
             if !has_errors(&findings) {
-                match judge(&dump, out) {
+                match evaluate(&dump, out) {
                     Ok((profile, facts)) => found = Some((dump, profile, facts)),
                     Err(wrong) => findings.extend(wrong),
                 }
@@ -68,11 +69,11 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     }
     let mut written = None;
     if let Some((_, profile, _)) = &found {
-        findings.extend(profiles::caution(profile).map(|note| {
-            note.with_help("confirm it: `linewright build --probe --profile FILE --target windows` makes the second round; give its dump to `doctor --probe`")
+        findings.extend(profiles::note_if_unverified(profile).map(|note| {
+            note.with_help("confirm it: build the probe of the second round with `linewright build --probe --profile FILE --target windows`, and pass its dump to `doctor --probe`")
         }));
         if let Some(out) = out {
-            match output::keep(out, &profile.to_toml(), ELSEWHERE) {
+            match output::keep(out, &profile.to_toml(), FILE_EXISTS_HELP) {
                 Ok(()) => written = Some(out.display().to_string()),
                 Err(finding) => findings.push(*finding),
             }
@@ -98,7 +99,7 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
             console.findings(&sources, &findings)?;
             if let Some(written) = written {
                 console.remark(&format!("wrote {written}\n"))?;
-                if found.is_some_and(|(_, profile, _)| profile.verified()) {
+                if found.is_some_and(|(_, profile, _)| profile.is_verified()) {
                     console.remark(&format!(
                         "now build with it: linewright build FILE --target windows --profile {written}\n"
                     ))?;
@@ -109,14 +110,14 @@ pub fn run(path: &Path, out: Option<&Path>, options: &GlobalOptions) -> anyhow::
     Ok(options.exit_code(&findings))
 }
 
-/// The profile inferred from a dump: in the second round the one that the probe was built with, if
-/// the host kept to it.
-fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Diagnostic>> {
+/// The profile inferred from a dump, with its facts; in the second round, the profile with which
+/// the probe was built, if the dump confirms it.
+fn evaluate(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Diagnostic>> {
     match infer::confirm(dump) {
         Some(Ok(profile)) => {
             let fact = Fact {
                 what: "round trip",
-                found: "as it was returned".to_owned(),
+                found: "unchanged".to_owned(),
                 sure: Confidence::Certain,
                 why: "an integer, a real number and a string came back unchanged".to_owned(),
             };
@@ -129,8 +130,9 @@ fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Di
                 .and_then(Path::file_stem)
                 .map(|s| s.to_string_lossy().chars().take(60).collect::<String>())
                 .filter(|s| {
-                    let says_more = s.to_lowercase().contains("verified");
-                    !s.trim().is_empty() && !s.chars().any(char::is_control) && !says_more
+                    // The name must not claim what the profile's state says.
+                    let is_misleading = s.to_lowercase().contains("verified");
+                    !s.trim().is_empty() && !s.chars().any(char::is_control) && !is_misleading
                 })
                 .unwrap_or_else(|| "probed".to_owned());
             let profile = Profile {
@@ -148,12 +150,13 @@ fn judge(dump: &Dump, out: Option<&Path>) -> Result<(Profile, Vec<Fact>), Vec<Di
     }
 }
 
-fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String {
+/// Formats the evaluation as text; with `with_profile`, also the profile's file.
+fn report(dump: &Dump, profile: &Profile, facts: &[Fact], with_profile: bool) -> String {
     let mut out = format!(
         "The layout of UF_Value from {} calls ({}): {}\n\n",
         dump.calls.len(),
         dump.platform,
-        profile.shown()
+        profile.label()
     );
     for fact in facts {
         let sure = match fact.sure {
@@ -168,7 +171,7 @@ fn report(dump: &Dump, profile: &Profile, facts: &[Fact], whole: bool) -> String
         );
     }
     out.push('\n');
-    if whole {
+    if with_profile {
         out.push_str(&profile.to_toml());
         out.push('\n');
     }

@@ -1,4 +1,4 @@
-//! What can be explained besides findings: the constructs of the language, whose pages are sections
+//! Topics of `explain` besides findings: the constructs of the language, whose pages are sections
 //! of the language reference, and the commands.
 
 use clap::Command;
@@ -11,14 +11,14 @@ static REFERENCE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/reference/lan
 /// A construct or a command.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Topic {
-    /// What it is called: a heading of the reference, or a command as it is typed.
+    /// The name: a heading of the reference, or a command as typed.
     name: String,
     /// Whether it is a construct or a command.
     kind: Kind,
-    /// The names under which it is found.
+    /// The names by which it can be requested.
     #[serde(skip)]
     keys: Vec<String>,
-    /// Its page: Markdown for a construct, the help for a command.
+    /// The page: Markdown for a construct, the help text for a command.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub page: String,
 }
@@ -31,7 +31,7 @@ enum Kind {
 }
 
 impl Topic {
-    /// The line that lists it.
+    /// The topic's line in a list.
     pub fn line(&self) -> String {
         let name = self.name.replace('`', "");
         match self.kind {
@@ -40,7 +40,7 @@ impl Topic {
         }
     }
 
-    /// Leaves its page out.
+    /// Returns the topic with an empty page.
     #[must_use]
     pub fn without_page(self) -> Self {
         Self {
@@ -60,8 +60,8 @@ pub fn all(program: &Command) -> Vec<Topic> {
     topics
 }
 
-/// The topics of a name: those that have exactly this name; or else the constructs with this word
-/// in a name, or with this keyword in their grammar.
+/// The topics that have exactly this name. If there are none, the constructs with this word in a
+/// name, or with this keyword in their grammar.
 pub fn find(mut topics: Vec<Topic>, name: &str) -> Vec<Topic> {
     let keyword = format!("k_{name}");
     let is_name = |topic: &Topic| topic.keys.iter().any(|key| key == name);
@@ -111,13 +111,13 @@ fn constructs(page: &str) -> Vec<Topic> {
     topics.filter(|topic| !topic.keys.is_empty()).collect()
 }
 
-/// What appears in backticks.
+/// The texts in backticks.
 fn code_spans(text: &str) -> Vec<String> {
     let spans = text.split('`').skip(1).step_by(2);
     spans.map(str::to_owned).collect()
 }
 
-/// The subcommands of a command, with theirs.
+/// Adds the subcommands of a command, recursively.
 fn commands(of: &Command, prefix: &str, topics: &mut Vec<Topic>) {
     for command in of.get_subcommands().filter(|c| c.get_name() != "help") {
         let name = format!("{prefix}{}", command.get_name());

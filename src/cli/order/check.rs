@@ -10,7 +10,7 @@ use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, codes, json, sarif};
 use crate::engine::files;
-use crate::order::picture::names;
+use crate::order::picture::call_names;
 use crate::order::program::{ProgramCheck, Violation, check};
 use crate::order::supervisor::Supervisor;
 use crate::source::SourceMap;
@@ -40,13 +40,13 @@ pub struct Arguments {
     /// Programs to check
     #[arg(required = true, value_name = "PROGRAM")]
     pub programs: Vec<String>,
-    /// Rules [default: the only file beside the program that declares skills]
+    /// Rules [default: the only file next to the program that declares skills]
     #[arg(long, value_name = "FILE[::NAME]")]
     pub rules: Option<Selection>,
     /// Also refuse programs that end in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
-    /// Which rules are kept.
+    /// Selection of rules.
     #[command(flatten)]
     pub choice: Choice,
 }
@@ -54,7 +54,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "order-check",
-    "What is known of programs: `order check`",
+    "Verdicts on programs: `order check`",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -71,24 +71,24 @@ struct Document {
 #[derive(Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum ProgramVerdict {
-    /// The program keeps the orders.
+    /// The program breaks no rule.
     Accepted,
-    /// A call violates an order, or the program ends too early.
+    /// A call breaks a rule, or the program ends too early.
     Refused,
     /// The program could not be read.
     Invalid,
 }
 
-/// What is known of a program.
+/// Result for a program.
 #[derive(JsonSchema, Serialize)]
 struct Entry {
     /// The file of the program.
     file: String,
-    /// Whether it keeps the orders.
+    /// Whether the rules allow it.
     verdict: ProgramVerdict,
     /// The number of its calls.
     calls: usize,
-    /// The first call that breaks an order.
+    /// The first call that is refused.
     #[serde(skip_serializing_if = "Option::is_none")]
     violation: Option<ViolationEntry>,
     /// The shortest calls that complete a program that ends too early.
@@ -98,7 +98,7 @@ struct Entry {
     findings: Vec<json::Finding>,
 }
 
-/// A call that breaks an order.
+/// A call that is refused.
 #[derive(JsonSchema, Serialize)]
 struct ViolationEntry {
     /// The number of the call, from 1.
@@ -106,21 +106,21 @@ struct ViolationEntry {
     step: usize,
     /// The skills that are called at once.
     call: Vec<String>,
-    /// The rule that it breaks.
+    /// The rule that the call breaks.
     #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
-    /// Why it is refused.
+    /// Why the call is refused.
     why: String,
-    /// The shortest calls after which it is allowed.
+    /// The shortest calls after which the call is allowed.
     #[serde(skip_serializing_if = "Option::is_none")]
     detour: Option<Vec<Vec<String>>>,
-    /// The calls that are allowed in its place.
+    /// The calls that are allowed instead.
     instead: Vec<Vec<String>>,
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
-    // Each is read once, since it may be a pipe.
+    // Each program is read only once, since it can be a pipe.
     let programs: Vec<(&str, Read)> = arguments
         .programs
         .iter()
@@ -128,7 +128,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         .collect();
     let selection = match &arguments.rules {
         Some(rules) => rules.clone(),
-        None => beside(&programs, options)?,
+        None => find_rules(&programs, options)?,
     };
     let mut chosen = rules::choose("order-check", &selection, &arguments.choice, options)?;
     let too_large = EarlyExit::gave_up(Some("fewer skills in one call"));
@@ -137,13 +137,13 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let mut all = Vec::new();
     let mut code = ExitCode::Success;
     for (name, read) in programs {
-        let (entry, told, findings) =
-            one(name, read, &mut chosen, arguments).map_err(&too_large)?;
+        let (entry, shown, findings) =
+            check_program(name, read, &mut chosen, arguments).map_err(&too_large)?;
         if entry.verdict == ProgramVerdict::Invalid {
             code = code.and(ExitCode::CannotRun);
         }
         code = code.and(options.exit_code(&findings));
-        text += &told;
+        text += &shown;
         entries.push(Entry {
             findings: json::findings(&chosen.loaded.library.sources, &findings),
             ..entry
@@ -170,20 +170,20 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     Ok(code)
 }
 
-/// The text of a program, or why it cannot be read.
+/// The text of a program, or the finding that it cannot be read.
 type Read = Result<String, Box<Diagnostic>>;
 
 fn read(name: &str) -> Read {
     files::read(Path::new(name)).map_err(|why| {
         let message = format!("{name} cannot be read: {why}");
         let finding = Diagnostic::error(codes::FILE_UNREADABLE, None, message);
-        Box::new(finding.with_help("give a file of calls in UTF-8: a skill a line"))
+        Box::new(finding.with_help("give a UTF-8 file with one skill call per line"))
     })
 }
 
-/// The rules beside the first readable program. Without one, or without rules, unreadable programs
-/// are reported here, since they may be the cause.
-fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selection, EarlyExit> {
+/// Finds the rules next to the first readable program. If there is no such program, or no rules
+/// are found, unreadable programs are reported here, since they can be the cause.
+fn find_rules(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selection, EarlyExit> {
     let unreadable: Vec<Diagnostic> = programs
         .iter()
         .filter_map(|(_, read)| read.as_ref().err())
@@ -196,7 +196,7 @@ fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selectio
             .failed("order-check", &sources, &unreadable)?;
         return Err(EarlyExit::Reported(options.exit_code(&unreadable)));
     };
-    let found = rules::beside(first);
+    let found = rules::find_next_to(first);
     if found.is_err() {
         options.console().findings(&sources, &unreadable)?;
     }
@@ -205,7 +205,8 @@ fn beside(programs: &[(&str, Read)], options: &GlobalOptions) -> Result<Selectio
 
 type CheckedProgram = (Entry, String, Vec<Diagnostic>);
 
-fn one(
+/// Checks one program: its entry, its line in the text, and its findings.
+fn check_program(
     name: &str,
     read: Read,
     chosen: &mut RuleSelection,
@@ -235,10 +236,10 @@ fn one(
     let options = chosen.options;
     let mut supervisor = Supervisor::new(skills, options)?;
     let checked = check(&mut supervisor, &program.calls)?;
-    let level = options.level.word();
-    let calls = counted(program.calls.len());
+    let level = options.level.keyword();
+    let calls = call_count(program.calls.len());
     let mut findings = Vec::new();
-    let mut told = String::new();
+    let mut shown = String::new();
     // Writing to a string cannot fail.
     if let Some(violation) = &checked.violation {
         entry.verdict = ProgramVerdict::Refused;
@@ -250,53 +251,51 @@ fn one(
             options.serialisation,
             Some(span),
         );
-        findings.push(refused.with_help(way_out(violation, chosen)));
+        findings.push(refused.with_help(suggestion(violation, chosen)));
         entry.violation = Some(violation_entry(violation, chosen));
         let _ = writeln!(
-            told,
+            shown,
             "{name}: refused at call {} of {} ({level})",
             violation.step + 1,
             program.calls.len()
         );
     } else {
         entry.verdict = ProgramVerdict::Accepted;
-        let _ = writeln!(told, "{name}: accepted, {calls} ({level})");
+        let _ = writeln!(shown, "{name}: accepted, {calls} ({level})");
         let completion = checked.completion.as_ref().ok().and_then(Option::as_ref);
-        entry.completion = completion.map(|c| names(skills, c));
+        entry.completion = completion.map(|c| call_names(skills, c));
         let last = program.spans.last().copied();
         if let Some(open) = unfinished(&checked, chosen, arguments.whole, last) {
             if arguments.whole {
                 entry.verdict = ProgramVerdict::Refused;
-                told = format!("{name}: refused at its end ({level})\n");
+                shown = format!("{name}: refused at its end ({level})\n");
             }
             findings.push(open);
         }
     }
-    Ok((entry, told, findings))
+    Ok((entry, shown, findings))
 }
 
-fn counted(calls: usize) -> String {
+fn call_count(calls: usize) -> String {
     match calls {
         1 => "1 call".to_owned(),
         n => format!("{n} calls"),
     }
 }
 
-fn way_out(violation: &Violation, chosen: &RuleSelection) -> String {
+/// Help text for a refused call: the calls that it needs before it, and the calls allowed instead.
+fn suggestion(violation: &Violation, chosen: &RuleSelection) -> String {
     let skills = &chosen.skills;
     let call = violation.call.text(skills);
     let first = match &violation.detour {
         Ok(Some(detour)) if detour.is_empty() => String::new(),
         Ok(Some(detour)) => format!("call {} before it", words::calls(detour, skills)),
         Ok(None) => format!("`{call}` is never allowed after these calls"),
-        Err(error) => format!("whether `{call}` is allowed later was not found out: {error}"),
+        Err(error) => format!("could not decide whether `{call}` is allowed later: {error}"),
     };
     match violation.instead.as_slice() {
-        [] => format!("{first}; nothing may be called here"),
-        instead => format!(
-            "{first}; what may be called here is {}",
-            words::calls(instead, skills)
-        ),
+        [] => format!("{first}; no call is allowed here"),
+        instead => format!("{first}; allowed here: {}", words::calls(instead, skills)),
     }
 }
 
@@ -305,7 +304,7 @@ fn violation_entry(v: &Violation, chosen: &RuleSelection) -> ViolationEntry {
     let options = chosen.options;
     ViolationEntry {
         step: v.step + 1,
-        call: names(skills, &[v.call]).remove(0),
+        call: call_names(skills, &[v.call]).remove(0),
         rule: words::rule(&v.refusal).map(|r| skills.rules[r].name.clone()),
         why: words::why(v.call, &v.refusal, skills, options.serialisation),
         detour: v
@@ -313,8 +312,8 @@ fn violation_entry(v: &Violation, chosen: &RuleSelection) -> ViolationEntry {
             .as_ref()
             .ok()
             .and_then(Option::as_ref)
-            .map(|d| names(skills, d)),
-        instead: names(skills, &v.instead),
+            .map(|d| call_names(skills, d)),
+        instead: call_names(skills, &v.instead),
     }
 }
 
@@ -338,8 +337,8 @@ fn unfinished(
     };
     let help = match &checked.completion {
         Ok(Some(calls)) => format!("{} would complete it", words::calls(calls, skills)),
-        Err(error) => format!("what would complete it was not found out: {error}"),
-        Ok(None) => "no calls complete it, since other rules are in the way".to_owned(),
+        Err(error) => format!("could not find the calls that complete it: {error}"),
+        Ok(None) => "no calls complete it, since other rules forbid them".to_owned(),
     };
     Some(finding.with_label(rule.span, "this rule").with_help(help))
 }

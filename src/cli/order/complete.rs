@@ -1,7 +1,7 @@
-//! `linewright order complete`: the calls that may come next.
+//! `linewright order complete`: lists the calls that are allowed next.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::{Choice, answer, program, rules, words};
+use super::{Choice, print_result, program, rules, words};
 use crate::automata::bound::BoundExceeded;
 use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
@@ -9,8 +9,8 @@ use crate::cli::options::GlobalOptions;
 use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::fsm::calls;
-use crate::order::picture::names;
-use crate::order::program::{MOST_SOUGHT, detour};
+use crate::order::picture::call_names;
+use crate::order::program::{MAX_SEARCHED_CALLS, detour};
 use crate::order::supervisor::{Call, State, Supervisor};
 use clap::Args;
 use schemars::JsonSchema;
@@ -32,7 +32,7 @@ pub struct Arguments {
     /// Maximum number of skills called at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=64))]
     pub at_once: u8,
-    /// Which rules are kept.
+    /// Selection of rules.
     #[command(flatten)]
     pub choice: Choice,
 }
@@ -40,7 +40,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "order-complete",
-    "What may come next: `order complete`",
+    "The calls that are allowed next: `order complete`",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -51,15 +51,15 @@ struct Document {
     head: rules::Head,
     /// Pairs of a component and its situation.
     situation: Vec<(String, String)>,
-    /// Whether a program may end here.
+    /// Whether a program can end here.
     complete: bool,
-    /// The calls that may come next.
+    /// The calls that are allowed next.
     allowed: Vec<Vec<String>>,
-    /// The calls that may not.
+    /// The calls that are refused next.
     refused: Vec<RefusedEntry>,
 }
 
-/// A call that may not come next.
+/// A call that is refused next.
 #[derive(JsonSchema, Serialize)]
 struct RefusedEntry {
     /// The skills that are called at once.
@@ -101,7 +101,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             }
         }
     }
-    let (allowed, refused) = next(&mut supervisor, &state, arguments).map_err(&too_large)?;
+    let (allowed, refused) = next_calls(&mut supervisor, &state, arguments).map_err(&too_large)?;
     let situation = skills.components.iter().zip(&state.situation);
     let document = Document {
         head: rules::Head::of(command, skills, arguments.choice.level.level()),
@@ -109,15 +109,15 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             .filter_map(|(c, s)| Some((c.name.clone(), c.situations.get(*s)?.clone())))
             .collect(),
         complete: supervisor.is_complete(&state),
-        allowed: names(skills, &allowed),
+        allowed: call_names(skills, &allowed),
         refused,
     };
-    answer(&document, || text(&document), options)?;
+    print_result(&document, || text(&document), options)?;
     Ok(ExitCode::Success)
 }
 
-/// What is allowed and what is not.
-fn next(
+/// The allowed and the refused calls in a state.
+fn next_calls(
     supervisor: &mut Supervisor<'_>,
     state: &State,
     arguments: &Arguments,
@@ -126,22 +126,22 @@ fn next(
     let serialisation = supervisor.options().serialisation;
     let (mut allowed, mut refused) = (Vec::new(), Vec::new());
     let calls = calls(skills, usize::from(arguments.at_once));
-    // Four times as much for all of them together as for one.
-    let entries = 4 * MOST_SOUGHT / calls.len().max(1);
+    // The searches for all calls together get four times the limit of a single one.
+    let entries = 4 * MAX_SEARCHED_CALLS / calls.len().max(1);
     for call in calls {
         match supervisor.call(state, call)? {
             Ok(_) => allowed.push(call),
             Err(refusal) => {
                 let after = match detour(supervisor, state, call, entries) {
-                    Err(late @ BoundExceeded::Late(_)) => return Err(late),
+                    Err(late @ BoundExceeded::Stopped(_)) => return Err(late),
                     sought => sought,
                 };
                 refused.push(RefusedEntry {
-                    call: names(skills, &[call]).remove(0),
+                    call: call_names(skills, &[call]).remove(0),
                     rule: words::rule(&refusal).map(|r| skills.rules[r].name.clone()),
                     why: words::why(call, &refusal, skills, serialisation),
                     undecided: after.is_err(),
-                    after: after.ok().flatten().map(|d| names(skills, &d)),
+                    after: after.ok().flatten().map(|d| call_names(skills, &d)),
                 });
             }
         }
@@ -173,7 +173,7 @@ fn text(document: &Document) -> String {
         let after = match &refused.after {
             Some(calls) => format!("; allowed after {}", joined(calls)),
             None if refused.undecided => {
-                "; whether it is allowed later was not found out".to_owned()
+                "; could not decide whether it is allowed later".to_owned()
             }
             None => "; never after these calls".to_owned(),
         };

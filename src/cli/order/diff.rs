@@ -1,8 +1,8 @@
-//! `linewright order diff`: the shortest calls that distinguish two sets of rules.
+//! `linewright order diff`: finds the shortest calls that distinguish two sets of rules.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::rules::{self, RuleSelection};
-use super::{Choice, LevelName, answer, words};
+use super::{Choice, LevelName, print_result, words};
 use crate::cli::console::Failed;
 use crate::cli::console::schema;
 use crate::cli::exit::ExitCode;
@@ -11,7 +11,7 @@ use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::calls;
-use crate::order::picture::names;
+use crate::order::picture::call_names;
 use crate::order::program::{Difference, DifferenceOptions, difference};
 use crate::order::supervisor::{Call, Refusal, Supervisor};
 use clap::Args;
@@ -52,7 +52,7 @@ pub struct Arguments {
     /// Keep only this rule of B (repeatable)
     #[arg(long = "other-rule", value_name = "NAME")]
     pub other_rules: Vec<String>,
-    /// Which rules of A are kept, and how.
+    /// Selection of the rules of A.
     #[command(flatten)]
     pub choice: Choice,
 }
@@ -60,7 +60,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "order-diff",
-    "The shortest calls that tell two sets of rules apart: `order diff`",
+    "The shortest calls that distinguish two sets of rules: `order diff`",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -68,20 +68,20 @@ pub const DOCUMENT: Described = Described::new(
 #[derive(JsonSchema, Serialize)]
 struct Document {
     schema: String,
-    /// The first set of rules, and how it is kept.
+    /// The name of the first set, with the level if the names are equal.
     first: String,
-    /// The second set of rules, and how it is kept.
+    /// The name of the second set, with the level if the names are equal.
     second: String,
     /// Whether both allow the same programs.
     equal: bool,
-    /// The shortest calls that tell them apart.
+    /// The shortest calls that distinguish the sets.
     #[serde(skip_serializing_if = "Option::is_none")]
     calls: Option<Vec<Vec<String>>>,
     /// Which set allows these calls.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("enum" = ["first", "second"]))]
     allowed_by: Option<&'static str>,
-    /// Why the other one refuses them.
+    /// Why the other set refuses these calls.
     #[serde(skip_serializing_if = "Option::is_none")]
     why: Option<String>,
 }
@@ -97,23 +97,23 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         ..arguments.choice
     };
     let second = rules::choose("order-diff", &arguments.second, &other, options)?;
-    let renamed = in_the_order_of(&first.skills, &second.skills)?;
+    let renumbered = renumber_like(&first.skills, &second.skills)?;
     let found = Supervisor::new(&first.skills, first.options).and_then(|a| {
-        let b = Supervisor::new(&renamed, second.options)?;
-        let calls = common_calls(&first, &renamed, usize::from(arguments.at_once));
-        let apart = DifferenceOptions {
+        let b = Supervisor::new(&renumbered, second.options)?;
+        let calls = common_calls(&first, &renumbered, usize::from(arguments.at_once));
+        let options = DifferenceOptions {
             whole: arguments.whole,
             one_way: arguments.one_way,
             ..DifferenceOptions::default()
         };
-        difference(&a, &b, &calls, apart)
+        difference(&a, &b, &calls, options)
     });
-    let besides = rules::fewer_at_once(arguments.at_once);
-    let found = found.map_err(EarlyExit::gave_up(besides))?;
+    let also_helps = rules::fewer_at_once(arguments.at_once);
+    let found = found.map_err(EarlyExit::gave_up(also_helps))?;
     let titles = titles(&first, &second, arguments);
     let why = found.as_ref().map(|d| {
         let (skills, options) = if d.first_allows {
-            (&renamed, second.options)
+            (&renumbered, second.options)
         } else {
             (&first.skills, first.options)
         };
@@ -125,7 +125,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let document = Document {
         schema: schema("order-diff"),
         equal: found.is_none(),
-        calls: found.as_ref().map(|d| names(&first.skills, &d.calls)),
+        calls: found.as_ref().map(|d| call_names(&first.skills, &d.calls)),
         allowed_by: found
             .as_ref()
             .map(|d| if d.first_allows { "first" } else { "second" }),
@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             arguments.one_way,
         )
     };
-    answer(&document, text, options)?;
+    print_result(&document, text, options)?;
     Ok(match found {
         None => ExitCode::Success,
         Some(_) => ExitCode::Findings,
@@ -169,9 +169,9 @@ fn text(
 ) -> String {
     let Some(difference) = found else {
         return if one_way {
-            format!("whatever {first} allows, {second} allows\n")
+            format!("{second} allows all calls that {first} allows\n")
         } else {
-            format!("{first} and {second} allow the same\n")
+            format!("{first} and {second} allow the same calls\n")
         };
     };
     let (allows, refuses) = if difference.first_allows {
@@ -189,30 +189,34 @@ fn text(
     )
 }
 
-/// The names of both, with the level if the names are equal.
+/// The names of both sets, with the levels if the names are equal.
 fn titles(first: &RuleSelection, second: &RuleSelection, arguments: &Arguments) -> [String; 2] {
     let (a, b) = (&first.skills.name, &second.skills.name);
-    let level = arguments.choice.level.level().word();
+    let level = arguments.choice.level.level().keyword();
     match arguments.other_level {
         _ if a != b => [a.clone(), b.clone()],
         Some(other) => [
             format!("{a} ({level})"),
-            format!("{b} ({})", other.level().word()),
+            format!("{b} ({})", other.level().keyword()),
         ],
         None if arguments.choice.paper => [format!("{a} (deleted transitions)"), b.clone()],
         None => [format!("{a} (first)"), format!("{b} (second)")],
     }
 }
 
-/// The calls that both have: skills that share a component in either are never called at once.
-fn common_calls(first: &RuleSelection, second: &Skills, most: usize) -> Vec<Call> {
-    let own = calls(&first.skills, most);
-    let other = calls(second, most);
+/// The calls that are possible in both sets: skills of one component in either set are never called
+/// at once.
+fn common_calls(first: &RuleSelection, second: &Skills, max: usize) -> Vec<Call> {
+    let own = calls(&first.skills, max);
+    let other = calls(second, max);
     own.into_iter().filter(|c| other.contains(c)).collect()
 }
 
 /// The second set, with its skills numbered as in the first.
-fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
+///
+/// # Errors
+/// The sets have different skills.
+fn renumber_like(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
     let missing = |a: &Skills, b: &Skills| -> Vec<String> {
         let is_in = |name: &str| b.skills.iter().any(|s| s.name == name);
         let names = a.skills.iter().map(|s| &s.name);
@@ -222,7 +226,7 @@ fn in_the_order_of(first: &Skills, second: &Skills) -> anyhow::Result<Skills> {
         let missing = missing(a, b);
         anyhow::ensure!(
             missing.is_empty(),
-            "`{}` has skills that `{}` has not: {}; only rules over the same skills can be compared",
+            "`{}` has skills that `{}` lacks: {}; only rules over the same skills can be compared",
             a.name,
             b.name,
             missing.join(", ")

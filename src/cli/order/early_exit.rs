@@ -1,5 +1,5 @@
-//! How all commands of `order` end without an answer: the rules cannot be loaded, or the automaton
-//! is too large.
+//! Reasons why a command of `order` ends without a result: the rules cannot be loaded, or the
+//! automaton is too large.
 
 use crate::automata::bound::BoundExceeded;
 use crate::cli::exit::ExitCode;
@@ -10,19 +10,19 @@ use crate::source::SourceMap;
 /// Result of an `order` command.
 pub type Outcome = Result<ExitCode, EarlyExit>;
 
-/// Why a command ends without an answer.
+/// Why a command ends without a result.
 #[derive(Debug)]
 pub enum EarlyExit {
     /// The findings have been printed.
     Reported(ExitCode),
-    /// The automaton is too large, or the time is up. Fewer rules always help.
+    /// The automaton is too large, or a time limit was reached. Fewer rules always help.
     GaveUp {
         /// The limit that was reached.
         error: BoundExceeded,
         /// What else makes this command's automaton smaller.
-        besides: Option<&'static str>,
+        also_helps: Option<&'static str>,
     },
-    /// It could not run.
+    /// The command could not run.
     Failed(anyhow::Error),
 }
 
@@ -33,26 +33,26 @@ impl From<anyhow::Error> for EarlyExit {
 }
 
 impl EarlyExit {
-    /// Converts the error of a command to an early exit; `besides` is what helps apart from fewer
+    /// Converts an exceeded bound to an early exit; `also_helps` is what helps also_helps fewer
     /// rules.
-    pub fn gave_up(besides: Option<&'static str>) -> impl Fn(BoundExceeded) -> Self {
-        move |error| Self::GaveUp { error, besides }
+    pub fn gave_up(also_helps: Option<&'static str>) -> impl Fn(BoundExceeded) -> Self {
+        move |error| Self::GaveUp { error, also_helps }
     }
 
-    /// Prints what has not been printed yet and returns the exit code.
+    /// Prints the finding, unless findings have already been printed, and returns the exit code.
     pub fn report(self, command: &str, options: &GlobalOptions) -> anyhow::Result<ExitCode> {
-        let (error, besides) = match self {
+        let (error, also_helps) = match self {
             Self::Reported(code) => return Ok(code),
             Self::Failed(error) => return Err(error),
-            Self::GaveUp { error, besides } => (error, besides),
+            Self::GaveUp { error, also_helps } => (error, also_helps),
         };
         let fewer = "fewer rules (--rule NAME, --no-rule NAME) or fewer repetitions in a sequence";
-        let advice = match (error, besides) {
-            (BoundExceeded::Late(late), _) => late.remedy().to_owned(),
-            (_, Some(besides)) => format!("{fewer}, or {besides}, make it smaller"),
+        let advice = match (error, also_helps) {
+            (BoundExceeded::Stopped(late), _) => late.remedy().to_owned(),
+            (_, Some(also_helps)) => format!("{fewer}, or {also_helps}, make it smaller"),
             (_, None) => format!("{fewer} make it smaller"),
         };
-        let message = format!("it was not decided: {error}");
+        let message = format!("not decided: {error}");
         let finding = Diagnostic::error(codes::GAVE_UP, None, message).with_help(advice);
         let console = options.console();
         console.failed(command, &SourceMap::default(), &[finding])?;

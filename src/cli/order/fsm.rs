@@ -1,4 +1,4 @@
-//! `linewright order fsm`: the automaton of the rules.
+//! `linewright order fsm`: prints the automaton of the rules.
 
 use super::early_exit::{EarlyExit, Outcome};
 use super::{Choice, rules};
@@ -11,7 +11,7 @@ use crate::drawing::{Region, dot, svg};
 use crate::engine::output;
 use crate::order::Skills;
 use crate::order::fsm::{self, Fsm};
-use crate::order::picture::{graph, names, regions};
+use crate::order::picture::{call_names, graph, regions};
 use crate::order::supervisor::Options;
 use clap::{Args, ValueEnum};
 use schemars::JsonSchema;
@@ -19,7 +19,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Maximum number of skills at once without `--at-once`; otherwise the number of components.
+/// Default of `--at-once`: no restriction.
 const ALL_AT_ONCE: u8 = 64;
 
 /// The arguments of `order fsm`.
@@ -47,12 +47,12 @@ pub struct Arguments {
     /// Output file; without it, standard output
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
-    /// Which rules are kept.
+    /// Selection of rules.
     #[command(flatten)]
     pub choice: Choice,
 }
 
-/// How an automaton is printed.
+/// Output form of an automaton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
     /// Table.
@@ -77,16 +77,16 @@ pub const DOCUMENT: Described = Described::new(
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
-    /// Whether some order or every order of skills called at once has to be allowed.
+    /// Whether some or every order of skills called at once has to be allowed.
     #[schemars(extend("enum" = ["some", "every"]))]
     serialisation: &'static str,
-    /// Whether just the transitions are deleted that a published model deletes.
+    /// Whether exactly the transitions that the published model deletes are deleted.
     paper: bool,
-    /// The names of the rules that are kept.
+    /// The names of the rules that are applied.
     rules: Vec<String>,
     /// The components.
     components: Vec<ComponentEntry>,
-    /// The automaton of all rules; left out with `--by-component`.
+    /// The automaton of all rules; absent with `--by-component`.
     #[serde(skip_serializing_if = "Option::is_none")]
     automaton: Option<AutomatonEntry>,
     /// An automaton for each component and each rule, with `--by-component`.
@@ -99,12 +99,12 @@ struct Document {
 struct ComponentEntry {
     /// The name of the component.
     name: String,
-    /// Its situations.
+    /// The situations of the component.
     situations: Vec<String>,
-    /// The situation at the start.
+    /// The initial situation.
     #[serde(skip_serializing_if = "Option::is_none")]
     initial: Option<String>,
-    /// Its skills.
+    /// The skills of the component.
     skills: Vec<SkillEntry>,
 }
 
@@ -113,7 +113,7 @@ struct ComponentEntry {
 struct SkillEntry {
     /// The name of the skill.
     name: String,
-    /// The situation that it leads to.
+    /// The situation to which the skill leads.
     #[serde(skip_serializing_if = "Option::is_none")]
     effect: Option<String>,
 }
@@ -125,7 +125,7 @@ struct AutomatonEntry {
     initial: usize,
     /// The states.
     states: Vec<StateEntry>,
-    /// The transitions, one between two states.
+    /// The transitions, at most one from each state to each other state.
     transitions: Vec<TransitionEntry>,
 }
 
@@ -134,7 +134,7 @@ struct AutomatonEntry {
 struct StateEntry {
     /// The situation of each component.
     situation: Vec<String>,
-    /// Whether a program may end here.
+    /// Whether a program can end here.
     complete: bool,
 }
 
@@ -182,24 +182,25 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         Format::Human | Format::Short | Format::Sarif => Emit::Table,
     });
     let skills = &chosen.skills;
-    let kept = chosen.options;
+    let supervision = chosen.options;
     let at_once = usize::from(arguments.at_once);
-    let mut is_cut = None;
+    let mut is_truncated = None;
     let text = if arguments.by_component {
-        regions(skills, kept).map(|r| side_by_side(skills, kept, &r, emit))
+        regions(skills, supervision).map(|r| side_by_side(skills, supervision, &r, emit))
     } else {
-        Fsm::of(skills, kept, at_once).map(|f| {
-            is_cut = fsm::is_cut(&f.calls, skills, at_once).then(|| f.calls.clone());
-            flat(skills, kept, &f, emit)
+        Fsm::of(skills, supervision, at_once).map(|f| {
+            is_truncated = fsm::is_truncated(&f.calls, skills, at_once).then(|| f.calls.clone());
+            flat(skills, supervision, &f, emit)
         })
     };
-    let besides = (!arguments.by_component)
-        .then_some("fewer skills at once (--at-once N), or each rule by itself (--by-component)");
-    let text = text.map_err(EarlyExit::gave_up(besides))?;
+    let also_helps = (!arguments.by_component).then_some(
+        "fewer skills at once (--at-once N), or one automaton per rule (--by-component)",
+    );
+    let text = text.map_err(EarlyExit::gave_up(also_helps))?;
     let console = options.console();
-    if let Some(calls) = is_cut {
+    if let Some(calls) = is_truncated {
         let masks: Vec<u64> = calls.iter().map(|c| c.0).collect();
-        rules::report_cut(&masks, options)?;
+        rules::report_omitted_calls(&masks, options)?;
     }
     match &arguments.out {
         None => console.result(&text)?,
@@ -213,8 +214,8 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
 
 fn flat(skills: &Skills, options: Options, fsm: &Fsm, emit: Emit) -> String {
     match emit {
-        Emit::Dot => dot::of(&skills.name, &graph(skills, fsm)),
-        Emit::Svg => svg::of(&skills.name, &graph(skills, fsm)),
+        Emit::Dot => dot::render(&skills.name, &graph(skills, fsm)),
+        Emit::Svg => svg::render(&skills.name, &graph(skills, fsm)),
         Emit::Json => json(&Document {
             automaton: Some(automaton(skills, fsm)),
             ..document(skills, options)
@@ -225,8 +226,8 @@ fn flat(skills: &Skills, options: Options, fsm: &Fsm, emit: Emit) -> String {
 
 fn side_by_side(skills: &Skills, options: Options, regions: &[Region], emit: Emit) -> String {
     match emit {
-        Emit::Dot => dot::of_regions(&skills.name, regions),
-        Emit::Svg => svg::of_regions(&skills.name, regions),
+        Emit::Dot => dot::render_regions(&skills.name, regions),
+        Emit::Svg => svg::render_regions(&skills.name, regions),
         Emit::Json => json(&Document {
             regions: Some(regions.iter().map(region).collect()),
             ..document(skills, options)
@@ -282,7 +283,7 @@ fn automaton(skills: &Skills, fsm: &Fsm) -> AutomatonEntry {
     let transitions = fsm.transitions().into_iter().map(|t| TransitionEntry {
         from: t.from,
         to: t.to,
-        calls: names(skills, &t.calls),
+        calls: call_names(skills, &t.calls),
     });
     AutomatonEntry {
         initial: 0,
@@ -293,7 +294,7 @@ fn automaton(skills: &Skills, fsm: &Fsm) -> AutomatonEntry {
 
 fn region(region: &Region) -> RegionEntry {
     let graph = &region.graph;
-    let begins = graph.edges.iter().filter(|e| e.from.is_none());
+    let initial_edges = graph.edges.iter().filter(|e| e.from.is_none());
     let transitions = graph.edges.iter().filter_map(|e| {
         Some(RegionTransition {
             from: e.from?,
@@ -304,7 +305,7 @@ fn region(region: &Region) -> RegionEntry {
     RegionEntry {
         name: region.title.clone(),
         states: graph.states.clone(),
-        initial: begins.map(|e| e.to).collect(),
+        initial: initial_edges.map(|e| e.to).collect(),
         transitions: transitions.collect(),
     }
 }
@@ -317,12 +318,16 @@ fn table(skills: &Skills, options: Options, fsm: &Fsm) -> String {
         text,
         "{}, {}: {} states, {} transitions",
         skills.name,
-        options.level.word(),
+        options.level.keyword(),
         fsm.states.len(),
         transitions.len()
     );
     for (number, state) in fsm.states.iter().enumerate() {
-        let _ = writeln!(text, "S{number}  {}", skills.situation(&state.situation));
+        let _ = writeln!(
+            text,
+            "S{number}  {}",
+            skills.situation_text(&state.situation)
+        );
         for t in transitions.iter().filter(|t| t.from == number) {
             let calls: Vec<String> = t.calls.iter().map(|c| c.text(skills)).collect();
             let _ = writeln!(text, "    -> S{:<3} {}", t.to, calls.join(", "));
@@ -336,12 +341,12 @@ fn region_table(regions: &[Region]) -> String {
     for region in regions {
         let _ = writeln!(text, "{}", region.title);
         for (number, label) in region.graph.states.iter().enumerate() {
-            let begins = region
+            let is_initial = region
                 .graph
                 .edges
                 .iter()
                 .any(|e| e.from.is_none() && e.to == number);
-            let mark = if begins { "*" } else { " " };
+            let mark = if is_initial { "*" } else { " " };
             let _ = writeln!(text, "  {mark} {}", label.join(", "));
             for edge in region.graph.edges.iter().filter(|e| e.from == Some(number)) {
                 let to = &region.graph.states[edge.to][0];

@@ -1,4 +1,4 @@
-//! `linewright order`: what may follow what under the rules of a skill order.
+//! `linewright order`: checks, monitors and shows the calls that the rules of a skill order allow.
 
 mod check;
 mod complete;
@@ -24,7 +24,7 @@ use serde::Serialize;
 /// The arguments of `order`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// What to do with the rules.
+    /// Subcommand with its arguments.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -44,18 +44,18 @@ pub enum Command {
     Diff(diff::Arguments),
     /// List the calls that are allowed next
     Complete(complete::Arguments),
-    /// Find recalls and detours that rules may forbid without losing a situation
+    /// Find superfluous calls (recalls, detours) that rules may forbid without losing a situation
     Strongest(strongest::Arguments),
 }
 
-/// A level, as an argument.
+/// Level of refusal, as an argument.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LevelName {
-    /// None.
+    /// Refuse no calls.
     Arbitrary,
-    /// Calls that break a rule.
+    /// Refuse calls that break a rule.
     Valid,
-    /// Also recalls (calls that change nothing), and calls that break rules `at reasonable`.
+    /// Also refuse recalls (calls that change nothing), and calls that break rules `at reasonable`.
     Reasonable,
 }
 
@@ -70,7 +70,7 @@ impl LevelName {
     }
 }
 
-/// Which rules are kept, and how.
+/// Selection of rules, and how they are applied.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Which rules")]
 pub struct Choice {
@@ -83,16 +83,18 @@ pub struct Choice {
     /// Ignore this rule (repeatable)
     #[arg(id = "no_rule", long = "no-rule", value_name = "NAME")]
     pub no_rules: Vec<String>,
-    /// Allow skills at once if some order of them is allowed, instead of every order
+    /// Allow simultaneous skills if at least one order of calling them is allowed; by default,
+    /// every order must be
     #[arg(long)]
     pub some_order: bool,
-    /// Delete exactly the transitions that a rule lists under `deletes`
+    /// Follow the published model: delete exactly the transitions that a rule lists under
+    /// `deletes`, and ignore its formula
     #[arg(long)]
     pub paper: bool,
 }
 
 impl Choice {
-    /// The options for the core, with the time limit counted from now.
+    /// The options for a supervisor, with the time limit of the command.
     pub fn options(&self, global: &GlobalOptions) -> Options {
         Options {
             level: self.level.level(),
@@ -124,7 +126,7 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> anyhow::Result<Exi
     outcome.or_else(|early| early.report(document.name, options))
 }
 
-/// The documents of its commands, including the one that reports an internal error.
+/// The documents of the subcommands, and the one that reports why `order` itself has no result.
 pub const DOCUMENTS: [Described; 8] = [
     check::DOCUMENT,
     complete::DOCUMENT,
@@ -136,8 +138,8 @@ pub const DOCUMENTS: [Described; 8] = [
     Described::new("order", "Why `order` has no result", &[form::<Failed>]),
 ];
 
-/// Prints an answer: its document with `--format json`, else its text.
-fn answer(
+/// Prints a result: the document with `--format json`, the text otherwise.
+fn print_result(
     document: &impl Serialize,
     text: impl FnOnce() -> String,
     options: &GlobalOptions,

@@ -12,8 +12,8 @@ use crate::cli::schema::{Described, by_hand, form};
 use crate::cli::select::Selection;
 use crate::engine::output;
 use crate::order::Skills;
-use crate::order::fsm::{calls, is_cut};
-use crate::order::monitor::{Monitor, Unfolding, Verdict};
+use crate::order::fsm::{calls, is_truncated};
+use crate::order::monitor::{LazyMonitor, Monitor, Verdict};
 use crate::order::supervisor::Supervisor;
 use crate::order::table::{RuleCitation, Table};
 use crate::station::monitor::{c, structured_text};
@@ -23,20 +23,21 @@ use std::collections::HashMap;
 use std::io::{self, BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Name of the command in its documents and findings.
+/// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "order-monitor",
-    "The answer to a call, a line each: `order monitor`",
+    "The answer to each call, one per line: `order monitor`",
     &[
         |generator| by_hand(include_str!("monitor.schema.json"), generator),
         form::<Failed>,
     ],
 );
 
+/// Name of the command in its documents and findings.
 const COMMAND: &str = "order-monitor";
 
-/// Maximum length of a line that is parsed and quoted even if it is no call.
-const LONGEST_CALL: usize = 1 << 12;
+/// Maximum length in bytes of a line that is parsed as a call, and of a quoted line.
+const MAX_CALL_BYTES: usize = 1 << 12;
 
 /// The arguments of `order monitor`.
 #[derive(Debug, Args)]
@@ -64,12 +65,12 @@ pub struct Arguments {
     /// Stop at the first refused call
     #[arg(long)]
     pub stop: bool,
-    /// Which rules are kept.
+    /// Selection of rules.
     #[command(flatten)]
     pub choice: Choice,
 }
 
-/// A monitor to be loaded on the cell.
+/// Output form of a monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Emit {
     /// Header and source file in C99.
@@ -83,7 +84,7 @@ pub enum Emit {
 /// Runs the command.
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let chosen = rules::choose(COMMAND, &arguments.rules, &arguments.choice, options)?;
-    // A monitor lists only the rules that it keeps.
+    // A monitor lists only the rules that it applies.
     let kept = chosen.skills.rules.iter().enumerate();
     let kept: Vec<usize> = kept
         .filter(|(_, r)| r.level <= chosen.options.level)
@@ -92,42 +93,42 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let skills = chosen.skills.with_rules(&kept);
     let at_once = usize::from(arguments.at_once);
     let calls = calls(&skills, at_once);
-    let is_cut = is_cut(&calls, &skills, at_once);
+    let is_truncated = is_truncated(&calls, &skills, at_once);
     let made = Supervisor::new(&skills, chosen.options)
         .map(|supervisor| (Table::explore(&supervisor, calls), supervisor));
     match (made, arguments.emit) {
         (Ok((Ok(table), _)), Some(emit)) => {
-            if is_cut {
-                rules::report_cut(&table.calls, options)?;
+            if is_truncated {
+                rules::report_omitted_calls(&table.calls, options)?;
             }
-            emitted(&table, emit, arguments.out.as_deref(), &chosen, options)
+            write_monitor(&table, emit, arguments.out.as_deref(), &chosen, options)
         }
-        (Ok((Ok(table), _)), None) if !is_cut => {
-            let watching = Watching::Table(Monitor::new(&table));
-            Ok(watch(watching, &skills, arguments.stop, options)?)
+        (Ok((Ok(table), _)), None) if !is_truncated => {
+            let checker = CallChecker::Table(Monitor::new(&table));
+            Ok(watch(checker, &skills, arguments.stop, options)?)
         }
         // Without a table of all calls, the rules themselves are evaluated.
         (Ok((Ok(_) | Err(BoundExceeded::Count { .. }), supervisor)), None) => {
-            let watching =
-                Watching::Rules(Unfolding::new(&supervisor, u32::from(arguments.at_once)));
-            Ok(watch(watching, &skills, arguments.stop, options)?)
+            let checker =
+                CallChecker::Rules(LazyMonitor::new(&supervisor, u32::from(arguments.at_once)));
+            Ok(watch(checker, &skills, arguments.stop, options)?)
         }
         (Err(error) | Ok((Err(error), _)), _) => {
-            let besides = rules::fewer_at_once(arguments.at_once);
-            Err(EarlyExit::gave_up(besides)(error))
+            let also_helps = rules::fewer_at_once(arguments.at_once);
+            Err(EarlyExit::gave_up(also_helps)(error))
         }
     }
 }
 
-/// How calls are answered.
-enum Watching<'a> {
-    /// A table: nothing is allocated per call.
+/// Decides which calls are allowed.
+enum CallChecker<'a> {
+    /// By a table, without allocations.
     Table(Monitor<'a>),
-    /// Rules whose table would be too large.
-    Rules(Unfolding<'a>),
+    /// By evaluating the rules, if their table would be too large.
+    Rules(LazyMonitor<'a>),
 }
 
-impl Watching<'_> {
+impl CallChecker<'_> {
     fn call(&mut self, skill: u8) -> Verdict {
         match self {
             Self::Table(monitor) => monitor.call(skill),
@@ -143,7 +144,7 @@ impl Watching<'_> {
     }
 }
 
-fn emitted(
+fn write_monitor(
     table: &Table,
     emit: Emit,
     out: Option<&Path>,
@@ -184,10 +185,10 @@ fn emitted(
     Ok(ExitCode::Success)
 }
 
-/// Answers line by line. With a table, nothing is allocated for an allowed call once the longest
-/// line has been seen.
+/// Answers the lines of standard input. With a table, an allowed call needs no allocation, unless
+/// its line is the longest so far.
 fn watch(
-    mut monitor: Watching<'_>,
+    mut monitor: CallChecker<'_>,
     skills: &Skills,
     stop: bool,
     options: &GlobalOptions,
@@ -222,7 +223,7 @@ fn watch(
         } else if let Some(mask) = mask(call, &names) {
             Answer::of(monitor.call_at_once(mask), &cited)
         } else {
-            match spelled_out(call, skills) {
+            match parse_call(call, skills) {
                 Ok(mask) => Answer::of(monitor.call_at_once(mask), &cited),
                 Err(wrong) => Answer::NoCall(wrong),
             }
@@ -236,8 +237,8 @@ fn watch(
         } else {
             answer.write(&mut out, call, number)
         };
-        // A sender that waits for an answer gets it; one that sends many lines at once is not
-        // slowed down.
+        // Flushes only if no further input is buffered: a sender that waits gets its answer, and
+        // one that sends many lines at once is not slowed down.
         if input.buffer().is_empty() {
             written = written.and_then(|()| out.flush());
         }
@@ -265,7 +266,7 @@ fn without_comment(line: &[u8]) -> &[u8] {
     line[..end.min(slashes)].trim_ascii()
 }
 
-/// The skills of `Left & Down`.
+/// The set of skills in `Left & Down`; `None` if the text is not of this form.
 fn mask(call: &[u8], names: &HashMap<&[u8], u8>) -> Option<u64> {
     call.split(|b| *b == b'&').try_fold(0_u64, |mask, piece| {
         let skill = names.get(piece.trim_ascii())?;
@@ -280,15 +281,17 @@ fn without_mark(line: &[u8], number: u64) -> &[u8] {
     line.strip_prefix(mark.as_bytes()).unwrap_or(line)
 }
 
-/// The skills in a line that is not just names and `&`, such as one with non-ASCII spaces;
-/// otherwise the reason why it is no call.
-fn spelled_out(call: &[u8], skills: &Skills) -> Result<u64, String> {
-    if call.len() > LONGEST_CALL {
-        let longer = format!("this line is longer than {LONGEST_CALL} bytes");
-        return Err(format!("{longer}: write each call on a line of its own"));
+/// The set of skills in a line that [`mask`] does not accept, such as one with non-ASCII spaces.
+///
+/// # Errors
+/// Returns the reason why the line is not a call.
+fn parse_call(call: &[u8], skills: &Skills) -> Result<u64, String> {
+    if call.len() > MAX_CALL_BYTES {
+        let longer = format!("this line has more than {MAX_CALL_BYTES} bytes");
+        return Err(format!("{longer}: write each call on a separate line"));
     }
     let Ok(text) = str::from_utf8(call) else {
-        return Err("this is not UTF-8 text: send the names of skills in UTF-8".to_owned());
+        return Err("this line is not UTF-8 text: send the names of skills in UTF-8".to_owned());
     };
     match program::call(text, skills) {
         Ok(call) => Ok(call.0),
@@ -301,7 +304,7 @@ enum Answer {
     Allowed,
     /// The call is refused, for this reason.
     Refused(String),
-    /// The line is no call, for this reason.
+    /// The line is not a call, for this reason.
     NoCall(String),
 }
 
@@ -323,9 +326,9 @@ impl Answer {
                 out.write_all(call)?;
                 writeln!(out, ": refused, {why}")
             }
-            // Input must not be able to control a terminal.
+            // Control characters are replaced, so that the input cannot control a terminal.
             Self::NoCall(why) => {
-                let call = &call[..call.len().min(LONGEST_CALL)];
+                let call = &call[..call.len().min(MAX_CALL_BYTES)];
                 let call = printable(&String::from_utf8_lossy(call));
                 writeln!(out, "{call}: refused, line {number}: {}", printable(why))
             }

@@ -1,8 +1,8 @@
-//! Programs of calls: per line a skill, or several called at once.
+//! Reads programs: each line is a call of a skill, or of several skills at once.
 //!
-//! In a text file a line is `Left` or `Left & Down`; text after `#` or `//` is a comment. In a
-//! `.csv` file the skills of a line are in its cells. If the first line is a header with a column
-//! `skill`, `skills`, `call` or `calls`, only that column counts, and consecutive lines with the
+//! In a text file, a line is `Left` or `Left & Down`; text after `#` or `//` is a comment. In a
+//! `.csv` file, the skills of a line are in its cells. If the first line is a header with a column
+//! `skill`, `skills`, `call` or `calls`, only that column is read, and consecutive lines with the
 //! same entry in a column `step` are one call.
 
 mod table;
@@ -23,7 +23,7 @@ pub struct Program {
     pub findings: Vec<Diagnostic>,
 }
 
-/// Reads a file that is already among the sources.
+/// Parses a program whose file has been added to the sources.
 pub fn read(sources: &SourceMap, file: FileId, skills: &Skills) -> Program {
     let source = sources.file(file);
     let mut program = Program::default();
@@ -35,7 +35,10 @@ pub fn read(sources: &SourceMap, file: FileId, skills: &Skills) -> Program {
     program
 }
 
-/// Parses one call: `Left`, `Left & Down`. The finding has the place within the text.
+/// Parses one call: `Left`, `Left & Down`.
+///
+/// # Errors
+/// Returns a mistake with its place in the text.
 pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<CallMistake>> {
     let mut mask = 0;
     let mut at = 0;
@@ -52,7 +55,7 @@ pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<CallMistake>> {
                 code: codes::SKILL,
                 place,
                 message: format!("`{name}` appears twice in one call"),
-                help: "a skill is called once at a time: write it on a line of its own".to_owned(),
+                help: "a skill can be called only once at a time: write the second call on a separate line".to_owned(),
                 is_guess: false,
             }));
         }
@@ -66,7 +69,7 @@ pub fn call(text: &str, skills: &Skills) -> Result<Call, Box<CallMistake>> {
 pub struct CallMistake {
     /// Kind of error.
     pub code: Code,
-    /// Start and end in bytes.
+    /// Start and end of the place in bytes.
     pub place: (usize, usize),
     /// Message of the finding.
     pub message: String,
@@ -87,7 +90,7 @@ fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> CallMistake {
         (
             codes::SYNTAX,
             format!("`{name}` is not a skill"),
-            "write each call on a line of its own, and `&` between skills that are called at once"
+            "write each call on a separate line, and `&` between skills that are called at once"
                 .to_owned(),
         )
     } else {
@@ -107,7 +110,7 @@ fn unknown(name: &str, place: (usize, usize), skills: &Skills) -> CallMistake {
     }
 }
 
-/// An example of a call with existing skills.
+/// Help text with an example of a call of existing skills.
 fn example(skills: &Skills) -> String {
     let Some(first) = skills.skills.first() else {
         return "declare a skill first".to_owned();
@@ -126,7 +129,7 @@ fn example(skills: &Skills) -> String {
     }
 }
 
-/// The place to mark in a text: this one, or the preceding character if it is empty.
+/// The place to mark for a finding: if it is empty, the preceding character.
 fn marked(text: &str, (from, to): (usize, usize)) -> (usize, usize) {
     let before = text[..from].char_indices().next_back();
     match before {

@@ -1,7 +1,7 @@
-//! `linewright order regex`: the allowed calls as a regular expression.
+//! `linewright order regex`: prints the allowed calls as a regular expression.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::{Choice, answer, rules};
+use super::{Choice, print_result, rules};
 use crate::automata::eliminate;
 use crate::automata::regex::Regex;
 use crate::cli::console::Failed;
@@ -23,7 +23,7 @@ use serde::Serialize;
     linewright order regex examples/pick-and-place/unit.lw
     linewright order regex examples/pick-and-place/printed/grammars.lw::Reasonable --whole
 
-The expression is over single skills, one after the other, as `sequence` takes it in a file: `sequence (...)`. If it is too long or too deeply nested for that, a remark says so.
+The expression describes single skills in sequence, in the notation of `sequence (...)`. If it is too long or too deeply nested for a file, a remark says so.
 
 The expression also matches every prefix of a program that it matches, so a monitor can use it. \
 With --whole it matches only complete programs. If there are none, because every program ends \
@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Only programs that do not end in the middle of a sequence
     #[arg(long)]
     pub whole: bool,
-    /// Which rules are kept.
+    /// Selection of rules.
     #[command(flatten)]
     pub choice: Choice,
 }
@@ -44,7 +44,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "order-regex",
-    "What may be called, as a regular expression: `order regex`",
+    "The allowed calls as a regular expression: `order regex`",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -53,11 +53,11 @@ pub const DOCUMENT: Described = Described::new(
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
-    /// Whether only programs are meant that may end where they do.
+    /// Whether the expression matches only complete programs.
     whole: bool,
     /// The regular expression.
     regex: String,
-    /// The number of states of the smallest automaton.
+    /// The number of states of the minimal automaton.
     states: usize,
 }
 
@@ -65,7 +65,7 @@ struct Document {
 pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
     let chosen = rules::choose("order-regex", &arguments.rules, &arguments.choice, options)?;
     let skills = &chosen.skills;
-    let found = Fsm::of_words(skills, chosen.options, 1).and_then(|fsm| {
+    let found = Fsm::of_language(skills, chosen.options, 1).and_then(|fsm| {
         let dfa = fsm.one_by_one();
         let dfa = if arguments.whole {
             dfa
@@ -73,42 +73,42 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
             dfa.prefix_closed()
         };
         let regex = eliminate::regex(&dfa, chosen.options.until)?;
-        Ok((regex, dfa.minimal().states()))
+        Ok((regex, dfa.minimal().state_count()))
     });
     let (found, states) = found.map_err(EarlyExit::gave_up(None))?;
     let console = options.console();
     let regex = skills.expression(&found);
-    let kept_out = too_much(&regex, skills);
+    let rejection = rejection(&regex, skills);
     let document = Document {
         head: rules::Head::of("order-regex", skills, arguments.choice.level.level()),
         whole: arguments.whole,
         regex,
         states,
     };
-    answer(&document, || format!("{}\n", document.regex), options)?;
-    if let Some(why) = kept_out {
+    print_result(&document, || format!("{}\n", document.regex), options)?;
+    if let Some(why) = rejection {
         console.remark(&format!(
-            "this expression cannot be put into a file as a `sequence`: {why}; fewer rules (--rule NAME, --no-rule NAME) make a shorter one\n"
+            "this expression cannot be used as a `sequence` in a file: {why}; fewer rules (--rule NAME, --no-rule NAME) give a shorter one\n"
         ))?;
     }
     if found == Regex::Nothing {
         console.remark(
-            "no program is complete: whatever is called, it is left in the middle of a sequence; nothing fits this expression\n",
+            "no program is complete: every program ends in the middle of a sequence; the expression matches nothing\n",
         )?;
         return Ok(ExitCode::Findings);
     }
     Ok(ExitCode::Success)
 }
 
-/// Why an expression would be rejected in a file, if so.
-fn too_much(regex: &str, skills: &Skills) -> Option<String> {
+/// Why an expression would be rejected in a file; `None` if it would be accepted.
+fn rejection(regex: &str, skills: &Skills) -> Option<String> {
     let names: Vec<&str> = skills.skills.iter().map(|s| s.name.as_str()).collect();
     let set = format!(
         "skills Again {{ component all {{ {} }} order: sequence ({regex}) }}",
         names.join(", ")
     );
-    let nothing_else = |_: &str, _: &str| Err(String::new());
-    let (_, findings) = contract::load(&[(String::new(), set)], &nothing_else);
+    let no_imports = |_: &str, _: &str| Err(String::new());
+    let (_, findings) = contract::load(&[(String::new(), set)], &no_imports);
     let refused = findings.into_iter().find(|f| f.severity == Severity::Error);
     refused.map(|f| format!("{} ({})", f.message, f.code.id))
 }

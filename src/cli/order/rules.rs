@@ -1,4 +1,4 @@
-//! `FILE[::NAME]`: selects a set of rules, and some of its rules.
+//! Selects a set of skills from a file, and some of its rules.
 
 use super::Choice;
 use super::early_exit::{EarlyExit, Outcome};
@@ -7,7 +7,7 @@ use crate::cli::options::GlobalOptions;
 use crate::cli::select::Selection;
 use crate::diagnostics::{Diagnostic, nearest};
 use crate::engine::files::{self, LoadedFiles};
-use crate::order::fsm::MOST_CALLS;
+use crate::order::fsm::MAX_CALLS;
 use crate::order::supervisor::Options;
 use crate::order::{Level, Skills};
 use schemars::JsonSchema;
@@ -15,40 +15,40 @@ use serde::Serialize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// A set of rules, chosen from a file.
+/// A set of skills with the selected rules.
 pub struct RuleSelection {
-    /// The library loaded with it.
+    /// The loaded files.
     pub loaded: LoadedFiles,
     /// The skills with the selected rules.
     pub skills: Skills,
-    /// Level at which they are kept, and the limits of the command.
+    /// Level of refusal, and other options of supervisors.
     pub options: Options,
 }
 
-/// Common head of these commands' documents.
+/// First fields of the documents of these commands.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct Head {
     schema: String,
     /// The name of the set of skills.
     skills: String,
-    /// How much is forbidden.
+    /// Which calls are refused.
     #[schemars(extend("enum" = ["arbitrary", "valid", "reasonable"]))]
     level: &'static str,
 }
 
 impl Head {
-    /// The head of a command's document for these skills at this level.
+    /// Creates the first fields of a command's document.
     pub fn of(command: &str, skills: &Skills, level: Level) -> Self {
         Self {
             schema: schema(command),
             skills: skills.name.clone(),
-            level: level.word(),
+            level: level.keyword(),
         }
     }
 }
 
 impl RuleSelection {
-    /// Prints the finding that prevents an answer.
+    /// Prints the finding that prevents a result, and returns the exit code.
     pub fn failed(&self, command: &str, finding: Diagnostic, options: &GlobalOptions) -> Outcome {
         let findings = [finding];
         let console = options.console();
@@ -57,7 +57,8 @@ impl RuleSelection {
     }
 }
 
-/// Loads the selected set of rules. Errors in the file are printed as this command's.
+/// Loads the selected set of skills, and restricts it to the chosen rules. Errors in the files are
+/// printed as findings of this command.
 pub fn choose(
     command: &str,
     selection: &Selection,
@@ -73,7 +74,7 @@ pub fn choose(
     let [(name, span)] = picked.as_slice() else {
         let names: Vec<&str> = picked.iter().map(|(n, _)| n.as_str()).collect();
         return Err(EarlyExit::Failed(anyhow::anyhow!(
-            "{path} declares several sets of skills: write one of {} behind {path}::",
+            "{path} declares several sets of skills: append one of {} to {path}::",
             names.join(", "),
             path = selection.path
         )));
@@ -83,7 +84,7 @@ pub fn choose(
         .skills
         .iter()
         .find(|s| s.name == *name && s.span == *span)
-        .expect("it was picked from these");
+        .expect("the selection is one of these sets");
     let skills = with_rules(skills, choice)?;
     let options = choice.options(options);
     Ok(RuleSelection {
@@ -110,8 +111,8 @@ fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
         let rule = skills.rules.iter().find(|r| r.name == *name);
         if let Some(rule) = rule.filter(|r| r.level > choice.level.level()) {
             anyhow::bail!(
-                "the rule `{name}` is kept at the level {word} only: ask for it with --level {word}",
-                word = rule.level.word()
+                "the rule `{name}` applies at the level {word} only: use --level {word}",
+                word = rule.level.keyword()
             );
         }
     }
@@ -122,8 +123,8 @@ fn with_rules(skills: &Skills, choice: &Choice) -> anyhow::Result<Skills> {
     Ok(skills.with_rules(&kept.collect::<Vec<_>>()))
 }
 
-/// Finds the files of rules beside a program.
-pub fn beside(program: &str) -> anyhow::Result<Selection> {
+/// Finds the only file next to a program that declares skills.
+pub fn find_next_to(program: &str) -> anyhow::Result<Selection> {
     let folder = match Path::new(program).parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -149,25 +150,25 @@ pub fn beside(program: &str) -> anyhow::Result<Selection> {
             name: None,
         }),
         [] => anyhow::bail!(
-            "no .lw file beside {program} declares skills: say which rules are meant with --rules FILE"
+            "no .lw file next to {program} declares skills: give the rules with --rules FILE"
         ),
         several => anyhow::bail!(
-            "several files beside {program} declare skills ({}): say which rules are meant with --rules FILE",
+            "several files next to {program} declare skills ({}): choose one with --rules FILE",
             several.join(", ")
         ),
     }
 }
 
-/// Note that calls of more skills at once than these are omitted because there would be too many.
-pub fn report_cut(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
-    let most = calls.iter().map(|c| c.count_ones()).max().unwrap_or(0);
+/// Prints a remark that calls of more skills at once are omitted, since there would be too many.
+pub fn report_omitted_calls(calls: &[u64], options: &GlobalOptions) -> anyhow::Result<()> {
+    let max = calls.iter().map(|c| c.count_ones()).max().unwrap_or(0);
     options.console().remark(&format!(
-        "only calls of up to {most} skills at once are in it: all larger ones would be more than {MOST_CALLS}\n"
+        "limited to calls of at most {max} skills at once: with more skills at once, there would be more than {MAX_CALLS} calls\n"
     ))?;
     Ok(())
 }
 
-/// Additional help for a command whose calls have many skills at once.
-pub fn fewer_at_once(most: u8) -> Option<&'static str> {
-    (most > 1).then_some("fewer skills at once (--at-once N)")
+/// Additional help for a command that can be limited to fewer skills at once.
+pub fn fewer_at_once(max: u8) -> Option<&'static str> {
+    (max > 1).then_some("fewer skills at once (--at-once N)")
 }

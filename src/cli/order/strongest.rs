@@ -1,7 +1,7 @@
-//! `linewright order strongest`: the recalls and detours that can be omitted.
+//! `linewright order strongest`: finds the recalls and detours that rules can forbid.
 
 use super::early_exit::{EarlyExit, Outcome};
-use super::{Choice, answer, rules, words};
+use super::{Choice, print_result, rules, words};
 use crate::cli::console::Failed;
 use crate::cli::exit::ExitCode;
 use crate::cli::options::GlobalOptions;
@@ -9,7 +9,7 @@ use crate::cli::schema::{Described, form};
 use crate::cli::select::Selection;
 use crate::order::Skills;
 use crate::order::fsm::Fsm;
-use crate::order::picture::names;
+use crate::order::picture::call_names;
 use crate::order::strongest::{Pattern, Request, Strongest, Verdict, strongest};
 use clap::Args;
 use schemars::JsonSchema;
@@ -22,9 +22,13 @@ use std::fmt::Write as _;
     linewright order strongest examples/pick-and-place/unit.lw
     linewright order strongest examples/pick-and-place/unit.lw --longest 3 --useful 'left & open' --drop detour_Left_Right
 
-Recalls and detours that can be forbidden are printed as rules for the file. Those that are \
-needed are printed as comments, with the situations that would be lost. The choice depends on \
-the order of the skills; --drop rejects a rule, and the others are computed again.")]
+A recall is a call that changes nothing; a detour is a sequence of calls that a shorter one \
+replaces. A situation is lost if no allowed program reaches it any more.
+
+Recalls and detours that can be forbidden without losing a useful situation are printed as rules \
+for the file. The others are printed as comments, with the situations that would be lost. The \
+choice depends on the order of the skills; --drop rejects a rule, and the others are computed \
+again.")]
 pub struct Arguments {
     /// The rules
     #[arg(value_name = "FILE[::NAME]")]
@@ -39,7 +43,7 @@ pub struct Arguments {
     /// Reject this proposed rule (repeatable)
     #[arg(long, value_name = "NAME")]
     pub drop: Vec<String>,
-    /// Which rules are kept.
+    /// Selection of rules.
     #[command(flatten)]
     pub choice: Choice,
 }
@@ -47,7 +51,7 @@ pub struct Arguments {
 /// The document of the command.
 pub const DOCUMENT: Described = Described::new(
     "order-strongest",
-    "The recalls and detours that can be left out: `order strongest`",
+    "The recalls and detours that rules may forbid: `order strongest`",
     &[form::<Document>, form::<Failed>],
 );
 
@@ -56,11 +60,11 @@ pub const DOCUMENT: Described = Described::new(
 struct Document {
     #[serde(flatten)]
     head: rules::Head,
-    /// The number of states of the automaton with the rules that are kept.
+    /// The number of states of the automaton with the kept candidates.
     states: usize,
-    /// The number of its transitions.
+    /// The number of transitions of this automaton.
     transitions: usize,
-    /// The rules that were tried.
+    /// The candidate rules.
     candidates: Vec<CandidateEntry>,
 }
 
@@ -68,34 +72,34 @@ struct Document {
 #[derive(Clone, Copy, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum CandidateVerdict {
-    /// It is kept at the stronger level.
+    /// The rule can be added without losing a useful situation.
     Kept,
-    /// The intended program needs what it would forbid.
+    /// What the rule forbids is needed: a useful situation would be lost.
     Needed,
-    /// It adds nothing to the other rules.
+    /// The user rejected the rule with `--drop`.
     Dropped,
 }
 
-/// A rule that was tried.
+/// A candidate rule with its verdict.
 #[derive(JsonSchema, Serialize)]
 struct CandidateEntry {
     /// The name of the rule.
     rule: String,
-    /// The rule as it is written.
+    /// The rule as written.
     text: String,
-    /// What became of it.
+    /// Verdict on the rule.
     verdict: CandidateVerdict,
-    /// Of a rule that is needed: what it would forbid.
+    /// For `needed`: what would be lost.
     #[serde(skip_serializing_if = "Option::is_none")]
     lost: Option<LostEntry>,
 }
 
-/// What a rule would forbid.
+/// What would be lost with a rule.
 #[derive(JsonSchema, Serialize)]
 struct LostEntry {
-    /// The calls that lead there.
+    /// The calls after which it would be lost.
     after: Vec<Vec<String>>,
-    /// Omitted if no program could be completed any more.
+    /// The situation that would be lost; absent if no program could be completed.
     #[serde(skip_serializing_if = "Option::is_none")]
     situation: Option<String>,
 }
@@ -116,32 +120,32 @@ pub fn run(arguments: &Arguments, options: &GlobalOptions) -> Outcome {
         let fsm = Fsm::of(&found.skills, request.options, 1)?;
         Ok((found, fsm))
     });
-    let besides = Some("shorter detours (--longest N)");
-    let (found, fsm) = found.map_err(EarlyExit::gave_up(besides))?;
-    are_candidates(&arguments.drop, &found)?;
+    let also_helps = Some("shorter detours (--longest N)");
+    let (found, fsm) = found.map_err(EarlyExit::gave_up(also_helps))?;
+    ensure_candidates(&arguments.drop, &found)?;
     let document = Document {
         head: rules::Head::of(command, skills, arguments.choice.level.level()),
         states: fsm.states.len(),
         transitions: fsm.transitions().len(),
         candidates: entries(&found, skills),
     };
-    answer(&document, || text(&found, &fsm, skills), options)?;
+    print_result(&document, || text(&found, &fsm, skills), options)?;
     Ok(ExitCode::Success)
 }
 
-/// Refuses to drop a rule that is no candidate.
-fn are_candidates(dropped: &[String], found: &Strongest) -> anyhow::Result<()> {
+/// Fails if a rule to be dropped is not a candidate.
+fn ensure_candidates(dropped: &[String], found: &Strongest) -> anyhow::Result<()> {
     for name in dropped {
         let known = found.candidates.iter().any(|c| c.rule.name == *name);
         anyhow::ensure!(
             known,
-            "there is no candidate `{name}` to drop: without --drop they are listed"
+            "there is no candidate `{name}` to drop: run without --drop to list them"
         );
     }
     Ok(())
 }
 
-/// `left & down`: situations by their labels.
+/// Parses situations by their labels: `left & down`.
 fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
     let mut pattern = Vec::new();
     for label in text.split('&').map(str::trim) {
@@ -160,7 +164,7 @@ fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
                 let other = pattern.iter().find(|(c, s)| *c == place.0 && *s != place.1);
                 anyhow::ensure!(
                     other.is_none(),
-                    "`{}` is in one situation at a time: write --useful twice where either will do",
+                    "`{}` is in one situation at a time: give --useful twice if both situations are useful",
                     skills.components[place.0].name
                 );
                 pattern.push(*place);
@@ -171,7 +175,7 @@ fn pattern(text: &str, skills: &Skills) -> anyhow::Result<Pattern> {
                     .iter()
                     .flat_map(|c| c.situations.iter().map(|s| format!("{}.{s}", c.name)));
                 anyhow::bail!(
-                    "there is no situation `{written}`: they are {}",
+                    "there is no situation `{written}`: choose one of {}",
                     all.collect::<Vec<_>>().join(", ")
                 );
             }
@@ -194,8 +198,8 @@ fn entries(found: &Strongest, skills: &Skills) -> Vec<CandidateEntry> {
         },
         lost: match &c.verdict {
             Verdict::Needed { after, lost } => Some(LostEntry {
-                after: names(skills, after),
-                situation: lost.as_ref().map(|s| skills.situation(s)),
+                after: call_names(skills, after),
+                situation: lost.as_ref().map(|s| skills.situation_text(s)),
             }),
             _ => None,
         },
@@ -213,7 +217,7 @@ fn text(found: &Strongest, fsm: &Fsm, skills: &Skills) -> String {
             Verdict::Dropped => writeln!(text, "// dropped: {rule}"),
             Verdict::Needed { after, lost } => {
                 let lost = match lost {
-                    Some(situation) => format!("`{}` is lost", skills.situation(situation)),
+                    Some(situation) => format!("`{}` is lost", skills.situation_text(situation)),
                     None => "no program can be completed".to_owned(),
                 };
                 let after = match after.as_slice() {

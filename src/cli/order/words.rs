@@ -5,13 +5,13 @@ use crate::order::supervisor::{Call, Refusal};
 use crate::order::{Serialisation, Skills};
 use crate::source::Span;
 
-/// Calls as text: `Up, Left & Down`.
+/// Formats calls: `Up, Left & Down`.
 pub fn calls(calls: &[Call], skills: &Skills) -> String {
     let calls: Vec<String> = calls.iter().map(|c| c.text(skills)).collect();
     calls.join(", ")
 }
 
-/// Why a call is refused; the text refers to the call as `it`.
+/// Formats why a call is refused; the text refers to the call as `it`.
 pub fn why(call: Call, refusal: &Refusal, skills: &Skills, serialisation: Serialisation) -> String {
     let name = |skill: &usize| skills.skills[*skill].name.as_str();
     match refusal {
@@ -19,7 +19,7 @@ pub fn why(call: Call, refusal: &Refusal, skills: &Skills, serialisation: Serial
             component,
             skills: both,
         } => format!(
-            "`{}` and `{}` both move `{}`: they cannot be called at once",
+            "`{}` and `{}` both change `{}`: they cannot be called at once",
             name(&both[0]),
             name(&both[1]),
             skills.components[*component].name
@@ -45,13 +45,13 @@ pub fn why(call: Call, refusal: &Refusal, skills: &Skills, serialisation: Serial
                 (order, Serialisation::Every) => {
                     let order: Vec<&str> = order.iter().map(name).collect();
                     format!(
-                        "called one after the other as {} it breaks the rule `{rule}`",
+                        "called in the order {}, it breaks the rule `{rule}`",
                         order.join(", ")
                     )
                 }
                 (_, Serialisation::Some) => {
                     format!(
-                        "in every order of calling them a rule is broken, `{rule}` in the first"
+                        "every order of calling them breaks a rule; the first order breaks `{rule}`"
                     )
                 }
             }
@@ -63,7 +63,7 @@ pub fn why(call: Call, refusal: &Refusal, skills: &Skills, serialisation: Serial
     }
 }
 
-/// The rule that refuses, if any.
+/// Index of the rule that refuses a call; `None` if no rule does.
 pub fn rule(refusal: &Refusal) -> Option<usize> {
     match refusal {
         Refusal::Rule { rule, .. } | Refusal::Deleted { rule } => Some(*rule),
@@ -71,7 +71,7 @@ pub fn rule(refusal: &Refusal) -> Option<usize> {
     }
 }
 
-/// A refused call as a finding.
+/// Finding for a refused call.
 pub fn refused(
     call: Call,
     refusal: &Refusal,

@@ -2,7 +2,7 @@
 //! uses tables and formulas, and shares only the evaluation of expressions with the code it is
 //! compared with.
 
-use linewright::algebra::closed::Closed;
+use linewright::algebra::closed::ClosedComposition;
 use linewright::algebra::system::formulas;
 use linewright::contract::machine::{Machine, PlantSource};
 use linewright::game::RuleKind;
@@ -44,7 +44,7 @@ pub struct Found {
 pub struct Brute<'a> {
     pub machine: &'a Machine,
     pub tables: &'a [&'a mealy::Machine],
-    pub closed: &'a Closed<'a>,
+    pub closed: &'a ClosedComposition<'a>,
 }
 
 /// Result of one choice from outside.
@@ -175,7 +175,7 @@ impl Brute<'_> {
         let now = self.own(component, wires);
         let then = before.map(|b| self.own(component, &b.wires));
         let mut found = [Vec::new(), Vec::new()];
-        for (kind, _, formula) in formulas(&self.closed.system.parts[component].assumptions) {
+        for (kind, _, formula) in formulas(&self.closed.system.components[component].assumptions) {
             let own = [&side.initial, &side.invariants, &side.safety]
                 .into_iter()
                 .flatten()
@@ -293,7 +293,7 @@ impl Brute<'_> {
         };
         found.completes = self.machine.done.is_none() || !starves(&|s| self.is_done(s));
         for (c, component) in self.machine.components.iter().enumerate() {
-            let over_wires = &self.closed.system.parts[c].assumptions.justice;
+            let over_wires = &self.closed.system.components[c].assumptions.justice;
             let justice = &component.specification.assumptions.justice;
             for (formula, over_wires) in justice.iter().zip(over_wires) {
                 // What the environment ensures is not examined.

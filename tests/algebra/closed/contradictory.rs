@@ -1,13 +1,13 @@
 //! Contradictory assumptions: the verdict on the controllers together, compared with the
 //! interpreter.
 //!
-//! A controller that answers first has no outputs where no inputs keep its assumptions. The
-//! interpreter reports an error of the call, the verdict a stuck machine; in both it precedes
-//! everything else in that step.
+//! A controller that answers first has no outputs where its assumptions contradict each other: no
+//! inputs keep them. The interpreter reports an error of the call, the verdict a stuck machine; in
+//! both it precedes everything else in that step.
 
 use super::{load, pick, synthesized_as_far_as_can_be};
 use crate::random::Random;
-use linewright::algebra::closed::{Closed, Verdict, replay};
+use linewright::algebra::closed::{ClosedComposition, Verdict, replay};
 use linewright::algebra::proof::Refutation;
 use linewright::contract::machine::{Machine, PlantSource};
 use linewright::game::Limits;
@@ -153,13 +153,13 @@ fn agrees(
     random: &mut Random,
     machine: &Machine,
     controllers: &[mealy::Controller],
-    closed: &Closed<'_>,
+    closed: &ClosedComposition<'_>,
     verdict: &Verdict,
 ) -> usize {
     let mut silent = 0;
     for stuck in &verdict.stuck {
         assert!(stuck.silent, "tables that were verified have no gaps");
-        assert_eq!(replay::stuck(closed, stuck), Ok(()));
+        assert_eq!(replay::check_stuck(closed, stuck), Ok(()));
         let error = refused(machine, controllers, &stuck.trace);
         let name = &machine.components[stuck.component].name;
         let wanted =
@@ -175,7 +175,7 @@ fn agrees(
         silent += 1;
     }
     for open in &verdict.open {
-        let (Some(part), Refutation::Trace(run)) = (open.what.part, &open.why) else {
+        let (Some(part), Refutation::Trace(run)) = (open.what.component, &open.why) else {
             continue;
         };
         let error = refused(machine, controllers, run);
@@ -208,7 +208,7 @@ fn contradictory_assumptions_are_decided_as_they_run() {
             continue;
         };
         let references: Vec<&mealy::Controller> = controllers.iter().collect();
-        let closed = Closed::of_machine(&machine, &references);
+        let closed = ClosedComposition::of_machine(&machine, &references);
         let verdict = closed.decide(&Limits::default()).expect("no limit");
         let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
             agrees(&mut random, &machine, &controllers, &closed, &verdict)
@@ -258,7 +258,7 @@ machine M {
     assert!(matches!(verified, Ok(Ok(()))), "{verified:?}");
     controllers[1] = table.into();
     let references: Vec<&mealy::Controller> = controllers.iter().collect();
-    let closed = Closed::of_machine(&machine, &references);
+    let closed = ClosedComposition::of_machine(&machine, &references);
     let verdict = closed.decide(&Limits::default()).expect("no limit");
     let [stuck] = verdict.stuck.as_slice() else {
         panic!("{verdict:?}");

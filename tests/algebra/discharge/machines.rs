@@ -2,7 +2,7 @@
 
 use super::mutants::nothing_can_be_left_out;
 use super::tables::table;
-use linewright::algebra::machine::{of_machine, of_promise};
+use linewright::algebra::machine::{of_machine, of_refined_contract};
 use linewright::algebra::proof::{Claim, Proof, prove};
 use linewright::algebra::system::System;
 use linewright::contract::machine::Machine;
@@ -25,7 +25,10 @@ fn machine(file: &str) -> Machine {
 
 /// Everything to be proved of a machine.
 fn claims(machine: &Machine) -> Vec<(System, Claim)> {
-    let promises = machine.refines.iter().map(|p| of_promise(machine, p));
+    let promises = machine
+        .refines
+        .iter()
+        .map(|p| of_refined_contract(machine, p));
     [of_machine(machine)].into_iter().chain(promises).collect()
 }
 
@@ -85,10 +88,13 @@ fn the_cell_refines_the_holistic_contract_at_its_own_size() {
         .expect("the contract");
     // The contract as in its file, not another size of it.
     assert_eq!(promised.specification, whole.specification);
-    let (system, claim) = of_promise(&loaded.library.machines[0], promised);
+    let (system, claim) = of_refined_contract(&loaded.library.machines[0], promised);
     let proof = proved(&system, &claim);
     assert!(proof.holds(), "{}", table(&system, &claim, &proof));
-    let kept = proof.discharges.iter().filter(|d| d.what.part.is_none());
+    let kept = proof
+        .discharges
+        .iter()
+        .filter(|d| d.what.component.is_none());
     assert_eq!(kept.count(), claim.goal.all().count());
     assert!(claim.goal.all().count() > 80);
 }

@@ -56,13 +56,13 @@ fn alone(
         picked
     };
     let at = |part, half, kind, index| FormulaRef {
-        part,
+        component: part,
         half,
         kind,
         index,
     };
     let mut reduced = system.clone();
-    for (i, part) in reduced.parts.iter_mut().enumerate() {
+    for (i, part) in reduced.components.iter_mut().enumerate() {
         part.guarantees = pick(&part.guarantees, &|k, n| {
             names.contains(&at(Some(i), ContractSide::Guarantees, k, n))
         });
@@ -77,7 +77,7 @@ fn alone(
     // known.
     for name in names
         .iter()
-        .filter(|n| n.part.is_some() == (n.half == ContractSide::Assumptions))
+        .filter(|n| n.component.is_some() == (n.half == ContractSide::Assumptions))
     {
         add(
             &mut given,

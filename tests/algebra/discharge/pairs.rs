@@ -21,7 +21,7 @@ fn composed(texts: &[&str]) -> (System, Claim, Proof) {
         .map(|c| Member {
             specification: &c.specification,
             name: c.name.clone(),
-            renamed: Vec::new(),
+            renamings: Vec::new(),
         })
         .collect();
     let system = join(&members, Sharing::OneDriver).expect("ports that fit");

@@ -8,8 +8,8 @@ use std::fmt::Write as _;
 /// `cell: pick_open`
 pub fn name(system: &System, claim: &Claim, at: FormulaRef) -> String {
     let formula = replay::formula(system, claim, at);
-    match at.part {
-        Some(part) => format!("{}: {}", system.parts[part].name, formula.name),
+    match at.component {
+        Some(part) => format!("{}: {}", system.components[part].name, formula.name),
         None => formula.name.clone(),
     }
 }

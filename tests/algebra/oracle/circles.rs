@@ -40,7 +40,7 @@ struct Machine {
 impl Machine {
     /// `None` if nothing implements the contract.
     fn new(system: &System, board: &Board, index: usize) -> Option<Self> {
-        let part = &system.parts[index];
+        let part = &system.components[index];
         let variables = system.variables.iter().enumerate().map(|(i, v)| {
             let own = part.drives.contains(&VarId(i as u32));
             linewright::gr1::Variable {
@@ -107,7 +107,7 @@ struct Composed {
 impl Composed {
     fn new(system: &System, claim: &Claim, proof: &Proof) -> Option<Self> {
         let board = Board::new(&system.variables);
-        let parts = 0..system.parts.len();
+        let parts = 0..system.components.len();
         let machines: Vec<Machine> = parts
             .map(|i| Machine::new(system, &board, i))
             .collect::<Option<_>>()?;
@@ -286,13 +286,13 @@ fn mentions(side: &Side, variable: VarId) -> bool {
 
 /// For each part, the parts on whose answers in the same step its own depend.
 fn dependencies(system: &System, board: &Board) -> Vec<Vec<usize>> {
-    let parts = system.parts.iter().enumerate();
+    let parts = system.components.iter().enumerate();
     let of = parts.map(|(i, part)| {
-        let others = (0..system.parts.len()).filter(|j| *j != i);
+        let others = (0..system.components.len()).filter(|j| *j != i);
         let waits = others.filter(|j| {
             part.timing == Timing::Mealy
                 && mentions(&part.guarantees, part.drives[0])
-                && depends(board, &part.guarantees, system.parts[*j].drives[0])
+                && depends(board, &part.guarantees, system.components[*j].drives[0])
         });
         waits.collect()
     });
@@ -341,7 +341,7 @@ fn claim(r: &mut Random, system: &System) -> Claim {
         given.justice.push(formula("given again".to_owned(), expr));
     }
     let mut goal = Side::default();
-    for part in &system.parts {
+    for part in &system.components {
         for formula in &part.guarantees.safety {
             if r.chance(20) {
                 goal.safety.push(formula.clone());
@@ -383,7 +383,7 @@ fn check_open(system: &System, claim: &Claim, proof: &Proof, open: &Open) {
     );
     let board = Board::new(&system.variables);
     let parts = system
-        .parts
+        .components
         .iter()
         .flat_map(|p| [&p.assumptions, &p.guarantees]);
     let all: Vec<&Side> = parts.chain([&claim.given]).collect();
@@ -483,9 +483,9 @@ fn mend(r: &mut Random, system: &mut System) {
         return;
     }
     let board = Board::new(&system.variables);
-    for i in 0..system.parts.len() {
+    for i in 0..system.components.len() {
         while Machine::new(system, &board, i).is_none() {
-            let side = &mut system.parts[i].guarantees;
+            let side = &mut system.components[i].guarantees;
             let lists = [
                 &mut side.initial,
                 &mut side.invariants,
@@ -502,7 +502,7 @@ fn mend(r: &mut Random, system: &mut System) {
 
 /// The parts whose outputs each part's assumptions mention.
 fn relies(system: &System) -> Vec<Vec<usize>> {
-    let parts = system.parts.iter().enumerate();
+    let parts = system.components.iter().enumerate();
     let of = parts.map(|(i, part)| {
         let mut drivers = Vec::new();
         for formula in part.assumptions.all() {
@@ -622,7 +622,7 @@ fn loops_within_a_step_are_loops() {
             sees: 90,
         };
         let mut system = wired::system(&mut r, &plan, &|_, _| ());
-        for part in &mut system.parts {
+        for part in &mut system.components {
             part.assumptions = Side::default();
         }
         let board = Board::new(&system.variables);

@@ -14,7 +14,7 @@ use super::wired::{self, Plan};
 use crate::random::Random;
 use linewright::algebra::compat::{Compatibility, compatible};
 use linewright::algebra::proof::Refutation;
-use linewright::algebra::system::{Part, System};
+use linewright::algebra::system::{Component, System};
 use linewright::game::Limits;
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId};
 
@@ -68,13 +68,13 @@ impl Swapped {
     /// The game for the remaining assumptions.
     fn new(system: &System, assumptions: &Side) -> Self {
         let board = Board::new(&system.variables);
-        let guarantees = together(system.parts.iter().map(|p| &p.guarantees));
+        let guarantees = together(system.components.iter().map(|p| &p.guarantees));
         let own = |v: &VarId| system.driver(*v).is_some();
         let moore = |v: &VarId| {
             let driver = system.driver(*v);
-            driver.is_some_and(|p| system.parts[p].timing == Timing::Moore)
+            driver.is_some_and(|p| system.components[p].timing == Timing::Moore)
         };
-        let sees = system.parts.iter().any(|p| p.timing == Timing::Moore);
+        let sees = system.components.iter().any(|p| p.timing == Timing::Moore);
         let alike = |which: &dyn Fn(&VarId) -> bool| {
             let key = |valuation: &Vec<i64>| -> Vec<i64> {
                 let all = valuation.iter().enumerate();
@@ -230,7 +230,7 @@ fn environments_exist_where_the_swapped_game_is_won() {
             sees: 40,
         };
         let system = wired::system(&mut r, &plan, &|_, _| ());
-        let assumptions = together(system.parts.iter().map(|p| &p.assumptions));
+        let assumptions = together(system.components.iter().map(|p| &p.assumptions));
         let mut game = Swapped::new(&system, &assumptions);
         let found = compatible(&system, &limits).expect("no limit");
         sees += u32::from(game.sees);
@@ -263,7 +263,7 @@ fn environments_exist_where_the_swapped_game_is_won() {
             }
             Refutation::Lasso(run) => {
                 cycles += 1;
-                let promised = system.parts.iter().all(|p| keeps(&p.guarantees, &run));
+                let promised = system.components.iter().all(|p| keeps(&p.guarantees, &run));
                 assert!(promised, "seed {seed}: {run:?}");
                 let safe = Side {
                     justice: Vec::new(),
@@ -290,7 +290,7 @@ fn environments_exist_where_the_swapped_game_is_won() {
 fn codes_without_a_value_are_no_way_out() {
     let now = |v: u32| Expr::now(VarId(v));
     let within = |e: Expr| Expr::binary(BinaryOp::Le, e, Expr::Const(2));
-    let part = |timing, guarantees| Part {
+    let part = |timing, guarantees| Component {
         name: "A".to_owned(),
         timing,
         drives: vec![VarId(0)],
@@ -321,7 +321,7 @@ fn codes_without_a_value_are_no_way_out() {
         for timing in [Timing::Mealy, Timing::Moore] {
             let system = System {
                 variables: contracts::named(&[Domain::Bool, Domain::Range { low: 0, high: 2 }]),
-                parts: vec![part(timing, guarantees.clone())],
+                components: vec![part(timing, guarantees.clone())],
             };
             let found = compatible(&system, &Limits::default()).expect("no limit");
             let Compatibility::Incompatible { assumptions, play } = found else {
@@ -339,7 +339,7 @@ fn codes_without_a_value_are_no_way_out() {
 #[test]
 fn no_answer_is_left_only_within_the_assumptions() {
     let (power, hot) = (VarId(0), VarId(1));
-    let heater = Part {
+    let heater = Component {
         name: "Heater".to_owned(),
         timing: Timing::Mealy,
         drives: vec![hot],
@@ -365,7 +365,7 @@ fn no_answer_is_left_only_within_the_assumptions() {
     };
     let mut system = System {
         variables: contracts::named(&[Domain::Bool, Domain::Bool]),
-        parts: vec![heater],
+        components: vec![heater],
     };
     let found = compatible(&system, &Limits::default()).expect("no limit");
     let Compatibility::Incompatible { assumptions, play } = found else {
@@ -377,7 +377,7 @@ fn no_answer_is_left_only_within_the_assumptions() {
     };
     assert_eq!((steps.len(), &steps[0]), (2, &vec![1, 1]));
     // It need not always be powered.
-    system.parts[0].assumptions.invariants.clear();
+    system.components[0].assumptions.invariants.clear();
     let found = compatible(&system, &Limits::default()).expect("no limit");
     assert_eq!(found, Compatibility::Compatible);
 }

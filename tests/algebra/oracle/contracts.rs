@@ -2,7 +2,7 @@
 
 use super::lassos::variable;
 use crate::random::Random;
-use linewright::algebra::system::{Part, System};
+use linewright::algebra::system::{Component, System};
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Time, Timing, VarId, Variable};
 use linewright::source::Span;
 
@@ -137,8 +137,8 @@ fn side(r: &mut Random, variables: &[Variable], chances: &Chances) -> Side {
 }
 
 /// A contract from its two halves.
-pub fn part(name: &str, assumptions: Side, guarantees: Side) -> Part {
-    Part {
+pub fn part(name: &str, assumptions: Side, guarantees: Side) -> Component {
+    Component {
         name: name.to_owned(),
         timing: Timing::Mealy,
         drives: Vec::new(),
@@ -149,7 +149,7 @@ pub fn part(name: &str, assumptions: Side, guarantees: Side) -> Part {
 }
 
 /// A random small contract.
-pub fn any(r: &mut Random, variables: &[Variable]) -> Part {
+pub fn any(r: &mut Random, variables: &[Variable]) -> Component {
     let assumptions = side(r, variables, &ASSUMED);
     part("any", assumptions, side(r, variables, &GUARANTEED))
 }
@@ -190,7 +190,7 @@ pub fn stronger(r: &mut Random, variables: &[Variable], of: &Side) -> Side {
 }
 
 /// A contract that refines another: it assumes less, and guarantees more.
-pub fn refining(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
+pub fn refining(r: &mut Random, variables: &[Variable], of: &Component) -> Component {
     let assumptions = weaker(r, variables, &of.assumptions);
     part(
         "refining",
@@ -200,13 +200,13 @@ pub fn refining(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
 }
 
 /// A contract that another refines.
-pub fn refined(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
+pub fn refined(r: &mut Random, variables: &[Variable], of: &Component) -> Component {
     let assumptions = stronger(r, variables, &of.assumptions);
     part("refined", assumptions, weaker(r, variables, &of.guarantees))
 }
 
 /// A contract that is likely to be related to another, in either direction.
-pub fn akin(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
+pub fn akin(r: &mut Random, variables: &[Variable], of: &Component) -> Component {
     match r.below(5) {
         0 | 1 => refining(r, variables, of),
         2 | 3 => refined(r, variables, of),
@@ -215,9 +215,9 @@ pub fn akin(r: &mut Random, variables: &[Variable], of: &Part) -> Part {
 }
 
 /// Contracts over the same variables.
-pub fn system(variables: &[Variable], parts: Vec<Part>) -> System {
+pub fn system(variables: &[Variable], parts: Vec<Component>) -> System {
     System {
         variables: variables.to_vec(),
-        parts,
+        components: parts,
     }
 }

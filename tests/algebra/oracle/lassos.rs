@@ -5,7 +5,7 @@
 //! evaluator.
 
 use crate::game::value;
-use linewright::algebra::system::{Part, System};
+use linewright::algebra::system::{Component, System};
 use linewright::game::Lasso;
 use linewright::gr1::{Domain, Formula, Owner, Side, Variable};
 use linewright::source::Span;
@@ -110,7 +110,7 @@ pub struct Meaning {
 }
 
 impl Meaning {
-    pub fn of(part: &Part, lassos: &[Lasso]) -> Self {
+    pub fn of(part: &Component, lassos: &[Lasso]) -> Self {
         let a: Set = lassos.iter().map(|l| keeps(&part.assumptions, l)).collect();
         let g = lassos.iter().map(|l| keeps(&part.guarantees, l)).collect();
         Self {
@@ -121,7 +121,7 @@ impl Meaning {
 
     /// The meanings of all parts of a system.
     pub fn all(system: &System, lassos: &[Lasso]) -> Vec<Self> {
-        let parts = system.parts.iter();
+        let parts = system.components.iter();
         parts.map(|p| Self::of(p, lassos)).collect()
     }
 

@@ -6,7 +6,7 @@ use super::lassos::{Meaning, all};
 use crate::random::Random;
 use linewright::algebra::contract::Contract;
 use linewright::algebra::decide::Decider;
-use linewright::algebra::system::{Part, System};
+use linewright::algebra::system::{Component, System};
 use linewright::game::{Lasso, Limits};
 use linewright::gr1::Variable;
 
@@ -62,7 +62,7 @@ impl<'a> Bench<'a> {
     }
 
     fn part(&self, index: usize) -> Both {
-        Both(Contract::part(index), self.meanings[index].clone())
+        Both(Contract::component(index), self.meanings[index].clone())
     }
 
     /// Whether one refines the other on all runs; then it also does on the lassos.
@@ -93,7 +93,7 @@ impl<'a> Bench<'a> {
 /// A bench for every seed, with the parts returned by `make`.
 fn rounds(
     first: u64,
-    make: impl Fn(&mut Random, &[Variable]) -> Vec<Part>,
+    make: impl Fn(&mut Random, &[Variable]) -> Vec<Component>,
     mut check: impl FnMut(&mut Bench<'_>),
 ) {
     for seed in first..first + ROUNDS {

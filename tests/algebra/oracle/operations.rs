@@ -67,7 +67,7 @@ fn operations_are_what_they_are_defined_as() {
         lassos_seen += lassos.len();
         let meanings = Meaning::all(&system, &lassos);
         let mut decider = Decider::new(&system, &limits).expect("room");
-        let [a, b, c] = [0, 1, 2].map(Contract::part);
+        let [a, b, c] = [0, 1, 2].map(Contract::component);
         for ((name, operation, definition), outcomes) in OPERATIONS.iter().zip(&mut outcomes) {
             let made = operation(&a, &b);
             let meant = definition(&meanings[0], &meanings[1]);

@@ -4,7 +4,7 @@ use super::contracts::{akin, any, part, system, variables};
 use super::graph::Board;
 use super::lassos::{all, keeps};
 use crate::random::Random;
-use linewright::algebra::contract::{Contract, Words};
+use linewright::algebra::contract::{Contract, RunSet};
 use linewright::algebra::decide::Decider;
 use linewright::algebra::proof::{Discharge, DischargeRule, Open, Refutation};
 use linewright::algebra::refine::{Question, refine};
@@ -53,7 +53,7 @@ fn between(question: &Question, kept: &Side, broken: &Side) -> Option<Lasso> {
     let reduced = system(&question.system.variables, vec![reduced]);
     let mut decider = Decider::new(&reduced, &Limits::default()).expect("room");
     let [kept_runs, promised] =
-        [ContractSide::Assumptions, ContractSide::Guarantees].map(|h| Words::Side(0, h));
+        [ContractSide::Assumptions, ContractSide::Guarantees].map(|h| RunSet::Side(0, h));
     let found = decider.difference(&kept_runs, &promised).expect("no limit");
     if let Some(run) = &found {
         assert!(keeps(kept, run) && !keeps(broken, run), "{run:?}");
@@ -94,7 +94,7 @@ fn check_discharge(question: &Question, lassos: &[Lasso], found: &Discharge, cou
         }
     }
     // A goal may rest on others proved before it.
-    let given = |at: &FormulaRef| at.part.is_none() && at.half == ContractSide::Assumptions;
+    let given = |at: &FormulaRef| at.component.is_none() && at.half == ContractSide::Assumptions;
     let environment = found.by.iter().all(given);
     let justice = found.by.iter().any(|at| at.kind == RuleKind::Justice);
     match found.rule {
@@ -124,7 +124,7 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
     let what = only(question, &[open.what]);
     let known: Vec<&Side> = [&claim.given]
         .into_iter()
-        .chain(system.parts.iter().map(|p| &p.guarantees))
+        .chain(system.components.iter().map(|p| &p.guarantees))
         .collect();
     match &open.why {
         Refutation::Lasso(run) => {
@@ -166,21 +166,21 @@ fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     for kind in KINDS {
         let count = list(&question.claim.goal, kind).len();
         goals.extend((0..count).map(|index| FormulaRef {
-            part: None,
+            component: None,
             half: ContractSide::Guarantees,
             kind,
             index,
         }));
     }
-    let told = proof
+    let shown = proof
         .discharges
         .iter()
         .map(|d| d.what)
         .chain(proof.open.iter().map(|o| o.what));
-    let mut told: Vec<FormulaRef> = told.collect();
-    told.sort();
+    let mut shown: Vec<FormulaRef> = shown.collect();
+    shown.sort();
     goals.sort();
-    assert_eq!(told, goals);
+    assert_eq!(shown, goals);
     for discharge in &proof.discharges {
         check_discharge(question, lassos, discharge, counts);
     }
@@ -205,11 +205,11 @@ fn refinement_is_explained_right() {
         let lassos = all(&variables, bound);
         let found = refine(&system, 0, 1, &limits).expect("no limit");
         let mut decider = Decider::new(&system, &limits).expect("room");
-        let [small, large] = [0, 1].map(Contract::part);
+        let [small, large] = [0, 1].map(Contract::component);
         let refutation = decider.refutation(&small, &large).expect("no limit");
         assert_eq!(found.holds(), refutation.is_none(), "seed {seed}");
-        let [a1, a2] = [0, 1].map(|i| Words::Side(i, ContractSide::Assumptions));
-        let [g1, g2] = [0, 1].map(|i| Words::Side(i, ContractSide::Guarantees));
+        let [a1, a2] = [0, 1].map(|i| RunSet::Side(i, ContractSide::Assumptions));
+        let [g1, g2] = [0, 1].map(|i| RunSet::Side(i, ContractSide::Guarantees));
         let assumed = decider.difference(&a2, &a1).expect("no limit").is_none();
         let promised = decider
             .difference(&a2.clone().and(g1), &g2)
@@ -217,7 +217,7 @@ fn refinement_is_explained_right() {
             .is_none();
         assert_eq!(found.assumptions.proof.holds(), assumed, "seed {seed}");
         assert_eq!(found.guarantees.proof.holds(), promised, "seed {seed}");
-        let nothing = decider.difference(&a2, &Words::Any(Vec::new()));
+        let nothing = decider.difference(&a2, &RunSet::Any(Vec::new()));
         let is_vacuous = nothing.expect("no limit").is_none();
         assert_eq!(found.is_vacuous, is_vacuous, "seed {seed}");
         counts.vacuous += u32::from(is_vacuous);

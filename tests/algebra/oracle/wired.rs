@@ -3,7 +3,7 @@
 use super::contracts::{Scope, expression, formula, named};
 use crate::random::Random;
 use linewright::algebra::proof::latest;
-use linewright::algebra::system::{KINDS, Part, System, list};
+use linewright::algebra::system::{Component, KINDS, System, list};
 use linewright::game::RuleKind;
 use linewright::gr1::{BinaryOp, Domain, Expr, Formula, Side, Timing, VarId, Variable};
 
@@ -122,14 +122,14 @@ fn guarantees(
 
 /// Assumptions of a part about the others: their guarantees, weaker formulas, or random ones.
 fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Side {
-    let own = system.parts[part].drives[0];
+    let own = system.components[part].drives[0];
     let variables = &system.variables;
     let others: Vec<VarId> = (0..variables.len() as u32)
         .map(VarId)
         .filter(|v| *v != own)
         .collect();
     let promised: Vec<(RuleKind, &Formula)> = system
-        .parts
+        .components
         .iter()
         .enumerate()
         .filter(|(j, _)| *j != part)
@@ -169,7 +169,7 @@ fn assumptions(r: &mut Random, system: &System, part: usize, plan: &Plan) -> Sid
             }
         };
         let place = list(&side, kind).len();
-        let name = format!("{} assumes {kind:?} {place}", system.parts[part].name);
+        let name = format!("{} assumes {kind:?} {place}", system.components[part].name);
         push(&mut side, kind, formula(name, expr));
     }
     side
@@ -191,7 +191,7 @@ pub fn system(r: &mut Random, plan: &Plan, mend: &dyn Fn(&mut Random, &mut Syste
         };
         let own = VarId(i as u32);
         let name = ["A", "B", "C"][i as usize];
-        parts.push(Part {
+        parts.push(Component {
             name: name.to_owned(),
             timing,
             drives: vec![own],
@@ -200,10 +200,13 @@ pub fn system(r: &mut Random, plan: &Plan, mend: &dyn Fn(&mut Random, &mut Syste
             definitions: Side::default(),
         });
     }
-    let mut system = System { variables, parts };
+    let mut system = System {
+        variables,
+        components: parts,
+    };
     mend(r, &mut system);
     for i in 0..plan.parts as usize {
-        system.parts[i].assumptions = assumptions(r, &system, i, plan);
+        system.components[i].assumptions = assumptions(r, &system, i, plan);
     }
     mend(r, &mut system);
     system

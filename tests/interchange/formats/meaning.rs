@@ -275,8 +275,8 @@ fn notes(format: Format, text: &str) -> Vec<String> {
         let answers: Vec<bool> = inquiry.questions.iter().map(verdict).collect();
         inquiry.note(realizable, &answers).map(|f| f.message)
     });
-    let told = reading.findings.iter().map(|f| f.message.clone());
-    told.chain(found).collect()
+    let shown = reading.findings.iter().map(|f| f.message.clone());
+    shown.chain(found).collect()
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn words() -> Vec<String> {
             found.insert(piece.to_owned());
         }
     }
-    assert!(syntax::reserved().all(|w| found.contains(w)));
+    assert!(syntax::reserved_words().all(|w| found.contains(w)));
     assert!(found.len() > 250, "only {}", found.len());
     found.into_iter().collect()
 }
@@ -133,7 +133,9 @@ fn words_as_names_are_imported_from_every_format() {
                 "{printed}"
             );
         }
-        let reserved = syntax::reserved().filter(|w| taken.contains(w)).count();
+        let reserved = syntax::reserved_words()
+            .filter(|w| taken.contains(w))
+            .count();
         let _ = writeln!(
             counts,
             "{format:?}: {} taken, {reserved} of ours",

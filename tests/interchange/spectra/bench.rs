@@ -31,7 +31,7 @@ pub fn files() -> Vec<PathBuf> {
 
 pub fn read_file(path: &Path) -> (Reading, String) {
     let text = std::fs::read_to_string(path).expect("a text");
-    let format = Format::of_path(&path.to_string_lossy()).expect("a format");
+    let format = Format::from_path(&path.to_string_lossy()).expect("a format");
     (read(format, "test", FileId(0), &text), text)
 }
 
@@ -92,7 +92,7 @@ fn every_file_is_read_or_refused_for_the_known_reason() {
 pub fn verdict(specification: &Specification) -> Option<bool> {
     let limits = Limits {
         // Seconds on an idle computer.
-        deadline: linewright::deadline::Deadline::in_time(Duration::from_mins(3)),
+        deadline: linewright::deadline::Deadline::from_now(Duration::from_mins(3)),
         memory_mib: Some(1024),
         ..Limits::default()
     };

@@ -106,7 +106,7 @@ fn a_definition_that_uses_itself_through_two_files_is_found() {
     let file = "import \"a.spectra\"\nspec t\nenv boolean x;\npredicate high(boolean p): low(p);\ngar G high(x);\n";
     let a = "import \"t.spectra\"\nspec a\npredicate low(boolean p): high(p);\n";
     let (reading, sources) = read_files(&[("t.spectra", file), ("a.spectra", a)]);
-    assert!(shown(&reading, &sources).contains("is defined by itself"));
+    assert!(shown(&reading, &sources).contains("is defined in terms of itself"));
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn messages_about_imports() {
 }
 
 #[test]
-fn so_many_files_are_imported_and_no_more() {
+fn the_number_of_imported_files_is_limited() {
     let chain = |count: usize| {
         let file = |n: usize| {
             let import = format!("import \"{}.spectra\"\n", n + 1);

@@ -394,3 +394,52 @@ fn a_pattern_of_the_file_goes_before_a_published_one() {
         answers || last(0).is_none_or(|p| p < lasso.back && last(1).is_some_and(|s| s >= p))
     });
 }
+
+/// The text that `check` prints about a file.
+fn checked(text: &str) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("a.spectra"), text).expect("a file can be written");
+    let output = crate::support::linewright(folder.path(), &["check", "a.spectra", "--no-timing"]);
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+/// `G p` binds the step that is left: a play ends where it is violated, not one step later.
+#[test]
+fn a_play_ends_in_the_step_that_violates_a_guarantee() {
+    let text = checked(
+        "spec A\nenv boolean e;\nsys boolean r;\nasm blink: G next(e) <-> !e;\nasm first: ini e;\n\
+         gar low: G e -> r;\ngar high: G e -> !r;\n",
+    );
+    let wanted = "in step 0 no answer keeps `low` and `high` together";
+    assert!(text.contains(wanted), "{text}");
+}
+
+/// A name that is given twice becomes two names, so that only the guarantees of the core are
+/// marked.
+#[test]
+fn a_core_distinguishes_guarantees_of_one_name() {
+    let text = checked(
+        "spec A\nenv boolean a;\nsys boolean b;\nsys boolean c;\ngar same: G a -> b;\n\
+         gar same: G c | !c;\ngar same: GF c;\ngar no: G a -> !b;\n",
+    );
+    assert_eq!(text.matches("cannot be kept").count(), 2, "{text}");
+    assert!(text.contains("`same` and `no` together"), "{text}");
+}
+
+#[test]
+fn next_values_in_justice_guarantees_have_a_note() {
+    let text = checked("spec A\nenv boolean a;\nsys boolean b;\ngar t: GF next(b);\n");
+    assert!(text.contains("note[LW006]"), "{text}");
+}
+
+/// The list in the guide has every pattern, with its parameters in order.
+#[test]
+fn the_guide_lists_all_patterns() {
+    let page = std::fs::read_to_string(crate::support::root().join("docs/guide/other-tools.md"));
+    let page = page.expect("a page");
+    for (name, parameters, _) in PATTERNS {
+        let parameters: Vec<String> = parameters.chars().map(String::from).collect();
+        let line = format!("\n{name}({})\n", parameters.join(", "));
+        assert!(page.contains(&line), "{line}");
+    }
+}

@@ -4,9 +4,9 @@
 mod legal;
 
 use super::{bench, file, sound, verdict};
-use linewright::game::{GuaranteeRef, Limits, Outcome, attack, reduced, solve};
+use linewright::game::{GuaranteeRef, Limits, Outcome, attack, select_guarantees, solve};
 use linewright::gr1::Specification;
-use linewright::mealy::counter::machine;
+use linewright::mealy::counter::to_machine;
 use linewright::mealy::verify::verify_counterstrategy;
 
 const HEADINGS: [&str; 10] = [
@@ -30,19 +30,19 @@ fn explained(text: &str) -> (Specification, Vec<GuaranteeRef>) {
         panic!("realizable: {text}");
     };
     let core = lost.core.expect("no limit");
-    let small = reduced(&specification, &core);
+    let small = select_guarantees(&specification, &core);
     assert!(!verdict(&small), "{text}");
     for k in 0..core.len() {
         let mut rest = core.clone();
         rest.remove(k);
         assert!(
-            verdict(&reduced(&specification, &rest)),
+            verdict(&select_guarantees(&specification, &rest)),
             "{k} of {core:?}\n{text}"
         );
     }
     let found = attack(&small, &[], &limits).expect("no limit");
     let found = found.expect("a counterstrategy");
-    let counterstrategy = machine(&small, &found);
+    let counterstrategy = to_machine(&small, &found);
     let verified = verify_counterstrategy(&small, &counterstrategy, &limits).expect("no limit");
     assert_eq!(verified, Ok(()), "{text}");
     assert_eq!(legal::legal(&small, &found.play), Ok(()), "{text}");
@@ -56,7 +56,7 @@ fn explained(text: &str) -> (Specification, Vec<GuaranteeRef>) {
 }
 
 /// The names of a core's formulas, and the texts at their places.
-fn told(text: &str) -> Vec<(String, String)> {
+fn shown(text: &str) -> Vec<(String, String)> {
     let (specification, core) = explained(text);
     let mut found: Vec<(String, String)> = core
         .iter()
@@ -83,24 +83,24 @@ fn a_core_names_the_rounds_of_big_operators_and_points_into_definitions() {
            answered(r, g) = G (r -> X g); } }
          MAIN",
     );
-    let told = told(&text);
-    let names: Vec<&str> = told.iter().map(|t| t.0.as_str()).collect();
+    let shown = shown(&text);
+    let names: Vec<&str> = shown.iter().map(|t| t.0.as_str()).collect();
     let [exclusive, first, second] = names.as_slice() else {
-        panic!("{told:?}");
+        panic!("{shown:?}");
     };
     assert!(
         exclusive.starts_with("ASSERT 1.") && exclusive.contains("j = "),
-        "{told:?}"
+        "{shown:?}"
     );
     assert!(
         first.starts_with("GUARANTEE 1.") && first.contains("(i = "),
-        "{told:?}"
+        "{shown:?}"
     );
     assert!(
         second.starts_with("GUARANTEE 1.") && second.contains("(i = "),
-        "{told:?}"
+        "{shown:?}"
     );
-    let places: Vec<&str> = told.iter().map(|t| t.1.as_str()).collect();
+    let places: Vec<&str> = shown.iter().map(|t| t.1.as_str()).collect();
     assert_eq!(places, ["!(b[i] && b[j])", "G (r -> X g)", "G (r -> X g)"]);
 }
 
@@ -156,7 +156,7 @@ fn unrealizable_files_are_explained_in_all_semantics() {
 fn the_public_unrealizable_file_is_explained() {
     let Some(folder) = bench() else { return };
     let text = std::fs::read_to_string(folder.join("amba_case_study_unreal.tlsf")).expect("a file");
-    for (name, place) in told(&text) {
+    for (name, place) in shown(&text) {
         println!("{name}: {place}");
     }
 }

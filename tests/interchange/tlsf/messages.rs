@@ -373,7 +373,7 @@ fn findings_about_assumptions_are_about_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let found = |main: &str| {
         let text = file("Mealy", "Mealy", main);
-        let own = read_text(&text).own;
+        let own = read_text(&text).with_own_assumptions;
         std::fs::write(folder.path().join("a.tlsf"), &text).expect("a file");
         let output = crate::support::linewright(folder.path(), &["check", "a.tlsf"]);
         let shown =

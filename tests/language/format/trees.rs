@@ -355,10 +355,10 @@ impl<'n> Choices<'n> {
 
     fn component(&mut self) -> Component {
         Component {
-            place: match self.pick(3) {
-                0 => Place::Coordinator,
-                1 => Place::Action,
-                _ => Place::Machine,
+            role: match self.pick(3) {
+                0 => Role::Coordinator,
+                1 => Role::Action,
+                _ => Role::Machine,
             },
             name: self.plain(),
             contract: self.dotted(),
@@ -527,6 +527,7 @@ impl<'n> Choices<'n> {
                 doc: self.doc(),
                 name: self.plain(),
                 items: self.list(0, 5, Self::line_item),
+                unparsed: Vec::new(),
             }),
             5 => {
                 let (path, dotted) =

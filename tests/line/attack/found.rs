@@ -73,7 +73,7 @@ fn said(output: &Output) -> String {
 }
 
 /// A line that fails in its runs: `check` and `run` report the same errors.
-fn is_told(name: &'static str, line: &str) {
+fn is_reported(name: &'static str, line: &str) {
     let Some(found) = Found::new(name) else {
         return;
     };
@@ -86,8 +86,8 @@ fn is_told(name: &'static str, line: &str) {
     let run = found.program(&["run", &selected, "--parts", "5", "--until", "100"]);
     assert_eq!(run.status.code(), Some(1), "{name}: {}", said(&run));
     for code in &judged.errors {
-        let told = format!("[{code}]");
-        assert!(said(&run).contains(&told), "{name}: {}", said(&run));
+        let shown = format!("[{code}]");
+        assert!(said(&run).contains(&shown), "{name}: {}", said(&run));
     }
 }
 
@@ -154,37 +154,37 @@ fn has_a_verdict(name: &'static str) {
 
 #[test]
 fn a_constant_abstraction_that_breaks_an_assumption() {
-    is_told("u1.lw", "L");
+    is_reported("u1.lw", "L");
 }
 
 #[test]
 fn a_property_that_breaks_an_assumption() {
-    is_told("u3.lw", "L");
+    is_reported("u3.lw", "L");
 }
 
 #[test]
 fn a_parameter_that_breaks_an_assumption() {
-    is_told("u4.lw", "L");
+    is_reported("u4.lw", "L");
 }
 
 #[test]
 fn an_abstraction_that_leaves_its_domain() {
-    is_told("abs.lw", "L");
+    is_reported("abs.lw", "L");
 }
 
 #[test]
 fn a_written_value_that_leaves_its_domain() {
-    is_told("wide.lw", "L");
+    is_reported("wide.lw", "L");
 }
 
 #[test]
 fn a_defect_that_leaves_its_domain() {
-    is_told("def2.lw", "D");
+    is_reported("def2.lw", "D");
 }
 
 #[test]
 fn an_operation_that_needs_more_steps_than_the_limit() {
-    is_told("c2.lw", "L");
+    is_reported("c2.lw", "L");
     let Some(found) = Found::new("c2.lw") else {
         return;
     };
@@ -195,17 +195,17 @@ fn an_operation_that_needs_more_steps_than_the_limit() {
 
 #[test]
 fn a_time_that_is_nothing() {
-    is_told("z1.lw", "L");
+    is_reported("z1.lw", "L");
 }
 
 #[test]
 fn a_time_without_end() {
-    is_told("z5.lw", "L");
+    is_reported("z5.lw", "L");
 }
 
 #[test]
 fn a_route_that_no_part_can_take() {
-    is_told("c1.lw", "L");
+    is_reported("c1.lw", "L");
 }
 
 /// Nothing is wrong with the line before the change: it runs.

@@ -150,7 +150,7 @@ impl World {
             seed,
             parts,
             until: Some(seconds + off),
-            deadline: linewright::deadline::Deadline::in_time(Duration::from_secs(20)),
+            deadline: linewright::deadline::Deadline::from_now(Duration::from_secs(20)),
             log: parts.is_none(),
         };
         Some(self.plant(line, options)?.run())

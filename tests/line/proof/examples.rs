@@ -66,16 +66,16 @@ fn proved(paths: &[&str], forms: &[Form]) {
             println!(
                 "{path}, moves {what}: {} variables, {} contracts, {} guarantees, {} assumptions, {} goals, {:.2} s",
                 abstraction.system.variables.len(),
-                abstraction.system.parts.len(),
+                abstraction.system.components.len(),
                 abstraction
                     .system
-                    .parts
+                    .components
                     .iter()
                     .map(|p| p.guarantees.all().count())
                     .sum::<usize>(),
                 abstraction
                     .system
-                    .parts
+                    .components
                     .iter()
                     .map(|p| p.assumptions.all().count())
                     .sum::<usize>(),

@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 /// The queues that can be full, by node.
 fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
     let model = abstraction.model();
-    let parts = abstraction.system.parts.iter();
+    let parts = abstraction.system.components.iter();
     let mut rules: Vec<Rule> = Vec::new();
     for part in parts {
         let side = &part.guarantees;
@@ -62,7 +62,7 @@ fn full(abstraction: &Abstraction) -> BTreeSet<usize> {
             last: kept.clone(),
             broken: rule,
         };
-        runs.step(&slip).unwrap().is_some()
+        runs.find_violation(&slip).unwrap().is_some()
     };
     asked
         .into_iter()

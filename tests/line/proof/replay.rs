@@ -45,7 +45,7 @@ pub fn kept(sides: &[&Side], run: &[&[i64]], cycle: Option<&[&[i64]]>) -> Result
 pub fn accepts(abstraction: &Abstraction, open: &Open) -> Result<(), String> {
     let mut sides: Vec<&Side> = abstraction
         .system
-        .parts
+        .components
         .iter()
         .map(|p| &p.guarantees)
         .collect();

@@ -34,10 +34,10 @@ fn a_circle_of_full_places() {
         .route("Raw", &["camera", "sink"]);
     let trace = builder.run(3);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @r#"
+    insta::assert_snapshot!(text(&trace), @"
     LW403: the line can no longer advance at 0:00:10, with 0 of 3 products made: belt_in waits for cell, cell waits for room on belt_out, belt_out waits for camera, camera waits for room on belt_in
-      Keep the cycle from filling up: more room in belt_in, fewer parts let in at a time, or a way out by another route.
-    "#);
+      Keep the cycle from filling up: add room in belt_in, admit fewer parts at a time, or add another route out of it.
+    ");
 }
 
 #[test]
@@ -56,10 +56,10 @@ fn a_circle_is_found_behind_contracted_belts_too() {
     let trace = builder.run_until(1e6);
     assert_eq!(trace.end, End::Blocked);
     assert!(trace.seconds < 100.0);
-    insta::assert_snapshot!(text(&trace), @r#"
+    insta::assert_snapshot!(text(&trace), @"
     LW403: the line can no longer advance at 0:00:14: cell waits for room on belt_out, belt_out waits for cell
-      Keep the cycle from filling up: more room in belt_out, fewer parts let in at a time, or a way out by another route.
-    "#);
+      Keep the cycle from filling up: add room in belt_out, admit fewer parts at a time, or add another route out of it.
+    ");
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn a_component_that_never_comes() {
     assert_eq!(trace.end, End::Blocked);
     insta::assert_snapshot!(text(&trace), @r#"
     LW403: the line can no longer advance at 0:00:11, with 3 of 5 products made: warehouse waits for cell, cell waits for a part of type Printed, but printer has made all 3 of its limit
-      See that what is missing is made or stocked in sufficient number, that rejected parts are ordered again, or ask for fewer products.
+      Make sure that enough of the missing parts are made or stocked and that rejected parts are reordered, or require fewer products.
     "#);
 }
 
@@ -97,10 +97,10 @@ fn a_component_behind_what_is_not_wanted() {
         .route("Product", &["cell", "sink"]);
     let trace = builder.run(5);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @r#"
+    insta::assert_snapshot!(text(&trace), @"
     LW403: the line can no longer advance at 0:02:00, with 1 of 5 products made: belt waits for cell, cell waits for a part of type Printed, which is at printer, printer waits for room on belt
-      Keep the cycle from filling up: more room in belt, fewer parts let in at a time, or a way out by another route.
-    "#);
+      Keep the cycle from filling up: add room in belt, admit fewer parts at a time, or add another route out of it.
+    ");
 }
 
 #[test]
@@ -115,9 +115,9 @@ fn rejected_parts_that_nobody_orders_again() {
     assert_eq!((trace.end, trace.products), (End::Blocked, 4));
     insta::assert_snapshot!(text(&trace), @r#"
     LW405: cell: the assumption "turn: gripped" was broken at 0:00:01, at work on Part 2: turn: the assumption gripped does not hold in step 3
-      Compare what the rule asks for with the part's properties and the machine's bindings.
+      Compare the rule with the part's properties and the machine's bindings.
     LW403: the line can no longer advance at 0:00:04, with 4 of 5 products made: nothing is left to do: printer has made all 5 that were ordered, and 1 part was rejected and not ordered again
-      Let a source make more (a rejecting sink can order from it again), or ask for fewer products.
+      Let a source make more parts (a rejecting sink can reorder them), or require fewer products.
     "#);
 }
 
@@ -133,12 +133,12 @@ fn a_part_without_a_way() {
         .route_if("Part", "cell", "sink", Some(RealExpr::Property(0)));
     let trace = builder.run(5);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @r#"
+    insta::assert_snapshot!(text(&trace), @"
     LW402: Part 1 has no way onward from cell at 0:00:01
-      Add a route for Part without a condition, after those that have one.
+      Add a route for Part without a condition after the others.
     LW403: the line can no longer advance at 0:00:01, with 0 of 5 products made: source waits for cell, cell keeps Part 1, which has no way onward
-      Give every part a way onward from every node it can come to.
-    "#);
+      Give every part a route onward from every place that it can reach.
+    ");
 }
 
 #[test]
@@ -152,10 +152,10 @@ fn a_circle_without_time_ends() {
         .route("Part", &["source", "a", "b", "a"]);
     let trace = builder.run(1);
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @r#"
-    LW403: the line makes no progress: at 0:00:00 parts move on and on, and no time passes
-      Look for a source without a time, a cycle of routes without a station, or a station whose every part breaks a rule and is ordered again.
-    "#);
+    insta::assert_snapshot!(text(&trace), @"
+    LW403: the line makes no progress (livelock): at 0:00:00, parts keep moving without any time passing
+      Look for a source without an interval, a cycle of routes without a station, or a station that refuses every part and has it reordered.
+    ");
 }
 
 #[test]
@@ -187,10 +187,10 @@ fn a_line_that_only_makes_scrap_ends() {
     };
     let trace = builder.plant(options).run();
     assert_eq!(trace.end, End::Blocked);
-    insta::assert_snapshot!(text(&trace), @r#"
-    LW403: the line makes no progress: it has made 0 of 1 products, and none in the last 5000000 events
-      See which rule refuses the parts, or why every part is rejected; --until ends a run at a time.
-    "#);
+    insta::assert_snapshot!(text(&trace), @"
+    LW403: the line makes no progress: it made 0 of 1 products, and none in the last 5000000 events
+      Find the rule that refuses the parts, or the reason why all are rejected; --until ends a run at a given time.
+    ");
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn a_deadline_of_the_real_clock_ends_a_run() {
         .route("Part", &["printer", "cell", "scrap"]);
     let options = Options {
         until: Some(4e9),
-        deadline: Deadline::in_time(Duration::ZERO),
+        deadline: Deadline::from_now(Duration::ZERO),
         ..Options::default()
     };
     let trace = builder.plant(options).run();
@@ -229,6 +229,6 @@ fn for_a_time_only_a_starved_line_is_no_error() {
     assert_eq!(trace.findings[0].severity, Severity::Note);
     insta::assert_snapshot!(text(&trace), @r#"
     LW403: nothing moves any more from 0:00:11 on: warehouse waits for cell, cell waits for a part of type Printed, but printer has made all 3 of its limit
-      See that what is missing is made or stocked in sufficient number, that rejected parts are ordered again, or ask for fewer products.
+      Make sure that enough of the missing parts are made or stocked and that rejected parts are reordered, or require fewer products.
     "#);
 }

@@ -140,7 +140,7 @@ fn replications_keep_the_time_limit() {
         .route("Part", &["source", "cell", "sink"]);
     let mut plant = builder.plant(Options {
         parts: Some(1),
-        deadline: Deadline::in_time(Duration::ZERO),
+        deadline: Deadline::from_now(Duration::ZERO),
         ..Options::default()
     });
     let (traces, figures) = plant.replicate(5);
@@ -149,7 +149,7 @@ fn replications_keep_the_time_limit() {
     assert_eq!(last.code.id, "LW204");
     assert_eq!(
         last.message,
-        "the time limit was reached: 1 of 5 runs were over"
+        "the time limit was reached: 1 of 5 runs were complete"
     );
 }
 
@@ -166,7 +166,7 @@ fn a_run_that_was_cut_off_counts_nowhere() {
     });
     let mut plant = builder.plant(Options {
         until: Some(4e9),
-        deadline: Deadline::in_time(Duration::ZERO),
+        deadline: Deadline::from_now(Duration::ZERO),
         ..Options::default()
     });
     let (traces, figures) = plant.replicate(3);
@@ -177,12 +177,12 @@ fn a_run_that_was_cut_off_counts_nowhere() {
     );
     let last = figures.findings.last().unwrap();
     assert!(
-        last.message.ends_with("0 of 3 runs were over"),
+        last.message.ends_with("0 of 3 runs were complete"),
         "{}",
         last.message
     );
 
-    let soon = Deadline::in_time(Duration::from_millis(300));
+    let soon = Deadline::from_now(Duration::from_millis(300));
     let mut plant = simple().plant(Options {
         until: Some(2e4),
         deadline: soon,
@@ -192,7 +192,7 @@ fn a_run_that_was_cut_off_counts_nowhere() {
     let over = traces.iter().filter(|t| t.end != End::GaveUp).count();
     assert!(over == traces.len() || traces.len() == 1);
     let last = figures.findings.last().unwrap();
-    let wanted = format!("{over} of 1000000 runs were over");
+    let wanted = format!("{over} of 1000000 runs were complete");
     assert!(last.message.ends_with(&wanted), "{}", last.message);
 }
 

@@ -171,7 +171,7 @@ fn a_violation_rejects_the_part_and_the_line_goes_on() {
     assert_eq!(violation.part, Some((4, 0)));
     assert_eq!(violation.time, 10.0);
     assert_eq!(trace.findings.len(), 1, "one finding a rule and station");
-    insta::assert_snapshot!(trace.findings[0].message, @r#"cell: the assumption "turn: gripped" was broken at 0:00:05, at work on Part 2: turn: the assumption gripped does not hold in step 3 (2 times in all; this was the first)"#);
+    insta::assert_snapshot!(trace.findings[0].message, @r#"cell: the assumption "turn: gripped" was broken at 0:00:05, at work on Part 2: turn: the assumption gripped does not hold in step 3 (the first of 2 times)"#);
     assert_eq!(trace.findings[0].code.id, "LW405");
 }
 
@@ -372,7 +372,7 @@ fn a_replacement_comes_from_its_own_source() {
 
 /// A source with a limit of work in process admits no more than that.
 #[test]
-fn at_most_so_many_are_in_the_line() {
+fn at_most_limits_the_parts_in_the_line() {
     let mut builder = Builder::new(&["Part"]);
     builder
         .endless("source", "Part")

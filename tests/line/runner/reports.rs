@@ -86,7 +86,7 @@ fn as_text() {
     assembly_cell_1_machine 0:03:00 0.001
     milling_machine         0:00:00 0.000
     
-    requirement verdict asked for                   measured
+    requirement verdict required                    measured
     pace        holds   throughput per hour >= 100   104.854
     calm        holds   busy share of milling < 0.5    0.000
     "#);
@@ -440,7 +440,7 @@ fn requirements_over_all_runs() {
         .take(4)
         .collect();
     insta::assert_snapshot!(rows.join("\n"), @r"
-      requirement verdict         asked for                     mean    from      to   worst
+      requirement verdict         required                      mean    from      to   worst
       pace        fails in 1 of 3 throughput per hour >= 150 220.000 -90.269 530.269 120.000
       short       holds           makespan in s <= 300       200.000 -48.414 448.414 300.000
       exact       fails in 2 of 3 makespan in s = 100        200.000 -48.414 448.414 300.000

@@ -3,7 +3,8 @@
 //! Offutt, Harrold 1993).
 //!
 //! ```ignore
-//! mutation::mutants! { "crates/solver/src/mealy/certify.rs", "crates/solver/src/mealy/verify/mod.rs" }
+//! mutation::mutants! { "crates/solver/src/mealy/certify.rs",
+//! "crates/solver/src/mealy/verify/mod.rs" }
 //! ```
 //!
 //! makes a module `certify` and a module `verify` of these files, whose paths are relative to the

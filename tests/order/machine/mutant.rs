@@ -1,7 +1,7 @@
 //! A coordinator with two answers exchanged: it moves to the other tray before it goes up.
 
 use crate::laboratory::{Controlled, of_lines};
-use linewright::algebra::closed::{Closed, replay};
+use linewright::algebra::closed::{ClosedComposition, replay};
 use linewright::contract::line::{Line, NodeKind};
 use linewright::diagnostics::codes;
 use linewright::engine::files::{self, StandardLibrary};
@@ -78,7 +78,7 @@ pub fn library(controlled: &Controlled) -> Instance {
 fn the_proof_refuses_it() {
     let mutant = mutant();
     let controllers: Vec<&mealy::Controller> = mutant.controllers.iter().collect();
-    let closed = Closed::of_machine(&mutant.machine, &controllers);
+    let closed = ClosedComposition::of_machine(&mutant.machine, &controllers);
     let verdict = closed.decide(&Limits::default()).expect("it is small");
     let broken = verdict.open.iter().find(|open| {
         let formula = closed.system.formula(open.what);
@@ -86,7 +86,7 @@ fn the_proof_refuses_it() {
     });
     let broken = broken.unwrap_or_else(|| panic!("{verdict:#?}"));
     // The controllers themselves produce the run.
-    assert_eq!(replay::open(&closed, broken), Ok(()));
+    assert_eq!(replay::check_open(&closed, broken), Ok(()));
 }
 
 fn refused(controller: &mut dyn Controller) -> CallError {

@@ -126,7 +126,7 @@ fn the_caller_answers_for_them() {
 }
 
 #[test]
-fn a_line_that_asks_against_an_order_is_told_so() {
+fn a_line_that_asks_against_an_order_is_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("mover.lw"), MOVER).expect("a file can be written");
     let output = linewright(folder.path(), &["run", "mover.lw", "--until", "90"]);
@@ -242,17 +242,17 @@ fn a_line_is_proved_only_where_no_sequence_of_its_parts_is_refused() {
             let findings = line["findings"].as_array().expect("findings");
             let mut asks = findings.iter().filter(|f| f["code"] == "LW411");
             let refused = refused_after(&text, tasks, 4);
-            let told = format!("{orders}{tasks:?}: {refused:?}: {line}");
+            let shown = format!("{orders}{tasks:?}: {refused:?}: {line}");
             if let Some(sequence) = refused {
                 open += 1;
-                assert_eq!(line["proof"], "open", "{told}");
-                let asked = asks.next().unwrap_or_else(|| panic!("{told}")).to_string();
+                assert_eq!(line["proof"], "open", "{shown}");
+                let asked = asks.next().unwrap_or_else(|| panic!("{shown}")).to_string();
                 let last = format!("`{}`", sequence[sequence.len() - 1]);
-                assert!(asked.contains(&last), "{told}");
+                assert!(asked.contains(&last), "{shown}");
             } else {
                 proved += 1;
-                assert_eq!(line["proof"], "proved", "{told}");
-                assert!(asks.next().is_none(), "{told}");
+                assert_eq!(line["proof"], "proved", "{shown}");
+                assert!(asks.next().is_none(), "{shown}");
             }
         }
     }
@@ -302,6 +302,7 @@ fn what_forbids_an_operation_for_ever_is_named() {
         .replace("order tidy [R-7]: never", "order tidy [R-7]: at most 0 of")
         .replace("Left, Right twice in a row", "Left");
     let document = checked(&text).to_string();
-    let told = "the operation `left` can never begin: the order `tidy` (R-7) forbids it everywhere";
-    assert!(document.contains(told), "{document}");
+    let shown =
+        "the operation `left` can never begin: the order `tidy` (R-7) forbids it in every state";
+    assert!(document.contains(shown), "{document}");
 }

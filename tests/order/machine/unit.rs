@@ -2,7 +2,7 @@
 
 use super::mutant::{LINE, unit};
 use crate::support::{linewright, root};
-use linewright::algebra::closed::Closed;
+use linewright::algebra::closed::ClosedComposition;
 use linewright::contract::machine::Role;
 use linewright::mealy;
 use linewright::station::Controller as _;
@@ -31,7 +31,7 @@ fn the_synthesized_coordinator_is_proved_to_keep_the_orders() {
 fn the_controllers_keep_the_orders_together() {
     let unit = unit();
     let controllers: Vec<&mealy::Controller> = unit.controllers.iter().collect();
-    let closed = Closed::of_machine(&unit.machine, &controllers);
+    let closed = ClosedComposition::of_machine(&unit.machine, &controllers);
     let limits = linewright::game::Limits::default();
     let verdict = closed.decide(&limits).expect("it is small");
     assert!(verdict.holds(), "{verdict:#?}");

@@ -4,7 +4,7 @@
 use super::naive::{Letter, Naive};
 use super::random::{Size, options, skills, two_sets};
 use super::units::{any, at_most, unit};
-use linewright::automata::bound::{BoundExceeded, MOST_STATES};
+use linewright::automata::bound::{BoundExceeded, MAX_DFA_STATES};
 use linewright::automata::dfa::{Dfa, REFUSED};
 use linewright::automata::{eliminate, regex};
 use linewright::deadline::Deadline;
@@ -29,7 +29,10 @@ const SHORT: usize = 4;
 /// The automaton of the expression made of an automaton; `None` if that would be too long.
 fn expressed(dfa: &Dfa) -> Option<Dfa> {
     let expression = eliminate::regex(dfa, Deadline::NONE).ok()?;
-    Some(regex::automaton(&expression, dfa.letters(), MOST_STATES).expect("it was small before"))
+    Some(
+        regex::automaton(&expression, dfa.letter_count(), MAX_DFA_STATES)
+            .expect("it was small before"),
+    )
 }
 
 /// Calls `seen` with every word up to a length that the automaton accepts, the state after it, and
@@ -42,7 +45,7 @@ fn each_word(
     seen: &mut impl FnMut(&[usize], Result<u32, usize>),
 ) {
     seen(word, Ok(state));
-    for letter in 0..dfa.letters() {
+    for letter in 0..dfa.letter_count() {
         if left == 0 {
             return;
         }
@@ -64,7 +67,7 @@ fn accepts(dfa: &Dfa, word: &[usize]) -> bool {
 /// Every pair of states is distinguished by some word: refused after one, or ending there, but not
 /// after the other.
 fn is_smallest(dfa: &Dfa) -> bool {
-    let states = dfa.states() as u32;
+    let states = dfa.state_count() as u32;
     let number = |a: u32, b: u32| (a * states + b) as usize;
     let mut apart = vec![false; (states * states) as usize];
     let mut grown = true;
@@ -76,7 +79,8 @@ fn is_smallest(dfa: &Dfa) -> bool {
                 (REFUSED, _) | (_, REFUSED) => true,
                 (a, b) => apart[number(a, b)],
             };
-            let are = dfa.is_complete(a) != dfa.is_complete(b) || (0..dfa.letters()).any(by_letter);
+            let are =
+                dfa.is_complete(a) != dfa.is_complete(b) || (0..dfa.letter_count()).any(by_letter);
             if are && !apart[number(a, b)] {
                 apart[number(a, b)] = true;
                 grown = true;
@@ -93,7 +97,7 @@ fn what_is_too_large_for_an_expression_is_refused() {
     let skills = unit((0..6).map(counter));
     let dfa = Fsm::of(&skills, Options::default(), 1).expect("it is small");
     let refused = eliminate::regex(&dfa.one_by_one(), Deadline::NONE).expect_err("it is too large");
-    let limit = eliminate::MOST_ELIMINATED;
+    let limit = eliminate::MAX_ELIMINATED_STATES;
     assert!(matches!(refused, BoundExceeded::Count { limit: at, .. } if at == limit));
 }
 
@@ -145,10 +149,10 @@ proptest! {
     fn smaller_automata_have_the_same_words(skills in skills(SIZE), options in options()) {
         let dfa = Fsm::of(&skills, options, 1).expect("it is small").one_by_one();
         let (minimal, trimmed) = (dfa.minimal(), dfa.clone().trimmed());
-        prop_assert!(minimal.states() <= dfa.states());
+        prop_assert!(minimal.state_count() <= dfa.state_count());
         prop_assert!(is_smallest(&minimal));
         prop_assert_eq!(minimal.difference(&dfa), None);
-        let lean = Fsm::of_words(&skills, options, 2).expect("it is smaller");
+        let lean = Fsm::of_language(&skills, options, 2).expect("it is smaller");
         let whole = Fsm::of(&skills, options, 2).expect("it is small");
         prop_assert!(lean.states.len() <= whole.states.len());
         prop_assert_eq!(lean.dfa.difference(&whole.dfa), None);
@@ -168,9 +172,9 @@ proptest! {
             }
         });
         // The rest can be completed from everywhere; only the start is always kept.
-        for state in 1..trimmed.states() as u32 {
+        for state in 1..trimmed.state_count() as u32 {
             let successors = |state: &u32| -> Vec<((), u32)> {
-                let all = (0..trimmed.letters()).map(|l| trimmed.next(*state, l));
+                let all = (0..trimmed.letter_count()).map(|l| trimmed.next(*state, l));
                 all.filter(|to| *to != REFUSED).map(|to| ((), to)).collect()
             };
             let whole = |state: &u32| trimmed.is_complete(*state);
@@ -198,7 +202,7 @@ proptest! {
             }
             let longer = |word: &Vec<usize>| {
                 let word = word.clone();
-                (0..one.letters()).map(move |l| [word.as_slice(), &[l]].concat())
+                (0..one.letter_count()).map(move |l| [word.as_slice(), &[l]].concat())
             };
             words = words.iter().flat_map(longer).collect();
         }

@@ -1,5 +1,5 @@
 //! Regular expressions over skills, matched by recursion over the positions of a word. Sets of
-//! positions are masks.
+//! positions are masks, so a word has fewer than 128 calls.
 
 use linewright::automata::regex::Regex;
 
@@ -34,7 +34,7 @@ impl Word<'_> {
     }
 
     /// Positions at which words of the expression end that begin at this position.
-    fn ends(self, regex: &Regex, at: usize) -> u32 {
+    fn ends(self, regex: &Regex, at: usize) -> u128 {
         let one = |fits: bool| if fits { 1 << (at + 1) } else { 0 };
         let here = self.called.get(at);
         match regex {
@@ -56,7 +56,7 @@ impl Word<'_> {
         }
     }
 
-    fn repeated(self, of: &Regex, low: u32, high: Option<u32>, at: usize) -> u32 {
+    fn repeated(self, of: &Regex, low: u32, high: Option<u32>, at: usize) -> u128 {
         let mut ends = if low == 0 { 1 << at } else { 0 };
         if high == Some(0) {
             return ends;
@@ -114,8 +114,8 @@ impl Word<'_> {
     }
 }
 
-fn positions(mask: u32) -> impl Iterator<Item = usize> {
-    (0..u32::BITS as usize).filter(move |p| mask >> p & 1 == 1)
+fn positions(mask: u128) -> impl Iterator<Item = usize> {
+    (0..u128::BITS as usize).filter(move |p| mask >> p & 1 == 1)
 }
 
 /// The remaining skills after others have been called; `None` if one is called that is not among

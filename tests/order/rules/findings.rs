@@ -79,7 +79,7 @@ proptest! {
         let words = words(&naive, &calls, LONGEST);
         let found = examine(&skills, Deadline::NONE);
         prop_assert!(found.iter().all(|f| f.code != codes::TOO_LARGE));
-        let nothing = found.iter().any(|f| f.code == codes::ORDER_NOTHING);
+        let nothing = found.iter().any(|f| f.code == codes::ORDER_EMPTY);
         let first = words.iter().any(|w| w.len() == 1 && w[0].is_power_of_two());
         prop_assert!(!(nothing && first), "{found:#?}");
         for finding in &found {
@@ -121,7 +121,7 @@ fn messages(kind: Kind) -> Vec<String> {
 }
 
 #[test]
-fn skills_at_once_that_their_own_rule_never_allows_are_told() {
+fn skills_at_once_that_a_rule_never_allows_are_reported() {
     let both = || together(&[LEFT, DOWN]);
     for refused in [
         before(both(), any(&[DOWN])),

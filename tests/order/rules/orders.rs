@@ -234,7 +234,7 @@ proptest! {
             for call in before.iter().chain([&call]) {
                 let letters = alphabet.letters(*call);
                 let after = serial.call(known, &letters).expect("it is small");
-                let order = serial.refusing(known, &letters).expect("it is small");
+                let order = serial.refused_order(known, &letters).expect("it is small");
                 prop_assert_eq!(after.is_some(), order.is_none());
                 if let Some(order) = order {
                     prop_assert!(order.iter().all(|l| letters.contains(l)));

@@ -6,7 +6,7 @@ use super::units::{
     DOWN, GRIP, LEFT, RELEASE, RIGHT, UP, after, any, at_most, before, loose_sequence, never_twice,
     only_after, pick_and_place_sequence, together, transport, trays, unit, unit_at, word,
 };
-use linewright::automata::bound::MOST_STATES;
+use linewright::automata::bound::MAX_DFA_STATES;
 use linewright::automata::dfa::{Dfa, REFUSED};
 use linewright::automata::eliminate;
 use linewright::automata::regex::{self, Regex};
@@ -62,7 +62,8 @@ struct Readers<'a> {
 
 fn expressed(dfa: &Dfa) -> Dfa {
     let expression = eliminate::regex(dfa, Deadline::NONE).expect("it is short enough");
-    let again = regex::automaton(&expression, dfa.letters(), MOST_STATES).expect("it is small");
+    let again =
+        regex::automaton(&expression, dfa.letter_count(), MAX_DFA_STATES).expect("it is small");
     assert_eq!(again.difference(dfa), None, "{expression:?}");
     again
 }
@@ -100,7 +101,7 @@ fn below(naive: &Naive<'_>, readers: Readers<'_>, path: &mut Path, length: usize
         return 0;
     }
     let mut count = 0;
-    for skill in 0..readers.fsm.dfa.letters() {
+    for skill in 0..readers.fsm.dfa.letter_count() {
         let mask = 1 << skill;
         path.program.push(mask);
         path.word.push(Letter { mask, call });

@@ -74,7 +74,8 @@ fn a_time_limit_leaves_the_files_that_come_after_it() {
     let session = session();
     let printed = session.run("fmt plant --timeout 0");
     assert_eq!(printed.code, 3, "{}", printed.err);
-    let wanted = "plant/deep/rough.lw and what comes after it were not formatted: the time limit was reached";
+    let wanted =
+        "plant/deep/rough.lw and the files after it were not formatted: the time limit was reached";
     assert!(printed.err.contains(wanted), "{}", printed.err);
     assert_eq!(read(&session, "plant/deep/rough.lw"), ROUGH);
 }

@@ -32,15 +32,15 @@ fn missing_files() {
 fn what_is_no_text() {
     let session = Session::new();
     for (bytes, wanted) in [
-        (&b"type\0"[..], "it is not a text: its byte 4 is zero"),
-        (&b"type \xff"[..], "it is not a text in UTF-8"),
+        (&b"type\0"[..], "it is not a text file: byte 4 is zero"),
+        (&b"type \xff"[..], "it is not a UTF-8 text file"),
     ] {
         std::fs::write(session.path("data.lw"), bytes).expect("a file");
         for line in ["check data.lw", "fmt --check data.lw"] {
             let printed = session.run(line);
-            let told = format!("{}{}", printed.out, printed.err);
-            assert_eq!(printed.code, 2, "{line}: {told}");
-            assert!(told.contains(wanted), "{line}: {told}");
+            let shown = format!("{}{}", printed.out, printed.err);
+            assert_eq!(printed.code, 2, "{line}: {shown}");
+            assert!(shown.contains(wanted), "{line}: {shown}");
         }
     }
 }

@@ -22,7 +22,7 @@ fn a_folder_without_files_is_the_same_to_all() {
         let printed = session.run(line);
         assert_eq!(printed.code, 2, "{line}");
         let all = format!("{}{}", printed.out, printed.err);
-        let wanted = "error[LW001]: empty cannot be read: it holds no .lw file";
+        let wanted = "error[LW001]: empty cannot be read: it contains no .lw file";
         assert!(all.contains(wanted), "{line}: {all}");
     }
 }

@@ -7,7 +7,7 @@ use linewright::cli::proof;
 use linewright::contract::load;
 use linewright::diagnostics::has_errors;
 use linewright::game::{
-    Aim, Assumed, DiagramNode, Edge, Limits, Options, Order, Outcome, attack, solve_with,
+    Aim, AssumedFormula, DiagramNode, Edge, Limits, Options, Order, Outcome, attack, solve_with,
 };
 use linewright::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -93,7 +93,7 @@ pub fn right(specification: &Specification) -> Vec<Artefact> {
         Outcome::Unrealizable(_) => {
             let attack = attack(specification, &[], &limits).expect("no limit");
             let attack = attack.expect("something beats it");
-            vec![Artefact::Counterstrategy(counter::machine(
+            vec![Artefact::Counterstrategy(counter::to_machine(
                 specification,
                 &attack,
             ))]
@@ -825,9 +825,9 @@ fn change_functions(r: &mut Random, functions: &mut Functions) {
                 }
                 1 => drop(names.pop()),
                 2 => names.iter_mut().for_each(|n| n.push('x')),
-                3 => list[i].0 = Assumed::Safety(9),
-                4 => list[i].0 = Assumed::Invariant(9),
-                _ => list[i].0 = Assumed::Initial(9),
+                3 => list[i].0 = AssumedFormula::Safety(9),
+                4 => list[i].0 = AssumedFormula::Invariant(9),
+                _ => list[i].0 = AssumedFormula::Initial(9),
             }
         }
         20 => {

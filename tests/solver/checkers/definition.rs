@@ -7,7 +7,7 @@
 //! before promises and steps.
 
 use crate::game::value;
-use linewright::game::{Aim, Assumed, Edge};
+use linewright::game::{Aim, AssumedFormula, Edge};
 use linewright::gr1::{Formula, Owner, Specification, Timing};
 use linewright::mealy::functions::Functions;
 use linewright::mealy::verify::Clause;
@@ -149,14 +149,14 @@ fn form(specification: &Specification, machine: &Machine, asked: Owner, given: O
     let answers_first = (specification.timing == Timing::Moore) != counterstrategy;
     for list in std::iter::once(&machine.initial).chain(&machine.states) {
         if counterstrategy && list.is_empty() {
-            found.insert(Clause::Nothing);
+            found.insert(Clause::NoTransition);
         }
         for t in list {
             if t.to >= machine.states.len() {
-                found.insert(Clause::Target);
+                found.insert(Clause::MissingTarget);
             }
             if t.output.len() != ports.len() {
-                found.insert(Clause::Values);
+                found.insert(Clause::OutputCount);
             }
             for (port, x) in ports.iter().zip(&t.output) {
                 if *x < port.domain.low() || *x > port.domain.high() {
@@ -169,10 +169,10 @@ fn form(specification: &Specification, machine: &Machine, asked: Owner, given: O
                 .flat_map(|c| &c.0)
                 .any(|t| t.input >= machine.inputs.len())
             {
-                found.insert(Clause::Guard);
+                found.insert(Clause::UnknownInput);
             }
             if answers_first && t.output != list[0].output {
-                found.insert(Clause::First);
+                found.insert(Clause::FirstMover);
             }
         }
     }
@@ -270,7 +270,7 @@ pub fn machine(specification: &Specification, machine: &Machine) -> (Found<Claus
             }
             let values = part(specification, given, Owner::Environment);
             match matching(machine.transitions(at.map(|(s, _)| s)), &values)[..] {
-                [] => drop(found.insert(Clause::Gap)),
+                [] => drop(found.insert(Clause::MissingTransition)),
                 [t] => {
                     let next = with(specification, given, Owner::System, &t.output);
                     let wrong = broken(&specification.guarantees, at.map(|(_, now)| now), &next);
@@ -279,7 +279,7 @@ pub fn machine(specification: &Specification, machine: &Machine) -> (Found<Claus
                     }
                     found.extend(wrong.iter().map(|f| Clause::Guarantee(f.name.clone())));
                 }
-                _ => drop(found.insert(Clause::Overlap)),
+                _ => drop(found.insert(Clause::AmbiguousTransition)),
             }
         }
         steps
@@ -360,9 +360,11 @@ pub fn counterstrategy(
         .justice
         .iter()
         .filter(|f| product.cycle(|now, next| !holds(f, now, next), &[]));
-    let mut live: Broken = starved.map(|f| Clause::Starved(f.name.clone())).collect();
+    let mut live: Broken = starved
+        .map(|f| Clause::StarvedAssumption(f.name.clone()))
+        .collect();
     if product.cycle(|_, _| true, &specification.guarantees.justice) {
-        live.insert(Clause::Won);
+        live.insert(Clause::MachineWins);
     }
     (Found::staged([found, live]), product)
 }
@@ -553,7 +555,7 @@ fn form_of_functions(specification: &Specification, functions: &Functions) -> Ce
         let mut computed = BTreeSet::new();
         for (bit, edge) in list {
             if !asked(&controls.diagram, *edge).is_subset(&known) {
-                found.insert(Clause::OutputKnown);
+                found.insert(Clause::OutputDependency);
             }
             if !wanted.contains(bit) || !computed.insert(*bit) {
                 found.insert(Clause::OutputTwice);
@@ -571,7 +573,7 @@ fn form_of_functions(specification: &Specification, functions: &Functions) -> Ce
     for (goal, layers) in controls.goals.iter().zip(&certificate.goals) {
         for mode in &goal.modes {
             if !asked(&controls.diagram, mode.when).is_subset(&before(false)) {
-                found.insert(Clause::ModeKnown);
+                found.insert(Clause::ModeDependency);
             }
             if let Aim::Layer(layer) = mode.aim
                 && layer >= layers.len()
@@ -593,10 +595,10 @@ fn form_of_functions(specification: &Specification, functions: &Functions) -> Ce
         if !first {
             known.extend(layout.iter().flatten().copied());
         }
-        let name = |assumed: &Assumed| match *assumed {
-            Assumed::Initial(i) => side.initial.get(i),
-            Assumed::Invariant(i) => side.invariants.get(i),
-            Assumed::Safety(i) => side.safety.get(i),
+        let name = |assumed: &AssumedFormula| match *assumed {
+            AssumedFormula::Initial(i) => side.initial.get(i),
+            AssumedFormula::Invariant(i) => side.invariants.get(i),
+            AssumedFormula::Safety(i) => side.safety.get(i),
         };
         let right = list.len() == names.len()
             && list.iter().zip(names).all(|((assumed, edge), n)| {
@@ -604,7 +606,7 @@ fn form_of_functions(specification: &Specification, functions: &Functions) -> Ce
                     && asked(&controls.diagram, *edge).is_subset(&known)
             });
         if !right {
-            found.insert(Clause::AssumptionKnown);
+            found.insert(Clause::AssumptionCheck);
         }
     }
     found
@@ -748,7 +750,7 @@ impl<'a> Codes<'a> {
             let accepted = list.iter().all(|(_, e)| self.function(*e, bits));
             let legal = legal(bits, first);
             if legal && !accepted {
-                promises.insert(Clause::Refused);
+                promises.insert(Clause::LegalInputRefused);
             }
             if accepted
                 && !legal
@@ -756,7 +758,7 @@ impl<'a> Codes<'a> {
                     .outside(&self.values(bits, 1), Owner::Environment)
                     .is_none()
             {
-                promises.insert(Clause::NotRefused);
+                promises.insert(Clause::IllegalInputAccepted);
             }
         };
         for bits in self.all(&none, 1, Some(Owner::Environment)) {
@@ -782,7 +784,7 @@ impl<'a> Codes<'a> {
                     steps.extend(any.map(|f| Clause::Initial(f.name.clone())));
                 }
                 if !self.set(controls.certificate.region, &Self::then(&bits)) {
-                    steps.insert(Clause::Start);
+                    steps.insert(Clause::InitialRegion);
                 }
             }
         }
@@ -822,7 +824,7 @@ impl<'a> Codes<'a> {
             found.extend(any.map(|f| Clause::Safety(f.name.clone())));
         }
         if meaningless || self.function(pursuit.reached, &bits) != met {
-            found.insert(Clause::Reached(name.clone()));
+            found.insert(Clause::GoalSwitch(name.clone()));
         }
         if met && self.set(controls.certificate.region, &then) {
             return;
@@ -839,23 +841,23 @@ impl<'a> Codes<'a> {
             formula.is_none_or(|f| holds(f, &now, &next))
         };
         match mode.aim {
-            Aim::Goal => drop(found.insert(Clause::Missed(name))),
+            Aim::Goal => drop(found.insert(Clause::GoalMissed(name))),
             Aim::Layer(k) => {
                 if !within(k, &then) {
-                    found.insert(Clause::Strays(name.clone()));
+                    found.insert(Clause::LayerMissed(name.clone()));
                 }
                 if below(k, &bits) {
-                    found.insert(Clause::Back(name.clone()));
+                    found.insert(Clause::MovesAway(name.clone()));
                 }
                 if within(k, &bits) && !below(k, &bits) && assumed(k) && !below(k, &then) {
-                    found.insert(Clause::Waits(name));
+                    found.insert(Clause::UnjustifiedWait(name));
                 }
             }
             Aim::Nearer => match (0..stages.len()).find(|k| within(*k, &bits)) {
-                None => drop(found.insert(Clause::Nowhere(name))),
+                None => drop(found.insert(Clause::OutsideLayers(name))),
                 Some(k) if below(k, &then) => {}
-                Some(k) if !within(k, &then) => drop(found.insert(Clause::Strays(name))),
-                Some(k) if assumed(k) => drop(found.insert(Clause::Waits(name))),
+                Some(k) if !within(k, &then) => drop(found.insert(Clause::LayerMissed(name))),
+                Some(k) if assumed(k) => drop(found.insert(Clause::UnjustifiedWait(name))),
                 Some(_) => {}
             },
         }

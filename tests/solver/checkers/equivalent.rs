@@ -148,7 +148,7 @@ pub const EQUIVALENT: &[Equivalent] = &[
     Equivalent {
         file: CERTIFY,
         function: "assumptions",
-        right: "! promises.contains(f)",
+        right: "! rules.contains(f)",
         wrong: "true",
         number: 1,
         why: "a function that is one of the promises is false nowhere where they hold: it is asked for in vain",
@@ -156,7 +156,7 @@ pub const EQUIVALENT: &[Equivalent] = &[
     Equivalent {
         file: CERTIFY,
         function: "assumptions",
-        right: "! asked.contains(p)",
+        right: "! checked.contains(p)",
         wrong: "true",
         number: 1,
         why: "a promise that is one of the functions asked for is broken nowhere where they hold: it is looked at in vain",

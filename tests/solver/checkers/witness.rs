@@ -63,8 +63,8 @@ fn play_of_machine(
             let lowest = lowest.filter(|(v, _)| v.owner == Owner::System);
             let mut lowest = lowest.map(|(v, x)| v.domain.low() == *x);
             let right = match clause {
-                "Gap" => of.is_empty() && lowest.all(|l| l),
-                "Overlap" => of.len() > 1 && lowest.all(|l| l),
+                "MissingTransition" => of.is_empty() && lowest.all(|l| l),
+                "AmbiguousTransition" => of.len() > 1 && lowest.all(|l| l),
                 _ => {
                     of.len() == 1
                         && answered(of[0])
@@ -179,7 +179,7 @@ fn play_of_counterstrategy(
         return Err("nothing repeats");
     }
     let met = |f: &Formula| round.iter().any(|(now, next)| holds(f, now, next));
-    let right = if clause == "Won" {
+    let right = if clause == "MachineWins" {
         guarantee.justice.iter().all(met)
     } else {
         let mut named = assume.justice.iter().filter(|f| f.name == quoted(clause));

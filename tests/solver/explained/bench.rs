@@ -3,11 +3,11 @@
 use super::{legal::legal, mended};
 use crate::support;
 use linewright::game::{
-    Ending, Limits, Options, Outcome, advise, attack, reduced, solve, solve_with,
+    Ending, Limits, Options, Outcome, advise, attack, select_guarantees, solve, solve_with,
 };
 use linewright::gr1::Specification;
 use linewright::interchange::{Format, read};
-use linewright::mealy::counter::machine;
+use linewright::mealy::counter::to_machine;
 use linewright::mealy::verify::verify_counterstrategy;
 use linewright::source::FileId;
 use std::path::PathBuf;
@@ -45,7 +45,7 @@ fn timed<T>(what: impl FnOnce() -> T) -> (f64, T) {
 const MOST_VARIABLES: usize = 60;
 
 fn specification(file: &PathBuf) -> Option<Specification> {
-    let format = Format::of_path(&file.to_string_lossy())?;
+    let format = Format::from_path(&file.to_string_lossy())?;
     let text = std::fs::read_to_string(file).expect("a text");
     let spec = read(format, "test", FileId(0), &text).specification?;
     (spec.variables.len() <= MOST_VARIABLES).then_some(spec)
@@ -81,10 +81,10 @@ fn every_unrealizable_benchmark_is_explained() {
             panic!("{name}: two verdicts");
         };
         let core = lost.core.expect("no limit");
-        let small = reduced(&spec, &core);
+        let small = select_guarantees(&spec, &core);
         let (attacked, found) = timed(|| attack(&small, &[], &limits).expect("no limit"));
         let found = found.expect("a counterstrategy");
-        let counterstrategy = machine(&small, &found);
+        let counterstrategy = to_machine(&small, &found);
         let verdict = verify_counterstrategy(&small, &counterstrategy, &limits).expect("no limit");
         assert_eq!(verdict, Ok(()), "{name}");
         assert_eq!(legal(&small, &found.play), Ok(()), "{name}");

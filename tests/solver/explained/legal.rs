@@ -110,8 +110,12 @@ fn clashes(spec: &Specification, play: &Play, rules: &[GuaranteeRef]) -> Result<
         .filter(|v| mentioned[v.index()])
         .collect();
     let keeps = |rule: &GuaranteeRef, answer: &[i64]| {
+        let formula = rule.formula(&spec.guarantees);
+        // A safety guarantee without next values binds the step that is left. Unless the machine
+        // moves first, a play ends in the step that violates it.
+        let of_next = formula.expr.mentions_next() || spec.timing == Timing::Moore;
         let before = match rule.kind {
-            GuaranteeKind::Safety => &play.steps[last - 1],
+            GuaranteeKind::Safety if of_next => &play.steps[last - 1],
             _ => answer,
         };
         holds(&rule.formula(&spec.guarantees).expr, before, answer)

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use linewright::contract;
-use linewright::game::{Limits, LostGame, Outcome, advise, attack, reduced, solve};
+use linewright::game::{Limits, LostGame, Outcome, advise, attack, select_guarantees, solve};
 use linewright::gr1::Specification;
 use std::fmt::Write as _;
 
@@ -77,23 +77,24 @@ fn cores_name_no_guarantee_for_a_monitor_that_it_shares() {
         };
         found += 1;
         let names = lost_game.core_names(&specification);
-        let told = format!("seed {seed}: {guarantees:?}, core {names:?}");
+        let shown = format!("seed {seed}: {guarantees:?}, core {names:?}");
         let is_in = |name: &str| names.iter().any(|n| n == name);
-        assert!(lost(&only(&guarantees, is_in)).is_some(), "{told}");
+        assert!(lost(&only(&guarantees, is_in)).is_some(), "{shown}");
         for one in &names {
             let others = only(&guarantees, |name| is_in(name) && name != one);
-            assert!(lost(&others).is_none(), "{told} without {one}");
+            assert!(lost(&others).is_none(), "{shown} without {one}");
         }
         smaller += u32::from(names.len() < guarantees.len());
         let core = lost_game.core.expect("no limit");
-        let attack = attack(&reduced(&specification, &core), &[], &limits).expect("no limit");
+        let attack =
+            attack(&select_guarantees(&specification, &core), &[], &limits).expect("no limit");
         let play = attack.expect("it is lost").play;
         let advice = advise(&specification, &core, &play, &limits).expect("no limit");
         for weakening in advice.weakenings.iter().filter(|w| w.unless.is_none()) {
             let name = &weakening.guarantee.formula(&specification.guarantees).name;
             assert!(
                 lost(&only(&guarantees, |n| n != name)).is_none(),
-                "{told}: {name}"
+                "{shown}: {name}"
             );
             left_out += 1;
         }
@@ -102,7 +103,7 @@ fn cores_name_no_guarantee_for_a_monitor_that_it_shares() {
             left.all(|g| g.formula(&specification.guarantees).name != n)
         };
         if !advice.leave_out.is_empty() {
-            assert!(lost(&only(&guarantees, all_but)).is_none(), "{told}");
+            assert!(lost(&only(&guarantees, all_but)).is_none(), "{shown}");
         }
     }
     println!("{found} unrealizable, {smaller} with a smaller core, {left_out} to be left out");

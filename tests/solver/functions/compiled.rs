@@ -49,7 +49,7 @@ impl Player for Played<'_> {
     }
 
     fn reset(&mut self) {
-        self.state = self.functions.start();
+        self.state = self.functions.initial_state();
     }
 }
 
@@ -259,7 +259,7 @@ fn compare(files: &Files, player: &mut dyn Player, steps: usize) -> usize {
 fn compare_functions(specification: &Specification, steps: usize) -> Option<usize> {
     let functions = functions(specification, KernelChoice::Automatic)?;
     let mut player = Played {
-        state: functions.start(),
+        state: functions.initial_state(),
         functions: &functions,
     };
     Some(compare(&of_functions(&functions), &mut player, steps))

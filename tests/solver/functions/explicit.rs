@@ -38,7 +38,7 @@ pub fn machine(functions: &Functions) -> Machine {
         }
         found
     };
-    let initial = transitions(&functions.start(), &mut todo);
+    let initial = transitions(&functions.initial_state(), &mut todo);
     let mut states = Vec::new();
     while let Some(state) = todo.get(states.len()).cloned() {
         states.push(transitions(&state, &mut todo));

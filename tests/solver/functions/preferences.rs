@@ -4,7 +4,7 @@
 use super::{benchmark, fixtures, random};
 use linewright::game::{Limits, Outcome, Preference, solve};
 use linewright::gr1::Specification;
-use linewright::mealy::extract::{extract, extract_preferring};
+use linewright::mealy::extract::{extract, extract_with_preference};
 use linewright::mealy::gr1c;
 use linewright::mealy::verify::verify;
 
@@ -16,7 +16,7 @@ fn states(specification: &Specification) -> Option<[usize; 2]> {
     };
     let made = [Preference::Reaction, Preference::States].map(|preference| {
         let machine =
-            extract_preferring(preference, specification, &won, &limits).expect("no limit");
+            extract_with_preference(preference, specification, &won, &limits).expect("no limit");
         let verdict = verify(specification, &machine, &limits).expect("no limit");
         assert!(
             verdict.is_ok(),

@@ -223,7 +223,7 @@ fn machines_can_rely_on_the_patterns_they_assume() {
             assert!(machine_of(&specification).is_none(), "{}", case.name);
             for obligation in promised {
                 add_obligations(
-                    &monitors.assumed(&obligation),
+                    &monitors.as_assumptions(&obligation),
                     &mut specification.assumptions,
                 );
             }

@@ -50,7 +50,7 @@ impl Player {
         let mut start = Vec::new();
         let lanes = |b: bool| if b { Lanes::ALL } else { Lanes::NONE };
         let mut firsts = Vec::new();
-        for monitor in monitors.made() {
+        for monitor in monitors.all() {
             let domain = &monitor.variable.domain;
             assert_eq!(domain.low(), 0);
             let first = 2 * variables + start.len();
@@ -64,7 +64,7 @@ impl Player {
             }
         }
         let mut states = Vec::new();
-        for (monitor, first) in monitors.made().iter().zip(firsts) {
+        for (monitor, first) in monitors.all().iter().zip(firsts) {
             let value = circuit.value(&monitor.update);
             let domain = &monitor.variable.domain;
             let within = value.iter().all(|(x, w)| domain.contains(*x) || *w == 0);
@@ -93,7 +93,7 @@ impl Player {
         let guaranteed = wires_of(obligations);
         let assumed: Vec<Obligation> = obligations
             .iter()
-            .flat_map(|o| monitors.assumed(o))
+            .flat_map(|o| monitors.as_assumptions(o))
             .collect();
         for obligation in &assumed {
             obligation.expr.for_each_var(&mut |v, time| {

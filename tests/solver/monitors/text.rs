@@ -83,7 +83,7 @@ fn patterns_are_read_as_they_are_written() {
         let (mut plain, mut assumed) = (Side::default(), Side::default());
         for obligation in &obligations {
             obligation.add_to(&mut plain, &Origin::default());
-            for part in again.assumed(obligation) {
+            for part in again.as_assumptions(obligation) {
                 part.add_to(&mut assumed, &Origin::default());
             }
         }
@@ -110,7 +110,7 @@ fn patterns_are_read_as_they_are_written() {
             "guarantee {text}"
         );
         let names = specification.variables.iter().map(|v| v.name.as_str());
-        let own = monitors.made().iter().map(|m| m.variable.name.as_str());
+        let own = monitors.all().iter().map(|m| m.variable.name.as_str());
         assert!(names.skip(case.names.len()).eq(own), "{text}");
     }
 }

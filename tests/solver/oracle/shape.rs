@@ -1,8 +1,8 @@
 //! Where a specification demands less than it seems to, by enumeration: the definitions of
-//! `game::Shape` word for word.
+//! `game::WeaknessFindings` word for word.
 
 use crate::game::{Board, Relation, Set, Subset, value};
-use linewright::game::{GuaranteeKind as Kind, GuaranteeRef, Shape};
+use linewright::game::{GuaranteeKind as Kind, GuaranteeRef, WeaknessFindings};
 use linewright::gr1::{BinaryOp, Expr, Formula, Owner, Side, Time, Timing, VarId};
 
 /// Valuations and steps that can occur under controllers.
@@ -53,7 +53,7 @@ impl Board<'_> {
     }
 
     /// Compares; returns a description of the difference.
-    pub fn agrees(&self, found: &Shape) -> Result<(), String> {
+    pub fn agrees(&self, found: &WeaknessFindings) -> Result<(), String> {
         let spec = self.specification;
         let occurring = self.under_controllers();
         let rules = self.rules(&Subset::All);
@@ -284,7 +284,7 @@ impl Board<'_> {
         free && fixed && self.wins(&framed)
     }
 
-    fn requests(&self, found: &Shape, occurring: &Occurring) -> Result<(), String> {
+    fn requests(&self, found: &WeaknessFindings, occurring: &Occurring) -> Result<(), String> {
         for (v, variable) in self.specification.variables.iter().enumerate() {
             if variable.owner == Owner::Environment {
                 continue;

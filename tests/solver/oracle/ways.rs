@@ -5,7 +5,7 @@ use crate::game::{Board, Subset};
 use crate::random::Random;
 use linewright::game::{
     GuaranteeRef, Heuristic, Heuristics, KernelChoice, Limits, Options, Order, Outcome, Solution,
-    order_of_variables, solve_with,
+    order_from_variables, solve_with,
 };
 use linewright::gr1::Specification;
 use linewright::mealy::{extract::extract, verify::verify};
@@ -116,7 +116,7 @@ fn ways(specification: &Specification, seed: u64, extent: Extent) -> Vec<Way> {
         way(Heuristics::none(), None, turn == 0),
         way(Heuristics::all().without(one), None, turn == 1),
         way(Heuristics::none().with(other), None, turn == 2),
-        way(any, order_of_variables(specification, variables), false),
+        way(any, order_from_variables(specification, variables), false),
     ];
     if extent == Extent::Three {
         ways.swap(2, 2 + (seed % 3) as usize);
@@ -142,7 +142,7 @@ pub fn agree(
     let mut tried = Tried::default();
     // Enough memory for such small games; more would have to be set up thousands of times.
     let limits = Limits {
-        most_nodes: Some(1 << 16),
+        max_nodes: Some(1 << 16),
         ..Limits::default()
     };
     let mut cores: Vec<Vec<GuaranteeRef>> = Vec::new();
@@ -153,7 +153,7 @@ pub fn agree(
                 kernel,
                 heuristics: way.heuristics,
                 without_core: !way.machine,
-                first_order: way.order.clone(),
+                initial_order: way.order.clone(),
                 ..Options::default()
             };
             let what = || format!("seed {seed}, {name}, with `{}`", names(way.heuristics));

@@ -375,15 +375,15 @@ static void check(const char *token)
     /* Steps of a wrong size, at a wrong time. */
     double sizes[] = { 0.0, -h, 0.5 * h, 1.5 * h, h * 1.001, -HUGE_VAL, (double)NAN };
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        REFUSED(do_step(c, 0.0, sizes[i]), "whole multiple");
+        REFUSED(do_step(c, 0.0, sizes[i]), "integer multiple");
     }
     double lengths[] = { 1.1e9 * h, 1e300, HUGE_VAL };
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
-        REFUSED(do_step(c, 0.0, lengths[i]), "thousand million");
+        REFUSED(do_step(c, 0.0, lengths[i]), "longer than 1000000000");
     }
     double places[] = { h, -h, 1e300, HUGE_VAL, (double)NAN };
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        REFUSED(do_step(c, places[i], h), "does not begin where");
+        REFUSED(do_step(c, places[i], h), "does not begin at the end");
     }
     REFUSED(do_step(c, 0.0, 2000 * h), "stop time");
 

@@ -4,14 +4,13 @@
 //! A tape is text, one call per line, that every host can read:
 //!
 //! ```text
-//! watch REFERENCE TYPE     print this variable after each step; the types are r, i, l, b and e
-//! new N                    make instance N and initialize it; further calls apply to it
-//! use N
-//! set REFERENCE TYPE VALUE a real number as its 64 bits in hexadecimal
-//! step TICKS               a communication step of TICKS steps of the machine
-//! reset                    reset and initialize again
-//! save S, load S           the state into place S, and back; `load` may be on another instance
-//! bytes S                  the state in place S becomes bytes, and a new state made of them takes its place
+//! watch REFERENCE TYPE     print this variable after each step; the types are r, i, l, b and e new
+//! N                    make instance N and initialize it; further calls apply to it use N set
+//! REFERENCE TYPE VALUE a real number as its 64 bits in hexadecimal step TICKS               a
+//! communication step of TICKS steps of the machine reset                    reset and initialize
+//! again save S, load S           the state into place S, and back; `load` may be on another
+//! instance bytes S                  the state in place S becomes bytes, and a new state made of
+//! them takes its place
 //! ```
 
 use super::reference::{Answer, Read, Reference};

@@ -36,7 +36,7 @@ fn the_line_at_real_size_runs() {
     let loaded = files::load(&[path], &StandardLibrary::default());
     assert_eq!(loaded.findings, []);
     let machines = of_line(&loaded.library.lines[0]);
-    let mut jobs = Jobs::default().wishing(ExtractionOptions {
+    let mut jobs = Jobs::default().with_extraction(ExtractionOptions {
         functions: true,
         ..ExtractionOptions::default()
     });

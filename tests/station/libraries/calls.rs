@@ -127,7 +127,7 @@ fn handles_are_checked() {
             as_integer(host.call("get_real", &mut [integer(bad), string(c"seconds")])),
             -1
         );
-        assert!(host.last_error(bad).contains("never given"));
+        assert!(host.last_error(bad).contains("never issued"));
     }
     // A handle must be an integer, and there must be one.
     for value in [
@@ -187,7 +187,7 @@ fn results_are_read_by_name() {
     assert_eq!(words(c"steps"), steps.to_string());
     // A value that is no integer has no integer result.
     assert_eq!(whole(c"time"), -2);
-    assert!(host.last_error(handle).contains("ask get_real"));
+    assert!(host.last_error(handle).contains("use get_real"));
     let output = whole(c"output.turn.angle");
     assert!(as_real(get("get_real", c"output.turn.angle")) == f64::from(output));
 
@@ -241,7 +241,10 @@ fn instances_are_limited() {
     let handles: Vec<i32> = (0..1024).map(|_| host.instantiate()).collect();
     assert!(handles.iter().all(|h| *h > 0));
     assert_eq!(host.instantiate(), ErrorCode::Memory as i32);
-    assert!(host.last_error(0).contains("no free place"));
+    assert!(
+        host.last_error(0)
+            .contains("slots for instances are in use")
+    );
     assert_eq!(
         as_integer(host.call("deinstantiate", &mut [integer(handles[500])])),
         0

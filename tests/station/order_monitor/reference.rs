@@ -38,7 +38,7 @@ impl<'a> Reference<'a> {
         let column = column.ok_or(RefusalReason::Together)?;
         let place = self.state as usize * table.calls.len() + column;
         match table.next[place] {
-            REFUSED => Err(match table.why[place] {
+            REFUSED => Err(match table.reasons[place] {
                 RECALL => RefusalReason::Recall,
                 TOGETHER => RefusalReason::Together,
                 rule => RefusalReason::Rule(usize::from(rule)),

@@ -62,12 +62,12 @@ pub fn random(seed: u64) -> Table {
     }
     Table {
         name,
-        kept: "at the level valid".to_owned(),
+        options_text: "at the level valid".to_owned(),
         skills: names,
         rules,
         calls: table_calls,
         next,
-        why,
+        reasons: why,
         states,
         start: random.below(states as u64) as u32,
     }

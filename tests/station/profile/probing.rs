@@ -129,13 +129,13 @@ pub fn find(mock: &Mock, first: &Probe, folder: &Path) -> (Layout, Profile, Stri
     let (said, profile) = doctor(folder, &dump, &format!("{name}.toml"));
     let layout = mock.layout(&printed);
     assert_eq!(profile.layout, layout, "{name}: {said}");
-    assert!(!profile.verified(), "{name}: one round verifies nothing");
+    assert!(!profile.is_verified(), "{name}: one round verifies nothing");
     assert!(said.contains("(unverified)"), "{said}");
     let second = build(folder, Some(&format!("{name}.toml")));
     let (_, dump) = probe(mock, &second, folder, &format!("{name}-2.txt"));
     let (said, confirmed) = doctor(folder, &dump, &format!("{name}-verified.toml"));
     assert_eq!(confirmed.layout, layout, "{name}");
-    assert!(confirmed.verified(), "{said}");
+    assert!(confirmed.is_verified(), "{said}");
     (layout, confirmed, said)
 }
 

@@ -139,7 +139,7 @@ int main(int argc, char **argv)
     CHECK(is_code(CALL("reset", a), -1));
     CHECK(alike(number(SIMULATE(a, integer(0), GOOD)), -1.0));
     CHECK(is_code(CALL("get_real", a, string("time")), -1));
-    CHECK(says(CALL("last_error", a), "the handle was never given by this library, or its instance has been destroyed"));
+    CHECK(says(CALL("last_error", a), "the handle was never issued by this library, or its instance was destroyed"));
     CHECK(is_code(CALL("reset", integer(0)), -1));
     CHECK(is_code(CALL("reset", integer(-5)), -1));
     CHECK(is_code(CALL("reset", integer(77)), -1));

@@ -108,7 +108,7 @@ fn layouts_are_recovered_and_confirmed_on_windows() {
         );
         let (_, dump) = probe(mock, &compiler, wine, folder, Some(&out));
         let (said, verified) = doctor(folder, &dump, &format!("{}-verified.toml", mock.name));
-        assert!(verified.verified(), "{said}");
+        assert!(verified.is_verified(), "{said}");
         let toolchain = Toolchain::windows().expect("a compiler");
         let built = toolchain
             .build(&package(&verified), folder, false)

@@ -6,7 +6,7 @@ use crate::iec::document::text_of;
 use crate::library::{as_functions, machines};
 use linewright::gr1::{Domain, Owner, Specification};
 use linewright::mealy::{Controller, Port};
-use linewright::station::structured_text::{Block, block, block_of_tables};
+use linewright::station::structured_text::{Block, block, block_with_tables};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 
@@ -129,7 +129,7 @@ fn check(names: &[String], labels: &[String], own: &str, steps: usize) -> Result
         Ok::<(), String>(())
     };
     play(&block(&machine, &specification), &machine)?;
-    play(&block_of_tables(explicit, &specification), &machine)?;
+    play(&block_with_tables(explicit, &specification), &machine)?;
     play(&block(&functions, &specification), &functions)
 }
 
@@ -138,7 +138,7 @@ fn owned(names: &[&str]) -> Vec<String> {
 }
 
 #[test]
-fn keywords_and_equal_names_are_told_apart() {
+fn keywords_and_equal_names_are_distinguished() {
     let labels = owned(&["turn", "Turn", "TURN", "end_if", "ä", "a.b[3]", "END_IF"]);
     for names in NAMES.chunks(6) {
         let mut names = owned(names);

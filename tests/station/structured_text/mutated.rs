@@ -4,7 +4,7 @@
 use super::play::{compare, compiled};
 use crate::library::{Controlled, as_functions, machines};
 use linewright::mealy::Controller;
-use linewright::station::structured_text::{block, block_of_tables};
+use linewright::station::structured_text::{block, block_with_tables};
 
 const STEPS: usize = 100_000;
 
@@ -116,7 +116,7 @@ fn changed_assumptions_are_found() {
     let text = block(&controlled.controller, &controlled.specification).to_text();
     let lines = text.lines().enumerate();
     let asked = lines
-        .skip_while(|(_, l)| !l.contains("What it relies on. *)"))
+        .skip_while(|(_, l)| !l.contains("Assumptions. *)"))
         .take_while(|(_, l)| !l.contains("CASE state OF"));
     let mut tried = 0;
     for (number, line) in asked {
@@ -134,7 +134,7 @@ fn changed_assumptions_are_found() {
 fn changed_answers_and_targets_of_the_tables_are_found() {
     let controlled = turn();
     let machine = controlled.controller.machine().expect("a machine");
-    let text = block_of_tables(machine, &controlled.specification).to_text();
+    let text = block_with_tables(machine, &controlled.specification).to_text();
     assert!(!differs(&text, &controlled.controller));
     let mutants = [
         with_other_numbers(&text, "answers", |v| i64::from(v == 0)),
@@ -157,7 +157,7 @@ fn changed_decisions_are_found() {
     let text = block(&controller, &controlled.specification).to_text();
     assert!(!differs(&text, &controller));
     // Promises, and the outputs of step 0, are evaluated in every play.
-    for mutant in with_other_numbers(&text, "promise", |v| v ^ 1) {
+    for mutant in with_other_numbers(&text, "assumption", |v| v ^ 1) {
         assert!(differs(&mutant, &controller));
     }
     let first = controller

@@ -8,7 +8,7 @@ use crate::library::{as_functions, bundled, large, machines};
 use crate::support::{self, python_with};
 use crate::unit::pick_and_place;
 use linewright::station::monitor;
-use linewright::station::structured_text::{Block, block, block_of_tables};
+use linewright::station::structured_text::{Block, block, block_with_tables};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -37,7 +37,7 @@ fn blocks() -> Vec<Block> {
         let machine = controlled.controller.machine().expect("a machine");
         // One without enumerations, and one with.
         if machine.name == "Single" {
-            blocks.push(block_of_tables(machine, specification));
+            blocks.push(block_with_tables(machine, specification));
         }
         if ["Single", "Pick"].contains(&machine.name.as_str()) {
             blocks.push(block(&as_functions(specification), specification));
@@ -166,7 +166,7 @@ fn documents_are_valid_against_the_schema() {
         let machine = controlled.controller.machine().expect("a machine");
         let blocks = [
             block(&controlled.controller, specification),
-            block_of_tables(machine, specification),
+            block_with_tables(machine, specification),
             block(&as_functions(specification), specification),
         ];
         for block in blocks {

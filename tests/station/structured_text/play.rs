@@ -74,14 +74,14 @@ impl<'a> Reference<'a> {
             controller,
             assumed: Assumed::new(specification),
             state: None,
-            memory: controller.functions().map(Functions::start),
+            memory: controller.functions().map(Functions::initial_state),
         }
     }
 
     fn reset(&mut self) {
         self.assumed.reset();
         self.state = None;
-        self.memory = self.controller.functions().map(Functions::start);
+        self.memory = self.controller.functions().map(Functions::initial_state);
     }
 
     /// Computes the answer without changing anything.

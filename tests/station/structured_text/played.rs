@@ -6,7 +6,7 @@ use super::play::{Counts, compare, compiled};
 use crate::library::{as_functions, large, machines};
 use linewright::gr1::Specification;
 use linewright::mealy::Controller;
-use linewright::station::structured_text::{block, block_of_tables};
+use linewright::station::structured_text::{block, block_with_tables};
 
 const STEPS: usize = 100_000;
 
@@ -48,7 +48,7 @@ fn tables_and_their_blocks_make_the_same_steps() {
     for controlled in machines() {
         let specification = &controlled.specification;
         let machine = controlled.controller.machine().expect("a machine");
-        let text = block_of_tables(machine, specification).to_text();
+        let text = block_with_tables(machine, specification).to_text();
         let counts = played(&text, &controlled.controller, specification, STEPS / 5);
         sum = sum.and(counts);
     }

@@ -4,7 +4,7 @@ use super::play::{compare, compiled};
 use crate::iec::document::{read, text_of};
 use crate::library::{as_functions, machines};
 use linewright::mealy::Controller;
-use linewright::station::structured_text::{block, block_of_tables};
+use linewright::station::structured_text::{block, block_with_tables};
 
 #[test]
 fn a_document_says_what_the_text_says() {
@@ -18,7 +18,7 @@ fn a_document_says_what_the_text_says() {
                 &controlled.controller,
             ),
             (
-                block_of_tables(machine, specification),
+                block_with_tables(machine, specification),
                 &controlled.controller,
             ),
             (block(&functions, specification), &functions),

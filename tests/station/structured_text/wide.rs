@@ -6,7 +6,7 @@ use linewright::game::{Limits, Outcome, solve};
 use linewright::gr1::{Domain, Side, Specification, Timing};
 use linewright::mealy::extract::extract;
 use linewright::mealy::{Controller, Cube, Guard, Machine, Port, Test, Transition};
-use linewright::station::structured_text::{Block, block, block_of_tables};
+use linewright::station::structured_text::{Block, block, block_with_tables};
 
 fn plays(block: &Block, controller: &Controller, specification: &Specification) {
     let text = block.to_text();
@@ -34,7 +34,7 @@ fn every_form_computes_with_negative_and_wide_numbers() {
         &specification,
     );
     plays(
-        &block_of_tables(&machine, &specification),
+        &block_with_tables(&machine, &specification),
         &controller,
         &specification,
     );
@@ -83,7 +83,7 @@ fn sixty_four_bits_are_lint() {
     let controller = Controller::Machine(machine.clone());
     for block in [
         block(&controller, &specification),
-        block_of_tables(&machine, &specification),
+        block_with_tables(&machine, &specification),
     ] {
         let text = block.to_text();
         assert!(

@@ -2,7 +2,7 @@
 
 use crate::library::{Controlled, as_functions, machines};
 use crate::support::linewright;
-use linewright::station::structured_text::{block, block_of_tables};
+use linewright::station::structured_text::{block, block_with_tables};
 
 fn single() -> &'static Controlled {
     let found = machines().iter().find(|c| c.controller.name() == "Single");
@@ -19,7 +19,7 @@ fn a_machine_is_a_case_over_its_states() {
 fn a_long_machine_is_tables() {
     let single = single();
     let machine = single.controller.machine().expect("a machine");
-    insta::assert_snapshot!(block_of_tables(machine, &single.specification).to_text());
+    insta::assert_snapshot!(block_with_tables(machine, &single.specification).to_text());
 }
 
 #[test]

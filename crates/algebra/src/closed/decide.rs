@@ -1,12 +1,13 @@
-//! The questions about a closed composition.
+//! The decision procedure for a closed composition.
 //!
-//! Safety is asked in one query: is there a step, after steps without errors, in which any error
-//! occurs? Only then is each duty asked separately, in the order of a step. Justice is asked about
-//! the runs without errors.
+//! Safety needs one query if there are no errors: can any error occur in a step after steps without
+//! errors? Only if so is each obligation examined separately, in the order of a step. Justice is
+//! decided on the runs without errors.
 
 use super::rules::{RuleSet, ScheduledObligation, StepObligation};
 use super::{
-    Closed, DischargeMethod, FailureKind, Form, OperationFailure, StuckComponent, Verdict, replay,
+    ClosedComposition, DischargeMethod, FailureKind, Form, OperationFailure, StuckComponent,
+    Verdict, replay,
 };
 use crate::machine::COMPLETES;
 use crate::proof::{Exports, Open, Refutation};
@@ -19,53 +20,53 @@ use linewright_solver::game::{
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Maximum size of a composition in bits. The cost of larger ones grows too fast; a proof from
-/// contracts does not need them.
-const MOST_BITS: u32 = 90;
+/// Maximum size of a composition in bits of state. Larger compositions would take too long; a proof
+/// from contracts is possible without this decision.
+const MAX_BITS: u32 = 90;
 
 /// Returns the number of bits needed for this many values.
 fn bits(values: u64) -> u32 {
     u64::BITS - values.saturating_sub(1).leading_zeros()
 }
 
-/// Decides the whole claim.
-pub(super) fn decide(closed: &Closed<'_>, limits: &Limits) -> Result<Verdict, Limit> {
+/// Decides all obligations of a closed composition.
+pub(super) fn decide(closed: &ClosedComposition<'_>, limits: &Limits) -> Result<Verdict, Limit> {
     let mut book = RuleSet::new(closed);
-    let all_owed = book.all_owed();
+    let no_error = book.no_error();
     let bits = closed
         .system
         .variables
         .iter()
         .map(|v| bits(v.domain.size()));
-    if bits.sum::<u32>() > MOST_BITS {
+    if bits.sum::<u32>() > MAX_BITS {
         return Err(Limit::Size);
     }
     let runs = Runs::new(&closed.system.variables, book.rules.clone(), limits)?;
-    let mut asked = Asked {
+    let mut decider = ClosedDecider {
         closed,
         book,
         runs,
         reliable: BTreeSet::new(),
         verdict: Verdict::default(),
     };
-    asked.safety(all_owed)?;
-    asked.justice()?;
-    asked.goals()?;
-    asked.operations()?;
-    asked.verdict.states = asked.runs.count(&asked.book.keep)?;
-    Ok(asked.verdict)
+    decider.safety(no_error)?;
+    decider.justice()?;
+    decider.goals()?;
+    decider.operations()?;
+    decider.verdict.states = decider.runs.count_states(&decider.book.keep)?;
+    Ok(decider.verdict)
 }
 
-struct Asked<'a> {
-    closed: &'a Closed<'a>,
+struct ClosedDecider<'a> {
+    closed: &'a ClosedComposition<'a>,
     book: RuleSet,
     runs: Runs,
-    /// Components used as contracts whose justice can be relied on.
+    /// Components whose justice guarantees can be relied on.
     reliable: BTreeSet<usize>,
     verdict: Verdict,
 }
 
-impl Asked<'_> {
+impl ClosedDecider<'_> {
     fn add(&mut self, kind: RuleKind, expr: Expr) -> usize {
         self.runs.add(Rule { kind, expr })
     }
@@ -76,70 +77,76 @@ impl Asked<'_> {
         let mut sound = true;
         for broken in all {
             let last = self.book.last.clone();
-            sound &= self.slip(last, broken)?.is_none();
+            sound &= self.violation(last, broken)?.is_none();
         }
-        let owed = std::mem::take(&mut self.book.owed);
-        for (place, duty) in owed.iter().enumerate() {
+        let obligations = std::mem::take(&mut self.book.obligations);
+        for (place, obligation) in obligations.iter().enumerate() {
             let broken = if sound {
                 None
             } else {
-                self.broken(&owed, place)?
+                self.broken(&obligations, place)?
             };
-            self.conclude(duty, broken);
+            self.conclude(obligation, broken);
         }
-        self.book.owed = owed;
+        self.book.obligations = obligations;
         Ok(())
     }
 
-    /// Returns a run up to a step in which this duty is the first not to be met.
+    /// Returns a run whose last step violates the obligation at `place` and no earlier obligation.
     fn broken(
         &mut self,
-        owed: &[ScheduledObligation],
+        obligations: &[ScheduledObligation],
         place: usize,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        let duty = &owed[place];
-        if duty.both.is_true() {
+        let obligation = &obligations[place];
+        if obligation.condition.is_true() {
             return Ok(None);
         }
         let mut last = self.book.last.clone();
-        for earlier in &owed[..place] {
-            let before =
-                earlier.component != duty.component || earlier.duty == StepObligation::Speaks;
-            if before || duty.duty == StepObligation::Covered {
+        for earlier in &obligations[..place] {
+            let before = earlier.component != obligation.component
+                || earlier.kind == StepObligation::HasOutputs;
+            if before || obligation.kind == StepObligation::HasRow {
                 last.extend(earlier.rules);
             }
         }
-        for rule in duty.rules {
-            if let Some(trace) = self.slip(last.clone(), rule)? {
+        for rule in obligation.rules {
+            if let Some(trace) = self.violation(last.clone(), rule)? {
                 return Ok(Some(trace));
             }
         }
         Ok(None)
     }
 
-    fn slip(&mut self, last: Vec<usize>, broken: usize) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        self.runs.step(&SafetyViolationQuery {
+    fn violation(
+        &mut self,
+        last: Vec<usize>,
+        broken: usize,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        self.runs.find_violation(&SafetyViolationQuery {
             before: self.book.keep.clone(),
             last,
             broken,
         })
     }
 
-    fn conclude(&mut self, owed: &ScheduledObligation, broken: Option<Vec<Vec<i64>>>) {
-        match (owed.duty, broken) {
-            // The assumptions of a component without outputs are not met in the step in which it
-            // has none.
-            (StepObligation::Assumed(_), None) if self.is_silent(owed.component) => {}
-            (StepObligation::Assumed(at), None) => self.met(at),
-            (StepObligation::Assumed(at), Some(trace)) => self.open(at, Refutation::Trace(trace)),
-            (StepObligation::Speaks | StepObligation::Covered, None) => {}
-            (StepObligation::Speaks | StepObligation::Covered, Some(trace)) => {
+    fn conclude(&mut self, obligation: &ScheduledObligation, broken: Option<Vec<Vec<i64>>>) {
+        match (obligation.kind, broken) {
+            // A component without outputs has no inputs that keep its assumptions, so they are not
+            // recorded as met.
+            (StepObligation::Assumption(_), None) if self.is_silent(obligation.component) => {}
+            (StepObligation::Assumption(at), None) => self.record_met(at),
+            (StepObligation::Assumption(at), Some(trace)) => {
+                self.record_open(at, Refutation::Trace(trace))
+            }
+            (StepObligation::HasOutputs | StepObligation::HasRow, None) => {}
+            (StepObligation::HasOutputs | StepObligation::HasRow, Some(trace)) => {
                 let stuck = StuckComponent {
-                    component: owed.component,
-                    silent: owed.duty == StepObligation::Speaks,
+                    component: obligation.component,
+                    silent: obligation.kind == StepObligation::HasOutputs,
                     trace,
                 };
-                if self.is_real(replay::stuck(self.closed, &stuck)) {
+                if self.is_real(replay::check_stuck(self.closed, &stuck)) {
                     self.verdict.stuck.push(stuck);
                 }
             }
@@ -151,7 +158,7 @@ impl Asked<'_> {
         stuck.any(|s| s.silent && s.component == component)
     }
 
-    fn met(&mut self, at: FormulaRef) {
+    fn record_met(&mut self, at: FormulaRef) {
         let met = if self.book.exported.contains(&at) {
             DischargeMethod::Exported
         } else {
@@ -160,41 +167,48 @@ impl Asked<'_> {
         self.verdict.met.push((at, met));
     }
 
-    /// Records that something is not met, as a run shows.
-    fn open(&mut self, what: FormulaRef, why: Refutation) {
+    /// Records that an obligation is not met, with a run as the counterexample, or as undecided if
+    /// the controllers cannot make the run.
+    fn record_open(&mut self, what: FormulaRef, why: Refutation) {
         let open = Open { what, why };
-        if self.is_real(replay::open(self.closed, &open)) {
+        if self.is_real(replay::check_open(self.closed, &open)) {
             self.verdict.open.push(open);
         } else {
             self.verdict.undecided.push(what);
         }
     }
 
-    /// Returns whether the controllers can make the run that was found. They may not if one of them
-    /// was used as its contract.
+    /// Returns whether the controllers can make the run that was found, given the result of its
+    /// replay. The replay can only fail if a controller was represented by its contract.
     fn is_real(&self, played: Result<(), String>) -> bool {
-        let exact = self.closed.taking.iter().all(|t| t.form == Form::Table);
+        let exact = self
+            .closed
+            .participants
+            .iter()
+            .all(|t| t.form == Form::Table);
         match played {
             Ok(()) => true,
             Err(_) if !exact => false,
-            Err(why) => panic!("a run that the tables do not make: {why}; please report this"),
+            Err(why) => {
+                panic!("the run that was found is not one of the tables: {why}; please report this")
+            }
         }
     }
 
     // ---- justice --------------------------------------------------------------------------------
 
-    /// Decides the justice that components assume, turn by turn: a contract's own justice is relied
-    /// on once its assumed justice is met.
+    /// Decides the justice assumptions of components, in rounds: the justice guarantees of a
+    /// contract are relied on once its justice assumptions are met.
     fn justice(&mut self) -> Result<(), Limit> {
         for at in self.book.exported.clone() {
             if at.kind == RuleKind::Justice {
-                self.met(at);
+                self.record_met(at);
             }
         }
         let mut left: Vec<(FormulaRef, usize)> = Vec::new();
-        for (component, again) in self.book.justice.iter().enumerate() {
-            left.extend(&again.assumed);
-            if again.assumed.is_empty() {
+        for (component, justice) in self.book.justice.iter().enumerate() {
+            left.extend(&justice.assumed);
+            if justice.assumed.is_empty() {
                 self.reliable.insert(component);
             }
         }
@@ -203,11 +217,11 @@ impl Asked<'_> {
             let before = left.len();
             for (at, rule) in left {
                 match self.starved(rule)? {
-                    None => self.met(at),
+                    None => self.record_met(at),
                     Some(lasso) => waiting.push((at, rule, lasso)),
                 }
             }
-            let waits = |c: &usize| waiting.iter().any(|(at, ..)| at.part == Some(*c));
+            let waits = |c: &usize| waiting.iter().any(|(at, ..)| at.component == Some(*c));
             let components = 0..self.book.justice.len();
             let reliable: BTreeSet<usize> = components.filter(|c| !waits(c)).collect();
             let helps = reliable
@@ -216,7 +230,7 @@ impl Asked<'_> {
             self.reliable = reliable;
             if waiting.is_empty() || waiting.len() == before || !helps {
                 for (at, _, lasso) in waiting {
-                    self.open(at, Refutation::Lasso(lasso));
+                    self.record_open(at, Refutation::Lasso(lasso));
                 }
                 return Ok(());
             }
@@ -227,23 +241,28 @@ impl Asked<'_> {
         }
     }
 
-    /// Returns a run without errors on which, from some step on, a justice is never met.
+    /// Returns a run without errors on which a justice rule never holds from some step on.
     fn starved(&mut self, rule: usize) -> Result<Option<Lasso>, Limit> {
-        let wanted = RunQuery {
+        let query = RunQuery {
             keep: self.book.keep.clone(),
-            again: self.again(),
-            never_again: vec![rule],
+            infinitely_often: self.reliable_justice(),
+            finitely_often: vec![rule],
         };
-        self.runs.lasso(&wanted)
+        self.runs.find_lasso(&query)
     }
 
-    /// Returns the justice that can be relied on.
-    fn again(&self) -> Vec<usize> {
-        let owed = self
+    /// Returns the justice rules that can be relied on.
+    fn reliable_justice(&self) -> Vec<usize> {
+        let guaranteed = self
             .reliable
             .iter()
             .flat_map(|c| &self.book.justice[*c].guaranteed);
-        self.book.again.iter().chain(owed).copied().collect()
+        self.book
+            .environment_justice
+            .iter()
+            .chain(guaranteed)
+            .copied()
+            .collect()
     }
 
     // ---- goals ----------------------------------------------------------------------------------
@@ -252,25 +271,28 @@ impl Asked<'_> {
         for (at, rule) in self.book.goals.clone() {
             if at.kind == RuleKind::Justice {
                 match self.starved(rule)? {
-                    None => self.met(at),
-                    Some(lasso) => self.open(at, Refutation::Lasso(lasso)),
+                    None => self.record_met(at),
+                    Some(lasso) => self.record_open(at, Refutation::Lasso(lasso)),
                 }
                 continue;
             }
-            match self.slip(self.book.keep.clone(), rule)? {
-                Some(trace) if self.goes_on(rule)? => self.open(at, Refutation::Trace(trace)),
-                _ => self.met(at),
+            match self.violation(self.book.keep.clone(), rule)? {
+                Some(trace) if self.can_continue(rule)? => {
+                    self.record_open(at, Refutation::Trace(trace))
+                }
+                _ => self.record_met(at),
             }
         }
         Ok(())
     }
 
-    /// Returns whether a broken rule counts. For a refined contract only infinite runs count, so a
-    /// step does not count if it leads to a state in which the assumed environment cannot go on.
-    fn goes_on(&mut self, rule: usize) -> Result<bool, Limit> {
-        let Some(slipped) = self
+    /// Returns whether a violation of a rule counts. For a refined contract only infinite runs
+    /// count: a violation does not count if it leads to a state in which an environment that keeps
+    /// the assumptions has no next step.
+    fn can_continue(&mut self, rule: usize) -> Result<bool, Limit> {
+        let Some(violated) = self
             .closed
-            .slipped
+            .violated
             .filter(|_| self.closed.claim.exports == Exports::Never)
         else {
             return Ok(true);
@@ -284,18 +306,18 @@ impl Asked<'_> {
                 (expr.not(), next.not())
             }
         };
-        let start = self.add(RuleKind::Initial, Expr::now(slipped).equals(first));
-        let on = Expr::next(slipped).equals(Expr::now(slipped).or(later));
+        let start = self.add(RuleKind::Initial, Expr::now(violated).equals(first));
+        let on = Expr::next(violated).equals(Expr::now(violated).or(later));
         let on = self.add(RuleKind::Safety, on);
-        let seen = self.add(RuleKind::Justice, Expr::now(slipped));
-        let mut wanted = RunQuery {
+        let seen = self.add(RuleKind::Justice, Expr::now(violated));
+        let mut query = RunQuery {
             keep: self.book.keep.clone(),
-            again: self.again(),
-            never_again: Vec::new(),
+            infinitely_often: self.reliable_justice(),
+            finitely_often: Vec::new(),
         };
-        wanted.keep.extend([start, on]);
-        wanted.again.push(seen);
-        Ok(self.runs.lasso(&wanted)?.is_some())
+        query.keep.extend([start, on]);
+        query.infinitely_often.push(seen);
+        Ok(self.runs.find_lasso(&query)?.is_some())
     }
 
     // ---- operations -----------------------------------------------------------------------------
@@ -303,11 +325,11 @@ impl Asked<'_> {
     fn operations(&mut self) -> Result<(), Limit> {
         for operation in 0..self.closed.machine.operations.len() {
             if let Some(why) = self.operation(operation)? {
-                let misrun = OperationFailure { operation, why };
-                if self.is_real(replay::misrun(self.closed, &misrun)) {
-                    self.verdict.misruns.push(misrun);
+                let failure = OperationFailure { operation, why };
+                if self.is_real(replay::check_operation_failure(self.closed, &failure)) {
+                    self.verdict.operation_failures.push(failure);
                 } else {
-                    self.verdict.unclear.push(operation);
+                    self.verdict.undecided_operations.push(operation);
                 }
             }
         }
@@ -328,10 +350,10 @@ impl Asked<'_> {
         }
         let in_order = watch.in_order(machine, operation);
         let in_order = self.add(RuleKind::Invariant, in_order);
-        if let Some(trace) = self.slip(keep, in_order)? {
+        if let Some(trace) = self.violation(keep, in_order)? {
             return Ok(Some(FailureKind::Order(trace)));
         }
-        // If all requests complete, so does each operation.
+        // If every request completes, each operation ends.
         let mut goals = self.closed.claim.goals();
         let completes = goals.find(|(_, f)| f.name == COMPLETES);
         if completes.is_some_and(|(at, _)| self.verdict.is_met(at).is_some()) {
@@ -343,33 +365,34 @@ impl Asked<'_> {
         Ok(self.starved(ends)?.map(FailureKind::Endless))
     }
 
-    /// Returns whether some call that keeps these rules breaks one of the two rules of
-    /// [`never_begins`](super::watch::Watch::never_begins).
+    /// Returns whether the operation can begin while the rules `keep` hold, that is, whether one of
+    /// the two rules of [`never_begins`](super::watch::Watch::never_begins) can be violated.
     fn begins(&mut self, keep: &[usize], never: [usize; 2]) -> Result<bool, Limit> {
         for broken in never {
-            let slip = SafetyViolationQuery {
+            let query = SafetyViolationQuery {
                 before: keep.to_vec(),
                 last: keep.to_vec(),
                 broken,
             };
-            if self.runs.step(&slip)?.is_some() {
+            if self.runs.find_violation(&query)?.is_some() {
                 return Ok(true);
             }
         }
         Ok(false)
     }
 
-    /// Returns what keeps an operation from ever beginning: the assumptions without one of which it
-    /// could begin or, if no single one suffices, all that mention the requested operation. Of
-    /// formulas made from the same source, only the first is returned.
+    /// Returns the assumptions that prevent an operation from beginning: each assumption without
+    /// which it could begin or, if there is no such assumption, all assumptions that mention the
+    /// requested operation. Of formulas generated from the same source formula, only the first is
+    /// returned.
     fn forbidding(
         &mut self,
-        asked: Option<VarId>,
+        operation: Option<VarId>,
         never: [usize; 2],
     ) -> Result<Vec<FormulaRef>, Limit> {
         let mut groups: BTreeMap<(usize, Span), Vec<(FormulaRef, usize)>> = BTreeMap::new();
         for (at, rule) in &self.book.kept {
-            let component = at.part.unwrap_or_default();
+            let component = at.component.unwrap_or_default();
             let formula = formula(&self.closed.system, &self.closed.claim, *at);
             let group = groups.entry((component, formula.span));
             group.or_default().push((*at, *rule));
@@ -380,7 +403,8 @@ impl Asked<'_> {
             let mut left_out: Vec<usize> = group.iter().map(|(_, rule)| *rule).collect();
             let mut keep = self.book.keep.clone();
             if let Some([strict, loose]) = self.book.tables[*component] {
-                // A table has no row for inputs that its assumptions exclude.
+                // Without its assumptions, a table needs rules that allow inputs for which it has
+                // no row.
                 left_out.extend(strict);
                 keep.extend(loose);
             }
@@ -391,7 +415,7 @@ impl Asked<'_> {
             let mut speaks = false;
             for (_, rule) in group {
                 let expr = self.runs.rules()[*rule].expr.clone().simplify();
-                expr.for_each_var(&mut |v, _| speaks |= Some(v) == asked);
+                expr.for_each_var(&mut |v, _| speaks |= Some(v) == operation);
             }
             if speaks {
                 speaking.push(first);

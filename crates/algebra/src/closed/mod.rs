@@ -1,22 +1,22 @@
 //! The closed composition of a machine: its components are their synthesized controllers.
 //!
-//! [`crate::proof`] shows what is true of all controllers that keep the contracts. Here there is
-//! one controller per component, and outside inputs are free as far as the [`Claim`] allows. So the
-//! answer is exact: a result that holds is true of the machine that is built, and one that does not
-//! comes with a run that the controllers themselves make ([`replay`]).
+//! [`crate::proof`] shows what is true of all controllers that keep the contracts. Here each
+//! component has one given controller, and outside inputs are restricted only by the [`Claim`]. So
+//! the answer is exact: a positive result is true of the machine that is built, and a negative
+//! result comes with a run that the controllers themselves make ([`replay`]).
 //!
 //! - A table (`table.rs`) becomes rules over the component's wires and one more variable. Together
-//!   with the outputs of a step, the variable identifies the state of the table *after* it. Before
-//!   step 0 the table is in no state; the initial rules are about that.
+//!   with the outputs of a step, the variable identifies the state of the table *after* that step.
+//!   Before step 0 the table is in no state; the initial rules describe its first row.
 //! - A controller made of functions, too large for a table, is replaced by its contract: it keeps
-//!   the guarantees as long as its assumptions are kept, for it was certified against them. An
-//!   error found this way may be due to freedom left by the contract, and counts only if the
-//!   functions themselves make that run.
-//! - The order of answers is that of a step of a machine: components that answer first give their
-//!   outputs, the others follow in the order of their declaration, and then those that answered
-//!   first read their inputs. So the possible errors of a step have a first one, and only that is
-//!   reported.
-//! - An assumption about the first step of a call is the caller's to keep ([`Exports`]).
+//!   the guarantees as long as its assumptions are kept, since it was verified against the
+//!   contract. An error found this way can be due to freedom that the contract leaves, and counts
+//!   only if the functions themselves make that run.
+//! - Components answer in the same order as in a step of a machine: components that answer first
+//!   give their outputs, the others follow in the order of their declaration, and finally those
+//!   that answered first read their inputs. So the errors of a step are ordered, and only the first
+//!   one is reported.
+//! - The caller is responsible for assumptions about the first step of a call ([`Exports`]).
 
 mod decide;
 pub mod replay;
@@ -25,13 +25,13 @@ mod silent;
 mod table;
 mod watch;
 
-pub use table::States;
+pub use table::TableStates;
 pub use watch::Watch;
 
 use super::caller::CalledMachine;
-use super::machine::{of_machine, of_promise};
+use super::machine::{of_machine, of_refined_contract};
 use super::proof::{Claim, Exports, Open, latest};
-use super::system::{ContractSide, FormulaRef, Part, System, formulas};
+use super::system::{Component, ContractSide, FormulaRef, System, formulas};
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Timing, VarId, Variable};
 use linewright_core::source::Span;
 use linewright_language::contract::machine::{Machine, RefinedContract};
@@ -45,9 +45,9 @@ use std::collections::BTreeSet;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, JsonSchema, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
-    /// Its controller's table.
+    /// The table of its controller.
     Table,
-    /// Its contract: the controller is functions.
+    /// Its contract, since its controller is made of functions.
     Contract,
 }
 
@@ -56,42 +56,43 @@ pub enum Form {
 pub struct Participant {
     /// Representation.
     pub form: Form,
-    /// For a table: the variable that, with its outputs, identifies its state.
+    /// For a table: the variable that, together with the outputs, identifies its state.
     pub state: Option<VarId>,
-    /// For a table: its states.
-    pub states: Option<States>,
+    /// For a table: the encoding of its states.
+    pub states: Option<TableStates>,
     /// Index of its first wire.
     pub first: usize,
 }
 
-/// A machine whose components are their controllers, and the claim about it.
+/// A machine whose components are represented by their controllers, and a claim about it.
 #[derive(Debug)]
-pub struct Closed<'a> {
+pub struct ClosedComposition<'a> {
     /// The machine.
     pub machine: &'a Machine,
     /// One controller per component.
     pub controllers: Vec<&'a Controller>,
-    /// Wires and contracts, as in a proof from contracts alone, plus a state for every table and
-    /// the variables that watch operations.
+    /// Wires and contracts as in a proof from contracts, plus a state variable for every table and
+    /// the variables of `watch`.
     pub system: System,
     /// Claim to decide.
     pub claim: Claim,
     /// Representation of each component.
-    pub taking: Vec<Participant>,
-    /// Variables that check that operations run the actions they name, if there are operations and
-    /// nothing else is claimed.
+    pub participants: Vec<Participant>,
+    /// Variables that check that operations run the actions they name. Only for a machine with
+    /// operations, built with [`ClosedComposition::of_machine`].
     pub watch: Option<Watch>,
-    /// Boolean that stays true once the rule under examination was broken; only used where just
-    /// infinite runs count.
-    slipped: Option<VarId>,
+    /// Boolean that stays true once the examined rule is broken; only used if only infinite runs
+    /// count.
+    violated: Option<VarId>,
 }
 
-/// How an obligation is met.
+/// How an obligation of a closed composition is met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DischargeMethod {
-    /// In every reachable state.
+    /// It holds in every reachable state.
     Held,
-    /// In every reachable state except at the beginning of a call, where the caller keeps it.
+    /// It holds in every reachable state except in the first step of a call, where the caller is
+    /// responsible for it.
     Exported,
 }
 
@@ -101,10 +102,11 @@ pub struct StuckComponent {
     /// Index of the component.
     pub component: usize,
     /// Whether it answers first and has no outputs in its state. A verified table has a row for all
-    /// inputs that keep the assumptions, so no inputs keep them there ([`Closed::contradiction`]).
+    /// inputs that keep the assumptions, so no inputs keep the assumptions in that state
+    /// ([`ClosedComposition::contradiction`]).
     pub silent: bool,
-    /// Run whose last step has no answer. For a silent component, the wires in that step are
-    /// meaningless.
+    /// Run in whose last step the component has no answer. For a silent component, the wires in
+    /// that step have no meaning.
     pub trace: Vec<Vec<i64>>,
 }
 
@@ -120,11 +122,11 @@ pub struct OperationFailure {
 /// Failure of an operation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FailureKind {
-    /// No call can begin with it because of these assumptions. If there are several, each one alone
-    /// would be enough.
+    /// No call can begin with the operation because of these assumptions. If there are several,
+    /// each of them alone prevents it.
     NeverBegins(Vec<FormulaRef>),
     /// In the last step of this run an action begins out of order, or the operation is done too
-    /// early.
+    /// early or too late.
     Order(Vec<Vec<i64>>),
     /// On this run the operation is never done.
     Endless(Lasso),
@@ -133,47 +135,47 @@ pub enum FailureKind {
 /// Result of the decision.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Verdict {
-    /// Assumptions of components and formulas of the goal that are met.
+    /// Obligations that are met: assumptions of components and formulas of the goal.
     pub met: Vec<(FormulaRef, DischargeMethod)>,
-    /// Those that are not met; each run keeps everything else up to its last step.
+    /// Obligations that are not met, each with a run that has no other error before its last step.
     pub open: Vec<Open>,
-    /// Those that were not decided because a component was used as its contract.
+    /// Obligations that were not decided because a component was represented by its contract.
     pub undecided: Vec<FormulaRef>,
-    /// Components without an answer.
+    /// Components that have no answer in some reachable step.
     pub stuck: Vec<StuckComponent>,
     /// Operations that do not run as declared.
-    pub misruns: Vec<OperationFailure>,
-    /// Operations for which this was not decided.
-    pub unclear: Vec<usize>,
-    /// Number of reachable states: values of all wires, together with the undetermined part of the
-    /// tables' states and the remembered values.
+    pub operation_failures: Vec<OperationFailure>,
+    /// Operations that were not decided because a component was represented by its contract.
+    pub undecided_operations: Vec<usize>,
+    /// Number of reachable states: values of all wires and internal variables.
     pub states: f64,
 }
 
 impl Verdict {
-    /// Returns whether there is no error and nothing undecided.
+    /// Returns whether there are no errors and everything was decided.
     pub fn holds(&self) -> bool {
-        !self.is_broken() && self.undecided.is_empty() && self.unclear.is_empty()
+        !self.is_broken() && self.undecided.is_empty() && self.undecided_operations.is_empty()
     }
 
     /// Returns whether there is an error.
     pub fn is_broken(&self) -> bool {
-        !self.open.is_empty() || !self.stuck.is_empty() || !self.misruns.is_empty()
+        !self.open.is_empty() || !self.stuck.is_empty() || !self.operation_failures.is_empty()
     }
 
-    /// Returns how an obligation is met, if it is.
+    /// Returns how an obligation is met; `None` if it is not.
     pub fn is_met(&self, what: FormulaRef) -> Option<DischargeMethod> {
         self.met.iter().find(|(at, _)| *at == what).map(|(_, m)| *m)
     }
 
-    /// Returns the open obligation with its run, if it is not met.
+    /// Returns the counterexample of an obligation; `None` if it has none.
     pub fn is_open(&self, what: FormulaRef) -> Option<&Open> {
         self.open.iter().find(|o| o.what == what)
     }
 }
 
-impl<'a> Closed<'a> {
-    /// Builds a machine as declared in its file: with the plant described there, called repeatedly.
+impl<'a> ClosedComposition<'a> {
+    /// Composes a machine as declared in its file: with the plant that the file describes, and
+    /// called repeatedly.
     ///
     /// # Panics
     /// When the number of controllers differs from the number of components.
@@ -183,21 +185,21 @@ impl<'a> Closed<'a> {
         Self::new(machine, controllers, system, claim, watch)
     }
 
-    /// Builds a machine in place of a contract that it is claimed to refine: under that contract's
-    /// assumptions only.
+    /// Composes a machine under the assumptions of a contract only, to decide whether it refines
+    /// the contract.
     ///
     /// # Panics
     /// When the number of controllers differs from the number of components.
-    pub fn of_promise(
+    pub fn of_refined_contract(
         machine: &'a Machine,
         controllers: &[&'a Controller],
-        promised: &RefinedContract,
+        refined: &RefinedContract,
     ) -> Self {
-        let (system, claim) = of_promise(machine, promised);
+        let (system, claim) = of_refined_contract(machine, refined);
         Self::new(machine, controllers, system, claim, None)
     }
 
-    /// Builds a machine that is called as a line calls it.
+    /// Composes a machine that is called as a line calls it.
     ///
     /// # Panics
     /// When the number of controllers differs from the number of components.
@@ -220,15 +222,15 @@ impl<'a> Closed<'a> {
         assert_eq!(
             controllers.len(),
             machine.components.len(),
-            "one controller a component"
+            "one controller per component"
         );
-        let mut taking = Vec::new();
+        let mut participants = Vec::new();
         for (index, controller) in controllers.iter().enumerate() {
             let table = controller.machine();
-            let states = table.map(States::new);
-            let most = states.as_ref().map(States::most);
-            let state = most.map(|most| state(machine, index, most, &mut system));
-            taking.push(Participant {
+            let states = table.map(TableStates::new);
+            let most = states.as_ref().map(TableStates::max_per_output);
+            let state = most.map(|most| add_state_variable(machine, index, most, &mut system));
+            participants.push(Participant {
                 form: if table.is_some() {
                     Form::Table
                 } else {
@@ -239,23 +241,23 @@ impl<'a> Closed<'a> {
                 first: machine.first_wire(index),
             });
         }
-        let slipped = (claim.exports == Exports::Never).then(|| {
-            let name = system.fresh_name("slipped");
+        let violated = (claim.exports == Exports::Never).then(|| {
+            let name = system.fresh_name("violated");
             let domain = Domain::Bool;
-            remember(&mut system, name, domain, machine.span)
+            add_internal_variable(&mut system, name, domain, machine.span)
         });
         Self {
             machine,
             controllers: controllers.to_vec(),
             system,
             claim,
-            taking,
+            participants,
             watch,
-            slipped,
+            violated,
         }
     }
 
-    /// Decides the whole claim.
+    /// Decides all obligations.
     ///
     /// # Errors
     /// When a limit was reached, or the composition has too many bits.
@@ -272,18 +274,18 @@ impl<'a> Closed<'a> {
         timed(Timing::Mealy).chain(timed(Timing::Moore)).collect()
     }
 
-    /// Returns a component as a part of the system.
-    fn part(&self, component: usize) -> &Part {
-        &self.system.parts[component]
+    /// Returns a component of the system.
+    fn component(&self, component: usize) -> &Component {
+        &self.system.components[component]
     }
 
     /// Returns the assumptions of a component.
     fn assumed(&self, component: usize) -> impl Iterator<Item = (FormulaRef, &Formula)> {
-        formulas(&self.part(component).assumptions).map(move |(kind, index, formula)| {
-            let part = Some(component);
+        formulas(&self.component(component).assumptions).map(move |(kind, index, formula)| {
+            let component = Some(component);
             let half = ContractSide::Assumptions;
             let at = FormulaRef {
-                part,
+                component,
                 half,
                 kind,
                 index,
@@ -292,26 +294,27 @@ impl<'a> Closed<'a> {
         })
     }
 
-    /// Returns whether an assumption is handed on to the environment: always, or at the beginning
-    /// of a call.
+    /// Returns whether an assumption is exported to the environment, either in every step or in the
+    /// first step of each call.
     pub fn is_exported(&self, kind: RuleKind, formula: &Formula) -> bool {
         let may = match &self.claim.exports {
             Exports::Never => false,
             Exports::Always => true,
             Exports::After(_) => kind != RuleKind::Justice,
         };
-        let mut spoken_of: BTreeSet<VarId> = latest(&formula.expr, kind);
+        let mut mentioned: BTreeSet<VarId> = latest(&formula.expr, kind);
         if kind == RuleKind::Justice {
             formula.expr.for_each_var(&mut |v, _| {
-                spoken_of.insert(v);
+                mentioned.insert(v);
             });
         }
-        may && spoken_of
+        may && mentioned
             .into_iter()
             .any(|v| self.system.driver(v).is_none())
     }
 
-    /// Returns when a call ends, if the first step of the next call is the caller's responsibility.
+    /// Returns the condition that ends a call, if the caller is responsible for the first step of
+    /// the next call.
     fn done(&self) -> Option<&Expr> {
         match &self.claim.exports {
             Exports::After(done) => Some(done),
@@ -320,20 +323,25 @@ impl<'a> Closed<'a> {
     }
 }
 
-/// Adds the variable that, with a table's outputs, identifies its state.
-fn state(machine: &Machine, component: usize, most: usize, system: &mut System) -> VarId {
+/// Adds the variable that, together with a table's outputs, identifies its state.
+fn add_state_variable(
+    machine: &Machine,
+    component: usize,
+    most: usize,
+    system: &mut System,
+) -> VarId {
     let name = system.fresh_name(&format!("{} (state)", machine.components[component].name));
     let domain = Domain::Range {
         low: 0,
         high: most as i64 - 1,
     };
-    let id = remember(system, name, domain, machine.components[component].span);
-    system.parts[component].drives.push(id);
+    let id = add_internal_variable(system, name, domain, machine.components[component].span);
+    system.components[component].drives.push(id);
     id
 }
 
-/// Adds an internal variable.
-fn remember(system: &mut System, name: String, domain: Domain, span: Span) -> VarId {
+/// Adds an internal variable to the system.
+fn add_internal_variable(system: &mut System, name: String, domain: Domain, span: Span) -> VarId {
     let id = VarId(system.variables.len() as u32);
     system.variables.push(Variable {
         name,

@@ -1,84 +1,85 @@
-//! All givens and all proof obligations of a closed composition, as numbered rules.
+//! The givens and proof obligations of a closed composition as numbered rules.
 
-use super::table::{Both, Table, any, conjunction};
-use super::{Closed, Form};
+use super::table::{StepCondition, Table, any, conjunction};
+use super::{ClosedComposition, Form};
 use crate::proof::Exports;
 use crate::system::{FormulaRef, KINDS, list, rule};
 use linewright_core::gr1::{Expr, Formula, Side, Time, VarId};
 use linewright_solver::game::{Rule, RuleKind};
 
-/// An obligation of a component before it answers or advances.
+/// An obligation of a component in a step, which has to be met before the component answers or
+/// advances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StepObligation {
-    /// It answers first, and has an answer.
-    Speaks,
-    /// One of its assumptions is kept.
-    Assumed(FormulaRef),
-    /// It has an answer to its inputs.
-    Covered,
+    /// If it answers first, it has outputs.
+    HasOutputs,
+    /// This assumption of the component is kept.
+    Assumption(FormulaRef),
+    /// Its table has a row for its inputs.
+    HasRow,
 }
 
-/// A duty at its position in the order of a step.
+/// An obligation, in the order in which the obligations of a step are examined.
 #[derive(Debug, Clone)]
 pub(super) struct ScheduledObligation {
     /// Index of the component.
     pub component: usize,
-    /// Kind of duty.
-    pub duty: StepObligation,
-    /// Condition under which it is met.
-    pub both: Both,
+    /// Kind of obligation.
+    pub kind: StepObligation,
+    /// Condition under which the obligation is met.
+    pub condition: StepCondition,
     /// The same condition as rules.
     pub rules: [usize; 2],
 }
 
-/// Justice of a component.
+/// Justice rules of a component.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ComponentJustice {
-    /// Assumed justice, without exported assumptions.
+    /// Justice assumptions that are not exported.
     pub assumed: Vec<(FormulaRef, usize)>,
-    /// Guaranteed justice of its contract, if it is used as its contract.
+    /// Justice guarantees of its contract, if it is represented by its contract.
     pub guaranteed: Vec<usize>,
 }
 
-/// All rules, grouped by use.
+/// All rules of a closed composition, and their numbers grouped by use.
 #[derive(Debug, Default)]
 pub(super) struct RuleSet {
     /// The rules.
     pub rules: Vec<Rule>,
-    /// Rules kept in every step without errors.
+    /// Rules that hold in every step without errors.
     pub keep: Vec<usize>,
     /// Those of `keep` that are assumptions of components.
     pub kept: Vec<(FormulaRef, usize)>,
-    /// By component: the rules of its table (in `keep`), and the same where the table has a row for
-    /// its inputs. `None` for one used as its contract.
+    /// For each component represented by its table: the rules of the table (which are in `keep`),
+    /// and the same rules restricted to inputs for which the table has a row.
     pub tables: Vec<Option<[[usize; 2]; 2]>>,
-    /// Rules kept in a step even if there are errors in it.
+    /// Rules that hold even in a step with errors.
     pub last: Vec<usize>,
-    /// Justice of the environment.
-    pub again: Vec<usize>,
-    /// Duties of components, in the order of a step.
-    pub owed: Vec<ScheduledObligation>,
-    /// Justice by component.
+    /// Justice rules of the environment.
+    pub environment_justice: Vec<usize>,
+    /// Obligations of the components, in the order in which they are examined in a step.
+    pub obligations: Vec<ScheduledObligation>,
+    /// Justice rules of each component.
     pub justice: Vec<ComponentJustice>,
-    /// Assumptions that are handed on.
+    /// Assumptions that are exported to the environment.
     pub exported: Vec<FormulaRef>,
-    /// Formulas that the components must keep together.
+    /// Formulas of the goal.
     pub goals: Vec<(FormulaRef, usize)>,
 }
 
 impl RuleSet {
     /// Builds all rules.
-    pub fn new(closed: &Closed<'_>) -> Self {
+    pub fn new(closed: &ClosedComposition<'_>) -> Self {
         let mut book = Self {
-            tables: vec![None; closed.taking.len()],
+            tables: vec![None; closed.participants.len()],
             ..Self::default()
         };
-        book.surroundings(closed);
-        book.handed_on(closed);
-        for component in 0..closed.taking.len() {
-            match closed.taking[component].form {
-                Form::Table => book.table(closed, component),
-                Form::Contract => book.contract(closed, component),
+        book.add_environment(closed);
+        book.add_exported(closed);
+        for component in 0..closed.participants.len() {
+            match closed.participants[component].form {
+                Form::Table => book.add_table(closed, component),
+                Form::Contract => book.add_contract(closed, component),
             }
             for (at, formula) in closed.assumed(component) {
                 if at.kind != RuleKind::Justice {
@@ -88,7 +89,7 @@ impl RuleSet {
                 }
             }
         }
-        book.duties(closed);
+        book.add_obligations(closed);
         for (at, formula) in closed.claim.goals() {
             let rule = book.add(rule(at.kind, &formula.expr));
             book.goals.push((at, rule));
@@ -102,49 +103,49 @@ impl RuleSet {
         self.rules.len() - 1
     }
 
-    fn add_both(&mut self, both: Both) -> [usize; 2] {
-        both.rules().map(|rule| self.add(rule))
+    fn add_condition(&mut self, condition: StepCondition) -> [usize; 2] {
+        condition.rules().map(|rule| self.add(rule))
     }
 
-    /// Adds a rule for every step, with or without errors.
-    fn always(&mut self, rule: Rule) {
+    /// Adds a rule that holds in every step, with or without errors.
+    fn add_always(&mut self, rule: Rule) {
         let number = self.add(rule);
         self.keep.push(number);
         self.last.push(number);
     }
 
     /// Adds the givens, the definitions of monitors, and the watch on operations.
-    fn surroundings(&mut self, closed: &Closed<'_>) {
+    fn add_environment(&mut self, closed: &ClosedComposition<'_>) {
         let given = &closed.claim.given;
-        self.side(given);
+        self.add_side(given);
         for formula in &given.justice {
             let rule = self.add(rule(RuleKind::Justice, &formula.expr));
-            self.again.push(rule);
+            self.environment_justice.push(rule);
         }
-        for (index, part) in closed.system.parts.iter().enumerate() {
-            let taking = closed.taking.get(index);
-            if taking.is_none_or(|t| t.form == Form::Contract) {
-                self.side(&part.definitions);
+        for (index, component) in closed.system.components.iter().enumerate() {
+            let participant = closed.participants.get(index);
+            if participant.is_none_or(|t| t.form == Form::Contract) {
+                self.add_side(&component.definitions);
             }
         }
         if let Some(watch) = &closed.watch {
             for rule in watch.rules(closed.machine) {
-                self.always(rule);
+                self.add_always(rule);
             }
         }
     }
 
-    fn side(&mut self, side: &Side) {
+    fn add_side(&mut self, side: &Side) {
         for kind in KINDS.into_iter().filter(|k| *k != RuleKind::Justice) {
             for formula in list(side, kind) {
-                self.always(rule(kind, &formula.expr));
+                self.add_always(rule(kind, &formula.expr));
             }
         }
     }
 
-    /// Adds the environment's share of the components' assumptions.
-    fn handed_on(&mut self, closed: &Closed<'_>) {
-        for component in 0..closed.taking.len() {
+    /// Adds the exported assumptions, which the environment keeps.
+    fn add_exported(&mut self, closed: &ClosedComposition<'_>) {
+        for component in 0..closed.participants.len() {
             for (at, formula) in closed.assumed(component) {
                 if !closed.is_exported(at.kind, formula) {
                     continue;
@@ -152,57 +153,59 @@ impl RuleSet {
                 self.exported.push(at);
                 if at.kind == RuleKind::Justice {
                     let rule = self.add(rule(RuleKind::Justice, &formula.expr));
-                    self.again.push(rule);
+                    self.environment_justice.push(rule);
                     continue;
                 }
-                let mut both = in_step(at.kind, formula);
+                let mut condition = in_step(at.kind, formula);
                 if let Some(done) = closed.done() {
-                    both.later = done.clone().implies(both.later);
+                    condition.later = done.clone().implies(condition.later);
                 }
-                let rules = self.add_both(both);
+                let rules = self.add_condition(condition);
                 self.last.extend(rules);
             }
         }
     }
 
-    /// Adds a table: it follows its rows; if no row matches the inputs, anything may follow.
-    fn table(&mut self, closed: &Closed<'_>, component: usize) {
+    /// Adds a table: it takes a row that matches the inputs; in a step with errors, anything may
+    /// happen if no row matches.
+    fn add_table(&mut self, closed: &ClosedComposition<'_>, component: usize) {
         let Some(table) = closed.table(component) else {
             return;
         };
-        if let Some(spoken) = table.spoken() {
-            for rule in spoken.rules() {
-                self.always(rule);
+        if let Some(fixed_outputs) = table.fixed_outputs() {
+            for rule in fixed_outputs.rules() {
+                self.add_always(rule);
             }
         }
-        let moves = table.moves();
-        let strict = self.add_both(moves.clone());
+        let transitions = table.transitions_taken();
+        let strict = self.add_condition(transitions.clone());
         self.keep.extend(strict);
-        let loose = self.add_both(moves.or(table.covers().not()));
+        let loose = self.add_condition(transitions.or(table.has_row().not()));
         self.last.extend(loose);
         self.tables[component] = Some([strict, loose]);
         self.justice.push(ComponentJustice::default());
     }
 
-    /// Adds a contract: it keeps its guarantees in a step in which its assumptions are kept.
-    fn contract(&mut self, closed: &Closed<'_>, component: usize) {
+    /// Adds a contract: its guarantees hold in every step without errors, and in a step with errors
+    /// if its assumptions hold.
+    fn add_contract(&mut self, closed: &ClosedComposition<'_>, component: usize) {
         let assumed = closed
             .assumed(component)
             .filter(|(at, _)| at.kind != RuleKind::Justice);
         let (first, later) = assumed
             .map(|(at, formula)| in_step(at.kind, formula))
-            .map(|both| (both.first, both.later))
+            .map(|condition| (condition.first, condition.later))
             .unzip();
         let (first, later) = (conjunction(first), conjunction(later));
-        let guarantees = &closed.part(component).guarantees;
+        let guarantees = &closed.component(component).guarantees;
         for kind in KINDS.into_iter().filter(|k| *k != RuleKind::Justice) {
             for formula in list(guarantees, kind) {
                 let kept = self.add(rule(kind, &formula.expr));
                 self.keep.push(kept);
-                let both = in_step(kind, formula);
-                let loose = self.add_both(Both {
-                    first: first.clone().implies(both.first).simplify(),
-                    later: later.clone().implies(both.later).simplify(),
+                let condition = in_step(kind, formula);
+                let loose = self.add_condition(StepCondition {
+                    first: first.clone().implies(condition.first).simplify(),
+                    later: later.clone().implies(condition.later).simplify(),
                 });
                 self.last.extend(loose);
             }
@@ -218,12 +221,12 @@ impl RuleSet {
         });
     }
 
-    /// Adds the duties of components.
-    fn duties(&mut self, closed: &Closed<'_>) {
+    /// Adds the obligations of the components.
+    fn add_obligations(&mut self, closed: &ClosedComposition<'_>) {
         let order = closed.order();
         for component in &order {
             if let Some(table) = closed.table(*component) {
-                self.owe(*component, StepObligation::Speaks, &table.speaks());
+                self.add_obligation(*component, StepObligation::HasOutputs, &table.has_outputs());
             }
         }
         for component in order {
@@ -236,82 +239,87 @@ impl RuleSet {
                     }
                     continue;
                 }
-                let mut both = in_step(at.kind, formula);
+                let mut condition = in_step(at.kind, formula);
                 if exported {
-                    both.first = Expr::TRUE;
-                    both.later = match (&closed.claim.exports, closed.done()) {
-                        (Exports::After(_), Some(done)) => done.clone().or(both.later),
+                    condition.first = Expr::TRUE;
+                    condition.later = match (&closed.claim.exports, closed.done()) {
+                        (Exports::After(_), Some(done)) => done.clone().or(condition.later),
                         _ => Expr::TRUE,
                     };
                 }
-                self.owe(component, StepObligation::Assumed(at), &both);
+                self.add_obligation(component, StepObligation::Assumption(at), &condition);
             }
             if let Some(table) = closed.table(component) {
-                self.owe(component, StepObligation::Covered, &table.covers());
+                self.add_obligation(component, StepObligation::HasRow, &table.has_row());
             }
         }
     }
 
-    fn owe(&mut self, component: usize, duty: StepObligation, both: &Both) {
-        let both = Both {
-            first: both.first.simplify(),
-            later: both.later.simplify(),
+    fn add_obligation(
+        &mut self,
+        component: usize,
+        kind: StepObligation,
+        condition: &StepCondition,
+    ) {
+        let condition = StepCondition {
+            first: condition.first.simplify(),
+            later: condition.later.simplify(),
         };
-        let rules = self.add_both(both.clone());
-        self.owed.push(ScheduledObligation {
+        let rules = self.add_condition(condition.clone());
+        self.obligations.push(ScheduledObligation {
             component,
-            duty,
-            both,
+            kind,
+            condition,
             rules,
         });
     }
 
-    /// Returns rules that hold as long as no duty is broken.
-    pub fn all_owed(&mut self) -> [usize; 2] {
-        let broken = self.owed.iter().filter(|o| !o.both.is_true());
+    /// Adds rules that hold as long as all obligations are met, and returns their numbers.
+    pub fn no_error(&mut self) -> [usize; 2] {
+        let broken = self.obligations.iter().filter(|o| !o.condition.is_true());
         let (first, later) = broken
-            .map(|o| o.both.clone().not())
-            .map(|both| (both.first, both.later))
+            .map(|o| o.condition.clone().not())
+            .map(|condition| (condition.first, condition.later))
             .unzip();
-        let all = Both {
+        let all = StepCondition {
             first: any(first),
             later: any(later),
         };
-        self.add_both(all.not())
+        self.add_condition(all.not())
     }
 }
 
-impl Closed<'_> {
-    /// Returns the table of a component, if it is used as its table.
+impl ClosedComposition<'_> {
+    /// Returns the table of a component, if it is represented by its table.
     pub(super) fn table(&self, component: usize) -> Option<Table<'_>> {
-        let taking = &self.taking[component];
+        let participant = &self.participants[component];
         Some(Table {
             machine: self.controllers[component].machine()?,
             bindings: &self.machine.components[component].bindings,
-            first: taking.first,
-            state: taking.state?,
-            states: taking.states.as_ref()?,
+            first: participant.first,
+            state: participant.state?,
+            states: participant.states.as_ref()?,
         })
     }
 }
 
-/// Returns what a formula requires of step 0, and of a step after another.
-fn in_step(kind: RuleKind, formula: &Formula) -> Both {
+/// Returns the condition that a formula puts on step 0 and on later steps; none for justice.
+fn in_step(kind: RuleKind, formula: &Formula) -> StepCondition {
     let expr = &formula.expr;
     match kind {
-        RuleKind::Initial => Both {
+        RuleKind::Initial => StepCondition {
             first: expr.clone(),
             later: Expr::TRUE,
         },
-        RuleKind::Invariant => Both {
+        RuleKind::Invariant => StepCondition {
             first: expr.clone(),
             later: expr.substitute(&mut |v: VarId, _| Expr::Var(v, Time::Next)),
         },
-        RuleKind::Safety => Both {
+        RuleKind::Safety => StepCondition {
             first: Expr::TRUE,
             later: expr.clone(),
         },
-        RuleKind::Justice => Both {
+        RuleKind::Justice => StepCondition {
             first: Expr::TRUE,
             later: Expr::TRUE,
         },

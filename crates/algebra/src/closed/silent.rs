@@ -1,20 +1,20 @@
-//! Why a component that answers first has no outputs: its assumptions about a step contradict each
-//! other.
-//!
-//! Assumptions read no output of the step they are about, so whether some inputs keep them depends
-//! only on the step before. If no inputs do, a table has no row, and no outputs to begin the step
-//! with. To find the assumptions responsible, they are removed one by one as long as the rest still
+//! Explains why a component that answers first has no outputs: its assumptions about a step
 //! contradict each other.
+//!
+//! Assumptions do not read outputs of the step that they constrain. So whether any inputs satisfy
+//! them depends only on the step before. If no inputs do, the table has no row for the step, and
+//! therefore no outputs. To find the responsible assumptions, they are removed one by one as long
+//! as the others still contradict each other.
 
-use super::{Closed, StuckComponent};
+use super::{ClosedComposition, StuckComponent};
 use crate::system::formulas;
 use linewright_core::gr1::{Expr, Formula, Owner, Time, VarId, eval};
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs, SafetyViolationQuery};
 
-impl Closed<'_> {
-    /// Returns a minimal set of contradictory assumptions of a silent component: no inputs keep all
-    /// of them in the last step of the run. Empty if some inputs do, which cannot happen with a
-    /// verified table.
+impl ClosedComposition<'_> {
+    /// Returns a minimal set of contradictory assumptions of a silent component: no inputs satisfy
+    /// all of them in the last step of the run. The set is empty if some inputs do, which cannot
+    /// happen with a verified table.
     ///
     /// # Errors
     /// When a limit was reached.
@@ -44,12 +44,12 @@ impl Closed<'_> {
         rules.push(Rule { kind, expr });
         let mut runs = Runs::new(&specification.variables, rules, limits)?;
         let mut contradict = |kept: &[usize]| -> Result<bool, Limit> {
-            let slip = SafetyViolationQuery {
+            let query = SafetyViolationQuery {
                 before: Vec::new(),
                 last: kept.to_vec(),
                 broken,
             };
-            Ok(runs.step(&slip)?.is_none())
+            Ok(runs.find_violation(&query)?.is_none())
         };
         let mut kept: Vec<usize> = (0..broken).collect();
         if !contradict(&kept)? {
@@ -68,7 +68,7 @@ impl Closed<'_> {
     fn own(&self, component: usize, wires: &[i64]) -> Vec<i64> {
         let placed = &self.machine.components[component];
         let mut bindings = placed.bindings.iter();
-        let mut outputs = self.taking[component].first..;
+        let mut outputs = self.participants[component].first..;
         let values = placed.specification.variables.iter().map(|v| {
             let value = match v.owner {
                 Owner::Environment => bindings.next().map(|b| eval::eval(b, wires, &[])),
@@ -80,8 +80,8 @@ impl Closed<'_> {
     }
 }
 
-/// Returns what an assumption requires of a step after these values, or of step 0, as a condition
-/// on the values of that step.
+/// Returns the condition that an assumption puts on the values of a step after the values `before`,
+/// or of step 0 without them; `None` if it puts none.
 fn in_step(kind: RuleKind, formula: &Formula, before: Option<&[i64]>) -> Option<Expr> {
     match (kind, before) {
         (RuleKind::Initial, None) | (RuleKind::Invariant, _) => Some(formula.expr.clone()),

@@ -1,25 +1,27 @@
 //! A controller's table as rules over wires and a state.
 //!
-//! A row of the table means: from this state, on inputs that satisfy the guard, these outputs and
-//! that next state. The rows of a state are disjoint, so their disjunction is the table. Inputs are
+//! A row of the table gives, for a state and the inputs that satisfy a guard, the outputs and the
+//! next state. The rows of a state are disjoint, so the table is their disjunction. Inputs are
 //! replaced by their bindings.
 //!
-//! The outputs of a step almost determine the state of the table after it. So only the rest is a
-//! separate variable ([`States`]): a number among the states that rows with these outputs lead to.
+//! The outputs of a step almost determine the state of the table after the step. So only one small
+//! variable is added ([`TableStates`]): it selects one of the states that rows with these outputs
+//! lead to.
 
 use linewright_core::gr1::{BinaryOp, Expr, Time, Timing, VarId};
 use linewright_solver::game::{Rule, RuleKind};
 use linewright_solver::mealy::{Guard, Machine, Test, Transition};
 use std::collections::BTreeMap;
 
-/// The states of a table, each encoded as outputs and a number.
+/// Encoding of a table's states: the outputs of the last step, and a number among the states that
+/// rows with these outputs lead to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct States {
+pub struct TableStates {
     /// For the outputs of each row, the states that such rows lead to, in ascending order.
     after: BTreeMap<Vec<i64>, Vec<usize>>,
 }
 
-impl States {
+impl TableStates {
     /// Collects the states of a table.
     pub(super) fn new(machine: &Machine) -> Self {
         let mut after: BTreeMap<Vec<i64>, Vec<usize>> = BTreeMap::new();
@@ -36,18 +38,19 @@ impl States {
         Self { after }
     }
 
-    /// Returns the maximum number of states with the same outputs; at least 1.
-    pub(super) fn most(&self) -> usize {
+    /// Returns the maximum number of states that rows with the same outputs lead to; at least 1.
+    pub(super) fn max_per_output(&self) -> usize {
         self.after.values().map(Vec::len).max().unwrap_or(1)
     }
 
-    /// Returns the number of a state that a row with these outputs leads to.
+    /// Returns the number that, with these outputs, encodes a state; `None` if no row with these
+    /// outputs leads to the state.
     pub fn number(&self, outputs: &[i64], state: usize) -> Option<usize> {
         self.after.get(outputs)?.binary_search(&state).ok()
     }
 
-    /// Returns the encodings of a state: outputs and numbers.
-    fn ways(&self, state: usize) -> impl Iterator<Item = (&[i64], usize)> {
+    /// Returns all encodings of a state: pairs of outputs and a number.
+    fn encodings(&self, state: usize) -> impl Iterator<Item = (&[i64], usize)> {
         let all = self.after.iter();
         all.filter_map(move |(outputs, states)| {
             Some((outputs.as_slice(), states.binary_search(&state).ok()?))
@@ -55,31 +58,31 @@ impl States {
     }
 }
 
-/// A table at its place in a machine.
+/// A table with its connections in a machine.
 pub(super) struct Table<'a> {
     /// Table.
     pub machine: &'a Machine,
-    /// One expression over wires per input.
+    /// Expression over wires for each input.
     pub bindings: &'a [Expr],
     /// Index of its first wire.
     pub first: usize,
-    /// Variable for the part of its state that its outputs leave open.
+    /// Variable for the number in the encoding of the state.
     pub state: VarId,
-    /// Encoded states.
-    pub states: &'a States,
+    /// Encoding of the states.
+    pub states: &'a TableStates,
 }
 
-/// A condition on step 0, and one on every later step.
+/// A condition on step 0, and a condition on every later step.
 #[derive(Debug, Clone)]
-pub(super) struct Both {
+pub(super) struct StepCondition {
     /// Condition on step 0, over current values.
     pub first: Expr,
-    /// Condition on a step and the one before it.
+    /// Condition on two consecutive steps; next values are those of the later one.
     pub later: Expr,
 }
 
-impl Both {
-    /// Converts the condition to rules.
+impl StepCondition {
+    /// Converts the condition to an initial rule and a safety rule.
     pub fn rules(self) -> [Rule; 2] {
         [
             Rule {
@@ -116,9 +119,10 @@ impl Both {
 }
 
 impl Table<'_> {
-    /// Returns the behaviour on inputs that have a row. A table that answers first keeps the part
-    /// about its outputs in any case.
-    pub fn moves(&self) -> Both {
+    /// Returns the condition that a row is taken: the inputs satisfy its guard, and the outputs and
+    /// the next state are those of the row. For a table that answers first, the outputs are left to
+    /// [`fixed_outputs`](Self::fixed_outputs).
+    pub fn transitions_taken(&self) -> StepCondition {
         let outputs = self.machine.timing == Timing::Mealy;
         self.over_states(|table, state, time| {
             let rows = table.machine.transitions(state).iter();
@@ -126,8 +130,9 @@ impl Table<'_> {
         })
     }
 
-    /// Returns the outputs of a table that answers first; `None` for one that does not.
-    pub fn spoken(&self) -> Option<Both> {
+    /// Returns the condition that a table that answers first gives the outputs of its state; `None`
+    /// for a Mealy machine.
+    pub fn fixed_outputs(&self) -> Option<StepCondition> {
         (self.machine.timing == Timing::Moore).then(|| {
             self.over_states(
                 |table, state, time| match table.machine.transitions(state) {
@@ -138,10 +143,10 @@ impl Table<'_> {
         })
     }
 
-    /// Returns whether a table that answers first has any outputs in its state.
-    pub fn speaks(&self) -> Both {
+    /// Returns the condition that the table has outputs in its state if it answers first.
+    pub fn has_outputs(&self) -> StepCondition {
         if self.machine.timing == Timing::Mealy {
-            return Both {
+            return StepCondition {
                 first: Expr::TRUE,
                 later: Expr::TRUE,
             };
@@ -150,42 +155,42 @@ impl Table<'_> {
             .filter(|s| self.machine.states[*s].is_empty())
             .map(|s| self.is_in(s, Time::Now))
             .collect();
-        Both {
+        StepCondition {
             first: Expr::Const(i64::from(!self.machine.initial.is_empty())),
             later: any(silent).not().simplify(),
         }
     }
 
-    /// Returns whether there is a row for the inputs.
-    pub fn covers(&self) -> Both {
+    /// Returns the condition that the table has a row for the inputs.
+    pub fn has_row(&self) -> StepCondition {
         self.over_states(|table, state, time| {
             let rows = table.machine.transitions(state).iter();
             any(rows.map(|row| table.guard(&row.guard, time)).collect())
         })
     }
 
-    /// Builds a condition that depends on the state before the step.
-    fn over_states(&self, condition: impl Fn(&Self, Option<usize>, Time) -> Expr) -> Both {
+    /// Builds a condition from one for each state before the step.
+    fn over_states(&self, condition: impl Fn(&Self, Option<usize>, Time) -> Expr) -> StepCondition {
         let states = 0..self.machine.states.len();
         let cases = states.map(|s| {
             self.is_in(s, Time::Now)
                 .and(condition(self, Some(s), Time::Next))
         });
-        Both {
+        StepCondition {
             first: condition(self, None, Time::Now).simplify(),
             later: any(cases.collect()).simplify(),
         }
     }
 
     fn is_in(&self, state: usize, time: Time) -> Expr {
-        let ways = self.states.ways(state).map(|(outputs, number)| {
+        let encodings = self.states.encodings(state).map(|(outputs, number)| {
             let number = Expr::Var(self.state, time).equals(Expr::Const(number as i64));
             self.outputs(outputs, time).and(number)
         });
-        any(ways.collect())
+        any(encodings.collect())
     }
 
-    /// Returns the next state of a row, with its outputs.
+    /// Returns the condition that, with the outputs of a row, encodes the next state of the row.
     fn leads_to(&self, row: &Transition, time: Time) -> Expr {
         let number = self
             .states
@@ -229,12 +234,12 @@ impl Table<'_> {
     }
 }
 
-/// Builds a disjunction as a balanced tree: a table has thousands of rows.
+/// Builds a disjunction as a balanced tree, since a table can have thousands of rows.
 pub(super) fn any(parts: Vec<Expr>) -> Expr {
     tree(parts, &Expr::FALSE, Expr::or)
 }
 
-/// Builds a conjunction in the same way.
+/// Builds a conjunction as a balanced tree.
 pub(super) fn conjunction(parts: Vec<Expr>) -> Expr {
     tree(parts, &Expr::TRUE, Expr::and)
 }

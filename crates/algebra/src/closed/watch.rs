@@ -1,27 +1,29 @@
-//! Variables that check whether each operation runs exactly the actions it names, and is then done.
+//! Variables that check that each operation runs exactly the actions it names, and is done after
+//! the last one.
 //!
-//! Every step belongs to a call; a call's first step comes after a step in which the previous
-//! operation was done. An action begins if it is active and was not active in the step before, or
-//! if a call begins with it. If several are active in a step, the first declared one counts.
+//! Every step belongs to a call. A call begins in step 0, or in the step after one in which the
+//! previous operation was done. An action begins in a step in which it is active if it was not
+//! active in the step before, or if a call begins. If several actions are active in a step, the one
+//! declared first counts.
 
-use super::remember;
+use super::add_internal_variable;
 use crate::system::System;
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
 use linewright_language::contract::machine::{Machine, PlantSource};
 use linewright_solver::game::{Rule, RuleKind};
 
-/// Variables that watch operations.
+/// Variables that track the actions of operations.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Watch {
-    /// Wire with the running operation, if something requests operations.
+    /// Wire with the requested operation, if operations are requested by a wire.
     pub operation: Option<VarId>,
-    /// Number of actions begun in this call, saturated at one more than the longest operation
-    /// names.
+    /// Number of actions that have begun in this call; it stops counting at one more than the
+    /// number of actions of the longest operation.
     pub begun: VarId,
 }
 
 impl Watch {
-    /// Adds the variables that watch a machine with operations to the system.
+    /// Adds the variables for a machine to the system; `None` if the machine has no operations.
     pub(super) fn new(machine: &Machine, system: &mut System) -> Option<Self> {
         if machine.operations.is_empty() || machine.done.is_none() {
             return None;
@@ -38,11 +40,11 @@ impl Watch {
         let name = system.fresh_name("actions begun");
         Some(Self {
             operation,
-            begun: remember(system, name, begun, machine.span),
+            begun: add_internal_variable(system, name, begun, machine.span),
         })
     }
 
-    /// Returns the rules that define the watch.
+    /// Returns the rules that define the values of the variables.
     pub(super) fn rules(&self, machine: &Machine) -> [Rule; 2] {
         let done = machine.done.clone().unwrap_or(Expr::FALSE);
         let begins = |time| active(machine, time).equals(Expr::Const(0)).not();
@@ -70,14 +72,14 @@ impl Watch {
         ]
     }
 
-    /// Returns whether an operation runs.
+    /// Returns the condition that an operation is running.
     pub(super) fn runs(&self, machine: &Machine, operation: usize) -> Expr {
         self.operation.map_or(Expr::TRUE, |wire| {
             Expr::now(wire).equals(Expr::Const(machine.operations[operation].value))
         })
     }
 
-    /// Returns rules that no call begins with an operation: neither the first one nor a later one.
+    /// Returns the rules that no call, neither the first nor a later one, is for this operation.
     pub(super) fn never_begins(&self, machine: &Machine, operation: usize) -> [Rule; 2] {
         let runs = self.runs(machine, operation);
         let next = runs.substitute(&mut |v, _| Expr::Var(v, Time::Next));
@@ -94,7 +96,8 @@ impl Watch {
         ]
     }
 
-    /// Returns whether the actions of an operation run as named, and it is done exactly afterwards.
+    /// Returns the condition that, while an operation runs, the actions run in the order that it
+    /// names, and it is done only after the last one.
     pub(super) fn in_order(&self, machine: &Machine, operation: usize) -> Expr {
         let sequence = &machine.operations[operation].sequence;
         let named = sequence.iter().enumerate();
@@ -118,7 +121,8 @@ fn longest(machine: &Machine) -> i64 {
     lengths.max().unwrap_or(0) as i64
 }
 
-/// Returns the first declared active action, counted from 1.
+/// Returns the number of the active component that is declared first, counted from 1; 0 if no
+/// component is active.
 fn active(machine: &Machine, time: Time) -> Expr {
     let components = machine.components.iter().enumerate().rev();
     components.fold(Expr::Const(0), |rest, (i, component)| {

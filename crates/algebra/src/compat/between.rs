@@ -1,29 +1,29 @@
-//! The game where Moore machines answer before the environment, and Mealy machines after it.
+//! The game in which Moore machines answer before the environment, and Mealy machines after it.
 //!
-//! A GR(1) game has two moves per step, and this one has three. But the last move of a step and the
-//! first one of the next are both the parts': a late answer is revealed one step later, together
-//! with the next early one. So conditions on a step are checked one step later, with copies of its
-//! early values.
+//! A GR(1) game has two moves per step, and this game has three. But the last move of a step and
+//! the first move of the next step are both made by components. So a late answer (of a Mealy
+//! machine) is revealed one step later, together with the next early answer (of a Moore machine).
+//! Conditions on a step are therefore checked one step later, with copies of its early values.
 
-use super::{Game, of_last_step, unnamed};
+use super::{Game, auxiliary, of_last_step};
 use crate::proof::last_step;
 use crate::system::{System, formulas};
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Specification, Timing, VarId};
 use linewright_solver::game::RuleKind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Translates conditions on a step to the step after it.
+/// Translates conditions on a step to conditions on the step after it.
 struct Delay<'s> {
     late: &'s dyn Fn(&VarId) -> bool,
-    /// Whether there was no step before.
+    /// Variable that is true in the first step only.
     first: VarId,
-    /// Values of the step before that one, for variables that are not late.
+    /// Copies that store the values of the previous step, for variables that are not late.
     past: BTreeMap<VarId, VarId>,
 }
 
 impl Delay<'_> {
-    /// Returns a formula about the last step. Its late values are known in the next state, or are
-    /// in `copies`, as others may be.
+    /// Translates a formula. Values of the last step that it constrains are taken from `copies` if
+    /// there is a copy; otherwise late values are those of the next state, where they are known.
     fn of(&self, kind: RuleKind, expr: &Expr, copies: &BTreeMap<VarId, VarId>) -> Expr {
         let expr = expr.substitute(&mut |v, time| {
             if kind == RuleKind::Justice || time != last_step(kind) {
@@ -43,7 +43,7 @@ impl Delay<'_> {
         }
     }
 
-    /// Returns everything that sides require of the last step, justice excluded.
+    /// Returns the translated conjunction of all formulas of some sides, without justice.
     fn all<'f>(
         &self,
         sides: impl Iterator<Item = &'f Side>,
@@ -57,15 +57,15 @@ impl Delay<'_> {
     }
 }
 
-/// Builds the game; `late` selects the variables set after those from outside.
+/// Builds the game; `late` is true of the variables that are set after the outside variables.
 pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specification {
     let driven = |v: &VarId| system.driver(*v).is_some();
     let mut game = Game::new(system, Timing::Mealy, |v| !driven(v));
-    let promised = || system.parts.iter().map(|p| &p.guarantees);
-    let assumed = || system.parts.iter().map(|p| &p.assumptions);
-    let defining = || system.parts.iter().map(|p| &p.definitions);
+    let guaranteed = || system.components.iter().map(|p| &p.guarantees);
+    let assumed = || system.components.iter().map(|p| &p.assumptions);
+    let defining = || system.components.iter().map(|p| &p.definitions);
 
-    let all = promised().chain(assumed()).chain(defining());
+    let all = guaranteed().chain(assumed()).chain(defining());
     let earlier: BTreeSet<VarId> = all
         .flat_map(of_the_step_before)
         .filter(|v| !late(v))
@@ -74,50 +74,53 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
     let past = game.copies(earlier, Owner::Environment);
     let delay = Delay { late, first, past };
 
-    let named = promised().chain(defining()).flat_map(of_last_step);
+    let named = guaranteed().chain(defining()).flat_map(of_last_step);
     let named = named.filter(|v| late(v) || !driven(v)).collect();
     let allowed = game.copies(named, Owner::Environment);
     let answers = assumed().chain(defining()).flat_map(of_last_step);
     let answers = game.copies(answers.filter(late).collect(), Owner::System);
-    let over = game.add(Owner::Environment, Domain::Bool);
+    let violated = game.add(Owner::Environment, Domain::Bool);
 
     let none = BTreeMap::new();
-    let kept = delay.all(promised(), &none);
-    // Parts that name no way to make their early answer an allowed one give up, after the
-    // conditions on the step before.
-    let gone_on = delay.all(promised().chain(defining()), &allowed);
-    let kept = gone_on.clone().and(kept);
+    let kept = delay.all(guaranteed(), &none);
+    // The components give up if they cannot name values that make their early answer an allowed
+    // one; the conditions on the step before are checked first.
+    let has_allowed_answer = delay.all(guaranteed().chain(defining()), &allowed);
+    let kept = has_allowed_answer.clone().and(kept);
     let mut rules = Side {
-        initial: vec![unnamed(Expr::now(first)), unnamed(Expr::now(over).not())],
+        initial: vec![
+            auxiliary(Expr::now(first)),
+            auxiliary(Expr::now(violated).not()),
+        ],
         invariants: Vec::new(),
         safety: vec![
-            unnamed(Expr::next(first).not()),
-            unnamed(Expr::next(over).equals(Expr::now(over).or(kept.not()))),
-            unnamed(delay.all(defining(), &none)),
+            auxiliary(Expr::next(first).not()),
+            auxiliary(Expr::next(violated).equals(Expr::now(violated).or(kept.not()))),
+            auxiliary(delay.all(defining(), &none)),
         ],
         justice: Vec::new(),
     };
     for (v, copy) in &delay.past {
         rules
             .safety
-            .push(unnamed(Expr::next(*copy).equals(Expr::now(*v))));
+            .push(auxiliary(Expr::next(*copy).equals(Expr::now(*v))));
     }
-    for f in promised().flat_map(|side| &side.justice) {
+    for f in guaranteed().flat_map(|side| &side.justice) {
         let expr = delay.of(RuleKind::Justice, &f.expr, &none);
         rules.justice.push(Formula { expr, ..f.clone() });
     }
     let answered = delay.all(defining(), &answers);
-    let spared = Expr::now(over).or(gone_on.not());
+    let spared = Expr::now(violated).or(has_allowed_answer.not());
     let mut guarantees = Side::default();
     for (kind, _, f) in assumed().flat_map(formulas) {
         let asked = delay.of(kind, &f.expr, &none);
         if kind == RuleKind::Justice {
-            let expr = asked.or(Expr::now(over));
+            let expr = asked.or(Expr::now(violated));
             guarantees.justice.push(Formula { expr, ..f.clone() });
             continue;
         }
         let with_answer = delay.of(kind, &f.expr, &answers).and(answered.clone());
-        let expr = Expr::next(over)
+        let expr = Expr::next(violated)
             .or(asked)
             .and(spared.clone().or(with_answer));
         guarantees.safety.push(Formula { expr, ..f.clone() });
@@ -127,8 +130,8 @@ pub(super) fn game(system: &System, late: &dyn Fn(&VarId) -> bool) -> Specificat
     game.specification
 }
 
-/// Returns the variables whose values from an earlier step a side's formulas need when they are
-/// checked one step late.
+/// Returns the variables whose values of an earlier step are needed to check a side's formulas one
+/// step late.
 fn of_the_step_before(side: &Side) -> BTreeSet<VarId> {
     let mut found = BTreeSet::new();
     for (kind, _, f) in formulas(side) {
@@ -141,9 +144,9 @@ fn of_the_step_before(side: &Side) -> BTreeSet<VarId> {
     found
 }
 
-/// Undoes the delay of a play's steps: late values are in the step after. The last step is dropped,
-/// unless `next` follows it.
-pub(super) fn undelayed(
+/// Undoes the delay of a play: takes the late values of each step from the step after it. The last
+/// step is dropped unless `next` is given as the step after it.
+pub(super) fn undo_delay(
     steps: &[Vec<i64>],
     next: Option<&Vec<i64>>,
     late: &dyn Fn(&VarId) -> bool,

@@ -1,5 +1,5 @@
-//! All formulas of a system and a claim as numbered rules, with the variables each one mentions and
-//! defines.
+//! The formulas of a system and a claim as numbered rules, with the variables that each rule
+//! mentions and defines.
 
 use super::super::system::{ContractSide, FormulaRef, System, formulas, rule};
 use super::Claim;
@@ -8,43 +8,44 @@ use linewright_core::source::Span;
 use linewright_solver::game::{Limit, Limits, Rule, RuleKind, Runs};
 use std::collections::BTreeSet;
 
-/// Origin of a rule, and whether others may rely on it.
+/// Origin of a rule, and whether other proofs may rely on it within a step.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// Formula; `None` for the definition of a monitor.
+    /// Formula of the rule; `None` for the definition of a monitor.
     pub at: Option<FormulaRef>,
-    /// Part that the formula belongs to.
-    pub part: Option<usize>,
-    /// Variables that it mentions.
+    /// Component that the formula belongs to; `None` for a formula of the claim.
+    pub component: Option<usize>,
+    /// Variables that the rule mentions.
     pub mentions: BTreeSet<VarId>,
-    /// Those of `mentions` that its part sets (for givens: that come from outside); all of them if
-    /// there are none.
+    /// Mentioned variables that the component sets (for givens: variables that come from outside);
+    /// all mentioned variables if there are none, and for formulas of the goal.
     pub defines: BTreeSet<VarId>,
-    /// Whether it holds in a step whatever the others do in that step: givens, and the guarantees
-    /// of a part that answers first about its own answer.
+    /// Whether the rule holds in a step regardless of other components' answers in that step. This
+    /// is true of formulas of the claim, definitions of monitors, and guarantees of a component
+    /// that answers first about its own answer.
     pub unconditional: bool,
 }
 
 /// All rules of a proof.
 #[derive(Debug)]
 pub struct ProofRules<'a> {
-    /// System that the rules are about.
+    /// System of the rules.
     pub system: &'a System,
     /// Decision procedure for questions about the rules.
     pub runs: Runs,
     /// One entry per rule.
     pub entries: Vec<Entry>,
-    /// Boolean that stays true once the rule under examination was broken.
-    pub slipped: VarId,
+    /// Boolean that stays true once the examined rule is broken.
+    pub violated: VarId,
 }
 
 impl<'a> ProofRules<'a> {
     /// Builds the rules of a system and a claim.
     pub fn new(system: &'a System, claim: &Claim, limits: &Limits) -> Result<Self, Limit> {
         let mut variables = system.variables.clone();
-        let slipped = VarId(variables.len() as u32);
+        let violated = VarId(variables.len() as u32);
         variables.push(Variable {
-            name: system.fresh_name("slipped"),
+            name: system.fresh_name("violated"),
             owner: Owner::System,
             internal: true,
             domain: Domain::Bool,
@@ -53,41 +54,50 @@ impl<'a> ProofRules<'a> {
         });
         let mut rules = Vec::new();
         let mut entries = Vec::new();
-        let mut add = |side: &Side, part: Option<usize>, half: Option<ContractSide>| {
+        let mut add = |side: &Side, component: Option<usize>, half: Option<ContractSide>| {
             for (kind, index, formula) in formulas(side) {
-                entries.push(entry(system, &formula.expr, kind, index, part, half));
+                entries.push(entry(system, &formula.expr, kind, index, component, half));
                 rules.push(rule(kind, &formula.expr));
             }
         };
         add(&claim.given, None, Some(ContractSide::Assumptions));
-        for (i, part) in system.parts.iter().enumerate() {
-            add(&part.definitions, Some(i), None);
-            add(&part.guarantees, Some(i), Some(ContractSide::Guarantees));
+        for (i, component) in system.components.iter().enumerate() {
+            add(&component.definitions, Some(i), None);
+            add(
+                &component.guarantees,
+                Some(i),
+                Some(ContractSide::Guarantees),
+            );
         }
-        for (i, part) in system.parts.iter().enumerate() {
-            add(&part.assumptions, Some(i), Some(ContractSide::Assumptions));
+        for (i, component) in system.components.iter().enumerate() {
+            add(
+                &component.assumptions,
+                Some(i),
+                Some(ContractSide::Assumptions),
+            );
         }
         add(&claim.goal, None, Some(ContractSide::Guarantees));
         Ok(Self {
             system,
             runs: Runs::new(&variables, rules, limits)?,
             entries,
-            slipped,
+            violated,
         })
     }
 
-    /// Returns the rule with a number.
+    /// Returns the rule with this number.
     pub fn rule(&self, index: usize) -> &Rule {
         &self.runs.rules()[index]
     }
 
-    /// Returns whether a rule is justice.
+    /// Returns whether a rule is a justice rule.
     pub fn is_justice(&self, index: usize) -> bool {
         self.rule(index).kind == RuleKind::Justice
     }
 
-    /// Returns the rules whose formulas satisfy a condition.
-    pub fn numbers(&self, wanted: impl Fn(&FormulaRef) -> bool) -> Vec<usize> {
+    /// Returns the numbers of the rules whose formulas satisfy a condition; definitions of monitors
+    /// are omitted.
+    pub fn rules_where(&self, wanted: impl Fn(&FormulaRef) -> bool) -> Vec<usize> {
         let entries = self.entries.iter().enumerate();
         entries
             .filter(|(_, e)| e.at.as_ref().is_some_and(&wanted))
@@ -95,12 +105,12 @@ impl<'a> ProofRules<'a> {
             .collect()
     }
 
-    /// Adds a rule that is not relied on unless requested.
+    /// Adds a rule that is only used in queries that name it, and returns its number.
     pub fn add(&mut self, rule: Rule) -> usize {
         let mentions = mentions(&rule.expr);
         self.entries.push(Entry {
             at: None,
-            part: None,
+            component: None,
             defines: BTreeSet::new(),
             mentions,
             unconditional: false,
@@ -134,11 +144,12 @@ impl<'a> ProofRules<'a> {
     /// Returns whether a rule defines a monitor.
     fn is_definition(&self, index: usize) -> bool {
         let entry = &self.entries[index];
-        entry.at.is_none() && entry.part.is_some()
+        entry.at.is_none() && entry.component.is_some()
     }
 
-    /// Returns the candidates reachable from a goal through the variables that rules mention and
-    /// define, in rings, nearest first. Unreachable candidates are omitted.
+    /// Returns the candidates that are reachable from the goals, in rings, nearest first. A ring
+    /// contains the candidates that define a variable mentioned by the goals or by an earlier ring.
+    /// Unreachable candidates are omitted.
     pub fn rings(&self, goals: &[usize], candidates: &[usize]) -> Vec<Vec<usize>> {
         let mut needed: BTreeSet<VarId> = BTreeSet::new();
         for goal in goals {
@@ -168,7 +179,7 @@ impl<'a> ProofRules<'a> {
     }
 }
 
-/// Returns the variables of an expression.
+/// Returns the variables that an expression mentions.
 pub fn mentions(expr: &Expr) -> BTreeSet<VarId> {
     let mut found = BTreeSet::new();
     expr.for_each_var(&mut |v, _| {
@@ -177,7 +188,8 @@ pub fn mentions(expr: &Expr) -> BTreeSet<VarId> {
     found
 }
 
-/// Returns the time of the last step that a formula of this kind is about.
+/// Returns whether the last step that a formula of this kind constrains is the current or the next
+/// one.
 pub fn last_step(kind: RuleKind) -> Time {
     match kind {
         RuleKind::Safety => Time::Next,
@@ -185,7 +197,7 @@ pub fn last_step(kind: RuleKind) -> Time {
     }
 }
 
-/// Returns the variables of a formula whose values belong to the last step that it is about.
+/// Returns the variables that a formula reads in the last step that it constrains.
 pub fn latest(expr: &Expr, kind: RuleKind) -> BTreeSet<VarId> {
     let time = last_step(kind);
     let mut found = BTreeSet::new();
@@ -202,34 +214,37 @@ fn entry(
     expr: &Expr,
     kind: RuleKind,
     index: usize,
-    part: Option<usize>,
+    component: Option<usize>,
     half: Option<ContractSide>,
 ) -> Entry {
     let mentions = mentions(expr);
-    let own = |v: &VarId| match part {
-        Some(part) => system.parts[part].drives.contains(v),
+    let own = |v: &VarId| match component {
+        Some(component) => system.components[component].drives.contains(v),
         None => system.driver(*v).is_none(),
     };
     let mut defines: BTreeSet<VarId> = mentions.iter().copied().filter(own).collect();
-    // The goal defines everything that it mentions.
-    if defines.is_empty() || (part.is_none() && half == Some(ContractSide::Guarantees)) {
+    // A formula of the goal counts as defining all variables that it mentions.
+    if defines.is_empty() || (component.is_none() && half == Some(ContractSide::Guarantees)) {
         defines.clone_from(&mentions);
     }
-    let guarantee = part.filter(|_| half != Some(ContractSide::Assumptions));
+    let guarantee = component.filter(|_| half != Some(ContractSide::Assumptions));
     let answers_first = guarantee.is_some_and(|p| {
-        let part = &system.parts[p];
-        part.timing == Timing::Moore && latest(expr, kind).iter().all(|v| part.drives.contains(v))
+        let component = &system.components[p];
+        component.timing == Timing::Moore
+            && latest(expr, kind)
+                .iter()
+                .all(|v| component.drives.contains(v))
     });
     Entry {
         at: half.map(|half| FormulaRef {
-            part,
+            component,
             half,
             kind,
             index,
         }),
-        part,
+        component,
         mentions,
         defines,
-        unconditional: part.is_none() || half.is_none() || answers_first,
+        unconditional: component.is_none() || half.is_none() || answers_first,
     }
 }

@@ -1,4 +1,5 @@
-//! The goal that the parts have to keep together, once all assumptions are met.
+//! Proof of the goal that the components together have to keep, after the proof of their
+//! assumptions.
 
 use super::super::system::FormulaRef;
 use super::prover::{ALL, ObligationResult, Prover, is_goal};
@@ -7,15 +8,15 @@ use linewright_core::gr1::{Expr, Time};
 use linewright_solver::game::{Lasso, Limit, Rule, RuleKind};
 use std::collections::{BTreeSet, VecDeque};
 
-/// Numbers of rings tried for near rules, in this order.
+/// Maximum numbers of rings in the attempts to prove justice from near rules, in this order.
 const NEAR: [usize; 3] = [1, 2, 3];
 
 impl<'a> Prover<'a> {
-    /// Proves the goal. Justice of the goal that was already shown may be used for other justice:
-    /// it holds on all runs, and so a proof may go place by place where proving all at once would
-    /// be too expensive.
-    pub(super) fn goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
-        // After all assumptions.
+    /// Proves the goal. Justice of the goal may rest on other justice of the goal that is already
+    /// proved, since that holds on all runs. So a proof can proceed in small steps where a single
+    /// step would be too expensive.
+    pub(super) fn prove_goal(&mut self, reliable: &BTreeSet<usize>) -> Result<(), Limit> {
+        // The goal is proved in the turns after all assumptions.
         let turns = self
             .proof
             .discharges
@@ -26,42 +27,43 @@ impl<'a> Prover<'a> {
             })
             .max();
         let turns = turns.unwrap_or(0);
-        let goals = self.book.numbers(|at| is_goal(*at));
+        let goals = self.book.rules_where(|at| is_goal(*at));
         let (justice, safety): (Vec<usize>, Vec<usize>) =
             goals.into_iter().partition(|i| self.book.is_justice(*i));
         let (mut lemmas, mut goals): (Vec<usize>, Vec<usize>) =
             safety.into_iter().partition(|i| self.is_lemma(*i));
-        // Formulas with few variables first: lemmas rest on them, and those with many on lemmas.
+        // Formulas with few variables come first: lemmas rest on them, and formulas with many
+        // variables rest on lemmas.
         goals.sort_by_key(|i| self.book.entries[*i].mentions.len());
         for (place, rule) in goals.iter().copied().enumerate() {
-            self.ready_lemmas(&mut lemmas, &goals[place..], turns)?;
+            self.prove_ready_lemmas(&mut lemmas, &goals[place..], turns)?;
             if self.claim.known.contains(&self.at(rule)) {
                 self.shown.push(rule);
                 self.kept.insert(rule);
                 continue;
             }
-            let found = match self.step_minimal(rule, None, ALL)? {
+            let found = match self.minimal_for_step(rule, None, ALL)? {
                 Some(by) => {
                     self.kept.insert(rule);
                     ObligationResult::Follows(by)
                 }
                 None if self.stepwise => self.step_of_goal(rule)?,
-                None => self.fairly(rule, reliable)?,
+                None => self.step_of_infinite_runs(rule, reliable)?,
             };
             match found {
                 ObligationResult::Follows(by) => self.show(rule, &by, turns),
-                ObligationResult::Fails(why) => self.open(rule, why),
+                ObligationResult::Fails(why) => self.record_open(rule, why),
             }
         }
-        self.ready_lemmas(&mut lemmas, &[], turns)?;
-        self.again_and_again(justice, reliable, turns)?;
-        self.leave_out_idle_lemmas();
+        self.prove_ready_lemmas(&mut lemmas, &[], turns)?;
+        self.prove_justice_goals(justice, reliable, turns)?;
+        self.remove_unused_lemmas();
         Ok(())
     }
 
-    /// Proves safety lemmas as soon as all their sources were tried. `left` are the goals not tried
-    /// yet.
-    fn ready_lemmas(
+    /// Proves the safety lemmas whose sources were all tried. `left` are the goals that were not
+    /// tried yet.
+    fn prove_ready_lemmas(
         &mut self,
         lemmas: &mut Vec<usize>,
         left: &[usize],
@@ -74,7 +76,7 @@ impl<'a> Prover<'a> {
         };
         while let Some(place) = (0..lemmas.len()).find(|i| is_ready(self, lemmas, lemmas[*i])) {
             let rule = lemmas.remove(place);
-            if let Some(by) = self.step_minimal(rule, None, ALL)? {
+            if let Some(by) = self.minimal_for_step(rule, None, ALL)? {
                 self.kept.insert(rule);
                 self.show(rule, &by, turns);
             }
@@ -82,10 +84,10 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// Proves justice of the goal: first everything that follows from near rules; then, while some
-    /// are left, one of the others from all rules, which may make more provable nearby. Lemmas are
-    /// only tried with near rules.
-    fn again_and_again(
+    /// Proves justice of the goal: first all formulas that follow from near rules; then, while
+    /// formulas are left, one formula from all rules, which can make other formulas provable from
+    /// near rules. Lemmas are only tried with near rules.
+    fn prove_justice_goals(
         &mut self,
         mut left: Vec<usize>,
         reliable: &BTreeSet<usize>,
@@ -105,18 +107,18 @@ impl<'a> Prover<'a> {
                     let found = if asked {
                         None
                     } else {
-                        self.again_minimal(rule, reliable, rings)?
+                        self.minimal_for_justice(rule, reliable, rings)?
                     };
                     match found {
                         Some(by) => {
                             self.show(rule, &by, turn);
-                            // With it, others may follow from fewer rules.
+                            // With this formula proved, others may follow from nearer rules.
                             if far > 0 {
                                 left = waiting.into();
                                 continue 'again;
                             }
                         }
-                        // Tried last next time.
+                        // Try it last the next time.
                         None => waiting.push_back(rule),
                     }
                 }
@@ -127,17 +129,20 @@ impl<'a> Prover<'a> {
                 return Ok(());
             };
             left.retain(|other| *other != rule);
-            match self.again_minimal(rule, reliable, ALL)? {
+            match self.minimal_for_justice(rule, reliable, ALL)? {
                 Some(by) => self.show(rule, &by, turn),
-                None => match self.never_again(rule, reliable)? {
-                    Some(lasso) => self.open(rule, Refutation::Lasso(lasso)),
-                    None => unreachable!("what follows was found; please report this"),
+                None => match self.starving_run(rule, reliable)? {
+                    Some(lasso) => self.record_open(rule, Refutation::Lasso(lasso)),
+                    None => unreachable!(
+                        "neither a proof nor a counterexample was found; please report this"
+                    ),
                 },
             }
         }
     }
 
-    /// Returns the number of rules near a goal; a goal with many is the most decisive.
+    /// Returns the number of rules near a goal; a proof of a goal with many of them is likely to
+    /// help most.
     fn neighbours(&self, rule: usize) -> usize {
         let rings = self.book.rings(&[rule], &self.hypotheses());
         rings.iter().take(2).map(Vec::len).sum()
@@ -148,19 +153,19 @@ impl<'a> Prover<'a> {
         at.is_some_and(|at| self.claim.lemmas.contains_key(&at))
     }
 
-    /// Returns whether the rule is a lemma that all may rest on.
+    /// Returns whether the rule is a lemma that every formula may rest on.
     pub(super) fn is_common_lemma(&self, rule: usize) -> bool {
         let at = self.book.entries[rule].at;
         at.is_some_and(|at| self.claim.lemmas.get(&at) == Some(&Reach::Near))
     }
 
-    /// Returns the formulas from which a formula is tried to be shown first.
+    /// Returns the formulas that the claim prescribes as sources of a formula.
     fn from(&self, rule: usize) -> Option<&'a BTreeSet<FormulaRef>> {
         self.claim.from.get(&self.book.entries[rule].at?)
     }
 
-    /// Returns the rules from which a formula is tried to be shown first, if specified. `others`
-    /// are rules outside the goal that may be relied on.
+    /// Returns the rules from which the prover first tries to derive a formula, if the claim
+    /// prescribes them. `others` are the rules outside the goal that may be relied on.
     pub(super) fn sources(&self, rule: usize, others: &[usize]) -> Option<Vec<usize>> {
         let from = self.from(rule)?;
         let again = self.book.is_justice(rule);
@@ -174,8 +179,8 @@ impl<'a> Prover<'a> {
         Some((0..self.book.entries.len()).filter(is_there).collect())
     }
 
-    /// Removes lemmas that nothing else rests on from the result.
-    fn leave_out_idle_lemmas(&mut self) {
+    /// Removes lemmas from the result on which nothing else rests.
+    fn remove_unused_lemmas(&mut self) {
         loop {
             let discharges = &self.proof.discharges;
             let idle = discharges.iter().position(|d| {
@@ -189,8 +194,8 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Records that a formula of the goal was shown: not before turn `first`, and after all
-    /// formulas of the goal that it rests on.
+    /// Records that a formula of the goal was proved: in turn `first`, or in a later one so that it
+    /// comes after all formulas of the goal that it rests on.
     fn show(&mut self, rule: usize, by: &[usize], first: usize) {
         let after: Vec<FormulaRef> = by
             .iter()
@@ -207,16 +212,16 @@ impl<'a> Prover<'a> {
                 _ => None,
             });
         let turn = turns.fold(first, usize::max);
-        self.record_again(rule, by, turn);
+        self.record_with_justice(rule, by, turn);
         self.shown.push(rule);
     }
 
-    fn open(&mut self, rule: usize, why: Refutation) {
+    fn record_open(&mut self, rule: usize, why: Refutation) {
         let what = self.at(rule);
         self.proof.open.push(Open { what, why });
     }
 
-    /// Tries safety of the goal with everything kept so far.
+    /// Tries to prove safety of the goal from all hypotheses and all safety assumptions.
     fn step_of_goal(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
         let mut all = self.with_assumptions(self.hypotheses());
         if self.book.rule(rule).kind == RuleKind::Initial {
@@ -227,17 +232,17 @@ impl<'a> Prover<'a> {
             return Ok(ObligationResult::Fails(Refutation::Trace(trace)));
         }
         let mut holds = |p: &mut Self, kept: &[usize]| p.step_holds(kept, rule, None);
-        Ok(ObligationResult::Follows(self.fewest(&all, &mut holds)?))
+        Ok(ObligationResult::Follows(self.minimize(&all, &mut holds)?))
     }
 
-    /// Tries safety of the goal again, on infinite runs only: a step to a state where no run
-    /// continues breaks nothing.
-    fn fairly(
+    /// Tries to prove safety of the goal on infinite runs only: a violation does not count if it
+    /// leads to a state from which no run continues.
+    fn step_of_infinite_runs(
         &mut self,
         rule: usize,
         reliable: &BTreeSet<usize>,
     ) -> Result<ObligationResult, Limit> {
-        let slipped = self.book.slipped;
+        let violated = self.book.violated;
         let Rule { kind, expr } = self.book.rule(rule).clone();
         let first = match kind {
             RuleKind::Safety | RuleKind::Justice => Expr::FALSE,
@@ -253,33 +258,33 @@ impl<'a> Prover<'a> {
         };
         let start = self.book.add(Rule {
             kind: RuleKind::Initial,
-            expr: Expr::now(slipped).equals(first),
+            expr: Expr::now(violated).equals(first),
         });
         let on = self.book.add(Rule {
             kind: RuleKind::Safety,
-            expr: Expr::next(slipped).equals(Expr::now(slipped).or(later)),
+            expr: Expr::next(violated).equals(Expr::now(violated).or(later)),
         });
         let seen = self.book.add(Rule {
             kind: RuleKind::Justice,
-            expr: Expr::now(slipped),
+            expr: Expr::now(violated),
         });
         let candidates = self.with_assumptions(self.reasons(reliable));
-        let slips = |p: &mut Self, kept: &[usize]| -> Result<Option<Lasso>, Limit> {
-            let mut wanted = p.wanted(kept, &[rule]);
+        let violation = |p: &mut Self, kept: &[usize]| -> Result<Option<Lasso>, Limit> {
+            let mut wanted = p.run_query(kept, &[rule]);
             wanted.keep.extend([start, on]);
-            wanted.again.push(seen);
-            p.book.runs.lasso(&wanted)
+            wanted.infinitely_often.push(seen);
+            p.book.runs.find_lasso(&wanted)
         };
-        match slips(self, &candidates)? {
+        match violation(self, &candidates)? {
             None => {
-                let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
+                let mut holds = |p: &mut Self, kept: &[usize]| Ok(violation(p, kept)?.is_none());
                 Ok(ObligationResult::Follows(
-                    self.fewest(&candidates, &mut holds)?,
+                    self.minimize(&candidates, &mut holds)?,
                 ))
             }
             Some(lasso) => {
                 let mut steps = [lasso.prefix, lasso.cycle].concat();
-                let first = steps.iter().position(|s| s[slipped.index()] != 0);
+                let first = steps.iter().position(|s| s[violated.index()] != 0);
                 steps.truncate(first.map_or(steps.len(), |i| i + 1));
                 Ok(ObligationResult::Fails(Refutation::Trace(steps)))
             }

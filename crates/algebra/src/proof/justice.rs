@@ -1,16 +1,16 @@
-//! Justice that parts assume, proved turn by turn to avoid circular reasoning.
+//! Proof of the justice assumptions of components, in turns, to avoid circular reasoning.
 
-use super::loops::way_back;
+use super::loops::cycle_through;
 use super::prover::{ALL, Prover, is_assumption, is_given, is_guarantee};
 use super::{Circle, DischargeRule, Open, Refutation};
 use linewright_solver::game::{Lasso, Limit, RuleKind, RunQuery};
 use std::collections::BTreeSet;
 
 impl Prover<'_> {
-    /// Proves the justice that parts assume, turn by turn. Returns the parts whose justice
-    /// guarantees can be relied on in the end.
-    pub(super) fn justice(&mut self) -> Result<BTreeSet<usize>, Limit> {
-        let assumed = self.book.numbers(|at| is_assumption(*at));
+    /// Proves the justice assumptions of components, in turns. Returns the components whose justice
+    /// guarantees can be relied on afterwards.
+    pub(super) fn prove_justice(&mut self) -> Result<BTreeSet<usize>, Limit> {
+        let assumed = self.book.rules_where(|at| is_assumption(*at));
         let mut left: Vec<usize> = assumed;
         left.retain(|i| self.book.is_justice(*i));
         let mut turn = 0;
@@ -21,9 +21,9 @@ impl Prover<'_> {
                 return Ok(reliable);
             }
             let before = left.len();
-            left = self.by_the_environment(&left)?;
+            left = self.discharge_by_environment(&left)?;
             if left.len() == before {
-                left = self.by_justice(&left, &reliable, turn)?;
+                left = self.discharge_by_justice(&left, &reliable, turn)?;
                 turn += usize::from(left.len() < before);
             }
             if left.len() < before {
@@ -34,7 +34,7 @@ impl Prover<'_> {
                 let mut open = Vec::new();
                 for rule in std::mem::take(&mut left) {
                     match self.export(rule)? {
-                        Ok(by) => self.hand_on(rule, &by),
+                        Ok(by) => self.record_export(rule, &by),
                         Err(_) => open.push(rule),
                     }
                 }
@@ -42,7 +42,7 @@ impl Prover<'_> {
                 continue;
             }
             for rule in &left {
-                if let Some(lasso) = self.never_again(*rule, &reliable)? {
+                if let Some(lasso) = self.starving_run(*rule, &reliable)? {
                     let what = self.at(*rule);
                     let why = Refutation::Lasso(lasso);
                     self.proof.open.push(Open { what, why });
@@ -53,12 +53,13 @@ impl Prover<'_> {
         }
     }
 
-    /// Tries the environment's guarantees; returns the justice assumptions that were not met.
-    fn by_the_environment(&mut self, left: &[usize]) -> Result<Vec<usize>, Limit> {
+    /// Discharges the justice assumptions that follow from formulas that the environment keeps;
+    /// returns the others.
+    fn discharge_by_environment(&mut self, left: &[usize]) -> Result<Vec<usize>, Limit> {
         let environments: Vec<usize> = self
             .reasons(&BTreeSet::new())
             .into_iter()
-            .filter(|i| self.is_environments(*i))
+            .filter(|i| self.is_from_environment(*i))
             .collect();
         let mut waiting = Vec::new();
         for rule in left {
@@ -66,22 +67,22 @@ impl Prover<'_> {
                 Ok(!p.is_starved(kept, *rule)?)
             })?;
             match found {
-                Some(by) => self.record_again(*rule, &by, 0),
+                Some(by) => self.record_with_justice(*rule, &by, 0),
                 None => waiting.push(*rule),
             }
         }
         Ok(waiting)
     }
 
-    /// Meets one justice assumption with these parts' guarantees, preferably one that mentions few
-    /// parts; returns the others.
-    fn by_justice(
+    /// Discharges one justice assumption with the guarantees of these components, preferably an
+    /// assumption that mentions few components; returns the others.
+    fn discharge_by_justice(
         &mut self,
         left: &[usize],
         reliable: &BTreeSet<usize>,
         turn: usize,
     ) -> Result<Vec<usize>, Limit> {
-        let parts = |rule: &usize| {
+        let components = |rule: &usize| {
             let drivers = self.book.entries[*rule]
                 .mentions
                 .iter()
@@ -89,19 +90,19 @@ impl Prover<'_> {
             drivers.collect::<BTreeSet<usize>>().len()
         };
         let mut order = left.to_vec();
-        order.sort_by_key(parts);
+        order.sort_by_key(components);
         for rule in order {
-            if let Some(by) = self.again_minimal(rule, reliable, ALL)? {
-                self.record_again(rule, &by, turn);
+            if let Some(by) = self.minimal_for_justice(rule, reliable, ALL)? {
+                self.record_with_justice(rule, &by, turn);
                 return Ok(left.iter().copied().filter(|i| *i != rule).collect());
             }
         }
         Ok(left.to_vec())
     }
 
-    /// Records a discharge that may rest on justice.
-    pub(super) fn record_again(&mut self, rule: usize, by: &[usize], turn: usize) {
-        let environments = by.iter().all(|i| self.is_environments(*i));
+    /// Records a discharge whose formulas can include justice.
+    pub(super) fn record_with_justice(&mut self, rule: usize, by: &[usize], turn: usize) {
+        let environments = by.iter().all(|i| self.is_from_environment(*i));
         let kind = match (environments, by.iter().any(|i| self.book.is_justice(*i))) {
             (true, _) => DischargeRule::Environment,
             (false, false) => DischargeRule::Induction,
@@ -110,22 +111,22 @@ impl Prover<'_> {
         self.record(rule, kind, by);
     }
 
-    /// Returns the parts without any justice assumption left.
+    /// Returns the components that have no justice assumption in `left`.
     fn reliable(&self, left: &[usize]) -> BTreeSet<usize> {
-        let waiting: BTreeSet<usize> = left.iter().map(|i| self.part_of(*i)).collect();
-        (0..self.book.system.parts.len())
+        let waiting: BTreeSet<usize> = left.iter().map(|i| self.component_of(*i)).collect();
+        (0..self.book.system.components.len())
             .filter(|p| !waiting.contains(p))
             .collect()
     }
 
-    /// Returns the rules that justice may rest on: safety, and the justice of the environment and
-    /// of these parts.
+    /// Returns the rules that justice may rest on: the hypotheses, justice of the environment and
+    /// of these components, and proved justice of the goal.
     pub(super) fn reasons(&self, reliable: &BTreeSet<usize>) -> Vec<usize> {
         let mut found = self.hypotheses();
-        found.extend(self.book.numbers(|at| {
+        found.extend(self.book.rules_where(|at| {
             at.kind == RuleKind::Justice
                 && (is_given(*at)
-                    || (is_guarantee(*at) && at.part.is_some_and(|p| reliable.contains(&p))))
+                    || (is_guarantee(*at) && at.component.is_some_and(|p| reliable.contains(&p))))
         }));
         found.extend(self.exported.iter().filter(|i| self.book.is_justice(**i)));
         found.sort_unstable();
@@ -136,7 +137,7 @@ impl Prover<'_> {
         found
     }
 
-    pub(super) fn again_minimal(
+    pub(super) fn minimal_for_justice(
         &mut self,
         rule: usize,
         reliable: &BTreeSet<usize>,
@@ -158,13 +159,14 @@ impl Prover<'_> {
         }
         let all = self.with_assumptions(candidates);
         if holds(self, &all)? {
-            return self.fewest(&all, &mut holds).map(Some);
+            return self.minimize(&all, &mut holds).map(Some);
         }
         Ok(None)
     }
 
-    /// Returns a run that keeps everything and, from some step on, never meets a justice again.
-    pub(super) fn never_again(
+    /// Returns a run that keeps all rules that may be relied on, and on which a justice rule never
+    /// holds from some step on.
+    pub(super) fn starving_run(
         &mut self,
         rule: usize,
         reliable: &BTreeSet<usize>,
@@ -174,23 +176,23 @@ impl Prover<'_> {
     }
 
     fn starved(&mut self, kept: &[usize], rule: usize) -> Result<Option<Lasso>, Limit> {
-        let wanted = self.wanted(kept, &[rule]);
-        self.book.runs.lasso(&RunQuery {
-            never_again: vec![rule],
+        let wanted = self.run_query(kept, &[rule]);
+        self.book.runs.find_lasso(&RunQuery {
+            finitely_often: vec![rule],
             ..wanted
         })
     }
 
     fn is_starved(&mut self, kept: &[usize], rule: usize) -> Result<bool, Limit> {
-        let wanted = self.wanted(kept, &[rule]);
-        self.book.runs.any_lasso(&RunQuery {
-            never_again: vec![rule],
+        let wanted = self.run_query(kept, &[rule]);
+        self.book.runs.has_lasso(&RunQuery {
+            finitely_often: vec![rule],
             ..wanted
         })
     }
 
     /// Returns the query for runs that keep these rules, including the monitors of `others`.
-    pub(super) fn wanted(&self, kept: &[usize], others: &[usize]) -> RunQuery {
+    pub(super) fn run_query(&self, kept: &[usize], others: &[usize]) -> RunQuery {
         let all = kept.iter().chain(others).copied();
         let mut keep = self.book.definitions(all);
         let (again, safe): (Vec<usize>, Vec<usize>) =
@@ -198,34 +200,34 @@ impl Prover<'_> {
         keep.extend(safe);
         RunQuery {
             keep,
-            again,
-            never_again: Vec::new(),
+            infinitely_often: again,
+            finitely_often: Vec::new(),
         }
     }
 
-    /// Returns circles among unmet justice assumptions: one waits for the assumptions of the part
-    /// that sets its variables.
+    /// Returns circles among the open justice assumptions. An assumption waits for the assumptions
+    /// of the components that set its variables.
     fn circles(&self, left: &[usize]) -> Vec<Circle> {
         let waits_for = |a: usize| -> BTreeSet<usize> {
-            let own = self.part_of(a);
+            let own = self.component_of(a);
             let drivers = self.book.entries[a].mentions.iter();
             let drivers: BTreeSet<usize> = drivers
                 .filter_map(|v| self.book.system.driver(*v))
                 .filter(|p| *p != own)
                 .collect();
             (0..left.len())
-                .filter(|i| drivers.contains(&self.part_of(left[*i])))
+                .filter(|i| drivers.contains(&self.component_of(left[*i])))
                 .collect()
         };
         let edges: Vec<BTreeSet<usize>> = left.iter().map(|a| waits_for(*a)).collect();
-        let mut told: BTreeSet<usize> = BTreeSet::new();
+        let mut shown: BTreeSet<usize> = BTreeSet::new();
         let mut circles = Vec::new();
         for start in 0..left.len() {
-            if told.contains(&start) {
+            if shown.contains(&start) {
                 continue;
             }
-            if let Some(way) = way_back(|i: usize| edges[i].iter().copied().collect(), start) {
-                told.extend(&way);
+            if let Some(way) = cycle_through(|i: usize| edges[i].iter().copied().collect(), start) {
+                shown.extend(&way);
                 circles.push(Circle {
                     assumptions: way.into_iter().map(|i| self.at(left[i])).collect(),
                 });

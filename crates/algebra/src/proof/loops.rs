@@ -1,8 +1,8 @@
-//! Dependencies between parts within a step.
+//! Dependencies between components within a step.
 //!
-//! A part that sees the inputs of the step it answers waits for the parts that set them, if its
-//! possible answers depend on them. This is decided from the meaning of its guarantees, not from
-//! their text. A part that answers first waits for no one.
+//! A component that sees the inputs of the current step waits for the components that set them, if
+//! its possible answers depend on them. This is decided from the meaning of its guarantees, not
+//! from their text. A component that answers first does not wait.
 
 use super::super::system::{ContractSide, System};
 use super::SameStepLoop;
@@ -11,43 +11,43 @@ use linewright_core::gr1::{Timing, VarId};
 use linewright_solver::game::Limit;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Which answers wait for which.
+/// Dependencies between answers in the same step.
 #[derive(Debug, Clone, Default)]
 pub struct AnswerDependencies {
-    /// For every variable that waits: the variables of other parts that it waits for.
+    /// For each variable that waits: the variables of other components that it waits for.
     pub variables: BTreeMap<VarId, BTreeSet<VarId>>,
-    /// For every part: the parts whose answers it waits for.
-    pub parts: Vec<BTreeSet<usize>>,
+    /// For each component: the components whose answers it waits for.
+    pub components: Vec<BTreeSet<usize>>,
 }
 
 impl AnswerDependencies {
-    /// Computes the dependencies. Parts that are in no circle by their wires alone are not examined
-    /// further.
+    /// Computes the dependencies. For components that are on no circle of wires, `components` has
+    /// the wires, and `variables` has nothing.
     pub fn new(book: &mut ProofRules<'_>) -> Result<Self, Limit> {
         let system = book.system;
         let mut waits = Self {
-            parts: wires(system),
+            components: wires(system),
             ..Self::default()
         };
-        for part in in_circles(&waits.parts) {
-            waits.parts[part].clear();
-            let own = system.parts[part].drives.clone();
+        for component in in_circles(&waits.components) {
+            waits.components[component].clear();
+            let own = system.components[component].drives.clone();
             let rules: Vec<usize> = (0..book.entries.len())
                 .filter(|i| {
                     let entry = &book.entries[*i];
-                    let own = entry.part == Some(part) && !book.is_justice(*i);
+                    let own = entry.component == Some(component) && !book.is_justice(*i);
                     own && entry
                         .at
                         .is_none_or(|at| at.half == ContractSide::Guarantees)
                 })
                 .collect();
             for answer in &own {
-                let seen = book.runs.depends(&rules, *answer, &own)?;
+                let seen = book.runs.dependencies(&rules, *answer, &own)?;
                 let others: BTreeSet<VarId> = seen
                     .into_iter()
                     .filter(|v| system.driver(*v).is_some())
                     .collect();
-                waits.parts[part].extend(others.iter().filter_map(|v| system.driver(*v)));
+                waits.components[component].extend(others.iter().filter_map(|v| system.driver(*v)));
                 if !others.is_empty() {
                     waits.variables.insert(*answer, others);
                 }
@@ -56,10 +56,10 @@ impl AnswerDependencies {
         Ok(waits)
     }
 
-    /// Returns the loops, each once.
+    /// Returns the loops, each only once.
     pub fn loops(&self) -> Vec<SameStepLoop> {
         let mut found: Vec<SameStepLoop> = Vec::new();
-        let mut told: BTreeSet<VarId> = BTreeSet::new();
+        let mut shown: BTreeSet<VarId> = BTreeSet::new();
         let next = |v: VarId| {
             self.variables
                 .get(&v)
@@ -69,11 +69,11 @@ impl AnswerDependencies {
                 .collect()
         };
         for start in self.variables.keys() {
-            if told.contains(start) {
+            if shown.contains(start) {
                 continue;
             }
-            if let Some(variables) = way_back(next, *start) {
-                told.extend(&variables);
+            if let Some(variables) = cycle_through(next, *start) {
+                shown.extend(&variables);
                 found.push(SameStepLoop { variables });
             }
         }
@@ -81,8 +81,8 @@ impl AnswerDependencies {
     }
 }
 
-/// Returns a shortest path from a node of a graph back to itself.
-pub fn way_back<N: Copy + Ord>(next: impl Fn(N) -> Vec<N>, start: N) -> Option<Vec<N>> {
+/// Returns the nodes of a shortest cycle through a node of a graph, beginning with that node.
+pub fn cycle_through<N: Copy + Ord>(next: impl Fn(N) -> Vec<N>, start: N) -> Option<Vec<N>> {
     let mut ways = vec![vec![start]];
     let mut seen = BTreeSet::new();
     let mut place = 0;
@@ -100,15 +100,15 @@ pub fn way_back<N: Copy + Ord>(next: impl Fn(N) -> Vec<N>, start: N) -> Option<V
     None
 }
 
-/// Returns the dependencies by wires alone: for every part that sees inputs, the parts whose
-/// outputs it reads.
+/// Returns the dependencies by wires: for each component that sees the inputs of the current step,
+/// the components whose outputs its guarantees read.
 fn wires(system: &System) -> Vec<BTreeSet<usize>> {
-    let reads = system.parts.iter().enumerate().map(|(i, part)| {
-        if part.timing == Timing::Moore {
+    let reads = system.components.iter().enumerate().map(|(i, component)| {
+        if component.timing == Timing::Moore {
             return BTreeSet::new();
         }
         let mut read = BTreeSet::new();
-        for formula in part.guarantees.all() {
+        for formula in component.guarantees.all() {
             formula.expr.for_each_var(&mut |v, _| {
                 read.extend(system.driver(v).filter(|j| *j != i));
             });
@@ -118,7 +118,7 @@ fn wires(system: &System) -> Vec<BTreeSet<usize>> {
     reads.collect()
 }
 
-/// Returns the parts that lie on a circle.
+/// Returns the components that are on a circle.
 fn in_circles(edges: &[BTreeSet<usize>]) -> Vec<usize> {
     let leads_back = |start: usize| {
         let mut open: Vec<usize> = edges[start].iter().copied().collect();

@@ -1,25 +1,28 @@
-//! The proof that parts discharge one another's assumptions, and together keep the goal of the
+//! The proof that components discharge one another's assumptions, and together keep the goal of the
 //! claim.
 //!
-//! Parts rely on one another in circles, above all the coordinator and its actions, so "each
-//! assumption follows from guarantees" proves nothing by itself. These rules are sound:
+//! Components rely on one another in circles, above all the coordinator and its actions. So it is
+//! not sufficient that each assumption follows from guarantees of others. These rules are sound:
 //!
-//! - **Safety, step by step.** No assumption is the first to be broken: up to the previous step
-//!   everything was kept, and in this step an assumption may rest on guarantees of parts that
-//!   answer without waiting for it (Abadi and Lamport, "Conjoining Specifications", TOPLAS 17,
-//!   1995). For that, parts are put in an order; outputs that wait for one another within a step
-//!   are rejected.
-//! - **Justice, in an order.** If each of two parts keeps its justice only because the other does,
-//!   neither is proved (McMillan, "Circular compositional reasoning about liveness", CHARME 1999).
-//!   So a part's justice guarantees are relied on only after all its own justice assumptions were
-//!   discharged, turn by turn. The rest wait in circles, which are reported.
+//! - **Safety, step by step.** By induction, no assumption is the first formula to be broken: up to
+//!   the previous step everything was kept, and in this step an assumption may rest on guarantees
+//!   of components whose answers do not depend on it (Abadi and Lamport, "Conjoining
+//!   Specifications", TOPLAS 17, 1995). For this, the components are put in an order; outputs that
+//!   wait for one another within a step are rejected.
+//! - **Justice, in an order.** If each of two components keeps its justice only because the other
+//!   does, neither is proved (McMillan, "Circular compositional reasoning about liveness", CHARME
+//!   1999). So the proof proceeds in turns: a component's justice guarantees are relied on only
+//!   after all its own justice assumptions were discharged. Assumptions that remain wait for one
+//!   another in circles, which are reported.
 //!
-//! A premise: a part that answers first is relied on to keep its guarantees about its own answer,
-//! without checking its assumptions in that step. A part whose assumptions leave its environment no
-//! next step at all may do anything there; `check` reports such contracts (LW206).
+//! The proof has a premise: a component that answers first is relied on to keep its guarantees
+//! about its own answer, without checking its assumptions in that step. If the assumptions of a
+//! component allow its environment no next step, the component may do anything there; `check`
+//! reports such contracts (LW206).
 //!
-//! Each discharge rests on a minimal set: it is first searched near the obligation, by following
-//! the variables to the parts that set them; then `QuickXplain` removes what is not needed.
+//! Each discharge rests on a minimal set of formulas. A sufficient set is searched near the
+//! obligation first, by following variables to the components that set them; then `QuickXplain`
+//! removes the formulas that are not needed.
 
 mod book;
 mod goal;
@@ -34,22 +37,24 @@ use linewright_core::gr1::{Formula, Side, VarId};
 use linewright_solver::game::{Lasso, Limit, Limits};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is to be shown about a system.
+/// A claim about a system, to be proved.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Claim {
-    /// What the environment is known to keep, from the first step on.
+    /// Formulas that the environment is known to keep (*givens*).
     pub given: Side,
-    /// What the parts have to keep together, in addition to each other's assumptions.
+    /// Formulas that the components together have to keep (*goal*), in addition to each other's
+    /// assumptions.
     pub goal: Side,
-    /// Formulas of the goal that need not be shown; if one can be, others may rest on it.
+    /// Formulas of the goal that need not be proved; if one is proved, other formulas may rest on
+    /// it.
     pub lemmas: BTreeMap<FormulaRef, Reach>,
-    /// Formulas from which a formula of the goal is tried to be shown first, and a lemma
-    /// exclusively; formulas of the goal only if they were shown. Lets the claim spell out a proof
-    /// of many small steps.
+    /// For a formula of the goal, the formulas from which the prover first tries to derive it; for
+    /// a lemma, the only ones. Formulas of the goal among them count only once they are proved. So
+    /// a claim can prescribe a proof in many small steps.
     pub from: BTreeMap<FormulaRef, BTreeSet<FormulaRef>>,
-    /// Formulas of the goal that were already shown step by step; they are not shown again.
+    /// Formulas of the goal that were already proved step by step; they are not proved again.
     pub known: BTreeSet<FormulaRef>,
-    /// Whether an assumption about outside inputs may be handed on to the environment.
+    /// Whether assumptions about outside inputs may be exported to the environment.
     pub exports: Exports,
 }
 
@@ -58,7 +63,7 @@ impl Claim {
     pub fn goals(&self) -> impl Iterator<Item = (FormulaRef, &Formula)> {
         formulas(&self.goal).map(|(kind, index, formula)| {
             let at = FormulaRef {
-                part: None,
+                component: None,
                 half: ContractSide::Guarantees,
                 kind,
                 index,
@@ -67,7 +72,8 @@ impl Claim {
         })
     }
 
-    /// Returns the same claim with fewer formulas and without lemmas.
+    /// Returns the claim with only the goal formulas for which `wanted` is true, and without
+    /// lemmas, sources and known formulas.
     #[must_use]
     pub fn only(&self, wanted: impl Fn(FormulaRef) -> bool) -> Self {
         let mut goal = Side::default();
@@ -83,58 +89,59 @@ impl Claim {
     }
 }
 
-/// Formulas that may rest on a lemma.
+/// Which formulas may rest on a lemma.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reach {
-    /// Every formula of the goal near it.
+    /// Every formula of the goal whose variables lead to the lemma.
     #[default]
     Near,
-    /// Those that name it in [`Claim::from`].
+    /// Only formulas that name the lemma in [`Claim::from`].
     Named,
 }
 
 /// Treatment of an assumption that no guarantee discharges and that mentions outside inputs.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Exports {
-    /// It stays open.
+    /// The assumption is not exported; it stays open.
     #[default]
     Never,
-    /// The environment has to keep it.
+    /// The environment has to keep the assumption.
     Always,
-    /// The environment has to keep it in a step after one in which this holds (and in step 0);
-    /// everywhere else it has to be discharged.
+    /// The environment has to keep the assumption in step 0 and in every step after one in which
+    /// this condition holds; in all other steps it has to be discharged.
     After(linewright_core::gr1::Expr),
 }
 
-/// How an obligation is met.
+/// Proof of one obligation.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Discharge {
     /// Assumption, or formula of the goal.
     pub what: FormulaRef,
     /// Rule that discharges it.
     pub rule: DischargeRule,
-    /// Minimal set of formulas that it rests on: guarantees of parts, and givens.
+    /// Formulas that the proof rests on: guarantees of components, givens, exported assumptions and
+    /// proved formulas of the goal. The set is minimal, except with [`decide`].
     pub by: Vec<FormulaRef>,
 }
 
 /// Rules of discharge, in the order in which they are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum DischargeRule {
-    /// It follows from the environment's givens.
+    /// It follows from formulas that the environment keeps: givens and exported assumptions.
     Environment,
-    /// It is handed on: the environment has to keep it.
+    /// It is exported: the environment has to keep it.
     Exported,
-    /// Step by step: it is not broken before a guarantee is.
+    /// It is proved step by step: it is not broken before a guarantee is.
     Induction,
-    /// It recurs because these guarantees do; parts discharged in earlier turns (from 0) may be
-    /// relied on.
+    /// It recurs because justice guarantees of other components do.
     Justice {
-        /// Turn in which it was discharged.
+        /// Turn in which it was discharged, from 0. Only components whose justice assumptions were
+        /// discharged in earlier turns are relied on.
         turn: usize,
     },
 }
 
-/// An obligation that is not met.
+/// An obligation that is not met, with a counterexample.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Open {
     /// Assumption, or formula of the goal.
@@ -146,43 +153,43 @@ pub struct Open {
 /// A counterexample, over all variables of the system.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refutation {
-    /// The last step breaks it, although everything was kept in every earlier step.
+    /// The last step breaks the obligation, although everything was kept in all earlier steps.
     Trace(Vec<Vec<i64>>),
-    /// From some step on it is never met again.
+    /// An infinite run on which the obligation never holds again from some step on.
     Lasso(Lasso),
 }
 
-/// Outputs that wait for one another within a step.
+/// A loop of outputs that wait for one another within a step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SameStepLoop {
-    /// Each variable depends on the next one, the last on the first.
+    /// Variables of the loop: each depends on the next one, the last one on the first.
     pub variables: Vec<VarId>,
 }
 
-/// Justice assumptions that wait for one another.
+/// A circle of justice assumptions that wait for one another.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Circle {
-    /// Each assumption has to be met by the part of the next one, which does so only under its own
-    /// assumption; the last waits for the first.
+    /// Assumptions of the circle: each is kept by the component that makes the next assumption, and
+    /// that component keeps it only under its own assumption; the last one waits for the first.
     pub assumptions: Vec<FormulaRef>,
 }
 
 /// Result of a proof.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Proof {
-    /// Obligations that are met, in the order of the parts and their formulas; the goal's formulas
-    /// come last.
+    /// Obligations that are met, in the order of the components and their formulas; formulas of the
+    /// goal come last.
     pub discharges: Vec<Discharge>,
     /// Obligations that are not met.
     pub open: Vec<Open>,
-    /// Loops within a step. If there are any, nothing else is decided.
+    /// Loops within a step. If the outputs of components form a loop, nothing else is decided.
     pub loops: Vec<SameStepLoop>,
-    /// Circles of justice.
+    /// Circles of justice assumptions.
     pub circles: Vec<Circle>,
 }
 
 impl Proof {
-    /// Returns whether everything is discharged.
+    /// Returns whether all obligations are discharged.
     pub fn holds(&self) -> bool {
         self.open.is_empty() && self.loops.is_empty() && self.circles.is_empty()
     }
@@ -196,8 +203,8 @@ pub fn prove(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, L
     prover::Prover::new(system, claim, limits)?.prove()
 }
 
-/// Decides a claim like [`prove`], but faster: the reasons of a discharge are sufficient, not
-/// minimal.
+/// Decides a claim like [`prove`], but faster: the formulas that a discharge rests on are
+/// sufficient, but not minimal.
 ///
 /// # Errors
 /// When a limit was reached.
@@ -205,9 +212,9 @@ pub fn decide(system: &System, claim: &Claim, limits: &Limits) -> Result<Proof, 
     prover::Prover::new(system, claim, limits)?.quick().prove()
 }
 
-/// Like [`decide`], but claimed safety has to be kept step by step: it may not rest on later steps,
-/// nor on runs that cannot go on. This is needed if the claim is relied on within a step, as in a
-/// proof that knows a machine by the contract that it refines.
+/// Like [`decide`], but safety of the goal has to be kept step by step: a step counts even if it
+/// leads to a state from which no run continues. This is necessary if another proof relies on the
+/// claim within a step, such as a proof that represents a machine by the contract that it refines.
 ///
 /// # Errors
 /// When a limit was reached.

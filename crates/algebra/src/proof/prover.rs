@@ -1,4 +1,4 @@
-//! Proof of each obligation: what it follows from, or how it is broken.
+//! Proof of each obligation: the rules from which it follows, or a counterexample.
 
 use super::super::system::{ContractSide, FormulaRef, System};
 use super::book::{ProofRules, latest};
@@ -18,48 +18,54 @@ pub(super) const ALL: usize = usize::MAX;
 pub struct Prover<'a> {
     pub(super) book: ProofRules<'a>,
     pub(super) claim: &'a Claim,
-    /// Order in which parts answer in a step.
+    /// Order in which components answer within a step.
     order: Order,
-    /// Assumptions handed on to the environment, by rule.
+    /// Rule numbers of the assumptions that are exported to the environment.
     pub(super) exported: Vec<usize>,
-    /// Formulas of the goal that were shown: justice of the goal may rest on them.
+    /// Formulas of the goal that are proved: other justice of the goal may rest on them.
     pub(super) shown: Vec<usize>,
-    /// Those of `shown` that are kept step by step, also on runs that cannot go on.
+    /// The formulas in `shown` that are kept step by step, even in steps after which no run
+    /// continues.
     pub(super) kept: BTreeSet<usize>,
-    /// Whether reasons must be minimal, and not only sufficient.
+    /// Whether the rules that a discharge rests on must be minimal, not only sufficient.
     minimal: bool,
     /// Whether the goal's safety has to be kept step by step.
     pub(super) stepwise: bool,
     pub(super) proof: Proof,
 }
 
-/// An order in which the parts may answer within a step.
+/// An order in which components can answer within a step.
 #[derive(Debug, Default)]
 struct Order {
-    /// Place of every part. Parts in one place wait for one another, or may do so.
+    /// Position of each component. Components with the same position wait for one another, or might
+    /// do so.
     places: Vec<usize>,
-    /// For parts in one place, those that were found to come earlier.
-    sooner: BTreeMap<usize, BTreeSet<usize>>,
+    /// For a component, other components with the same position that count as earlier.
+    earlier: BTreeMap<usize, BTreeSet<usize>>,
 }
 
 impl Order {
-    /// Returns whether one part's answer may be relied on when another's inputs are checked.
+    /// Returns whether the answer of the first component may be relied on when the inputs of the
+    /// second are checked.
     fn is_before(&self, first: usize, second: usize) -> bool {
         self.places[first] < self.places[second]
-            || self.sooner.get(&second).is_some_and(|s| s.contains(&first))
+            || self
+                .earlier
+                .get(&second)
+                .is_some_and(|s| s.contains(&first))
     }
 }
 
 /// Result for one obligation.
 pub(super) enum ObligationResult {
-    /// It follows from these rules.
+    /// The obligation follows from these rules.
     Follows(Vec<usize>),
-    /// It does not follow, as this counterexample shows.
+    /// The obligation does not follow, as this counterexample shows.
     Fails(Refutation),
 }
 
 impl<'a> Prover<'a> {
-    /// Creates the state at the beginning of a proof.
+    /// Creates the state in which a proof begins.
     pub fn new(system: &'a System, claim: &'a Claim, limits: &Limits) -> Result<Self, Limit> {
         Ok(Self {
             book: ProofRules::new(system, claim, limits)?,
@@ -74,7 +80,7 @@ impl<'a> Prover<'a> {
         })
     }
 
-    /// Accepts sufficient reasons instead of minimal ones.
+    /// Accepts sufficient sets of rules instead of minimal ones.
     pub fn quick(self) -> Self {
         Self {
             minimal: false,
@@ -82,7 +88,8 @@ impl<'a> Prover<'a> {
         }
     }
 
-    /// Requires safety of the goal to be kept step by step, also on runs that cannot go on.
+    /// Requires safety of the goal to be kept step by step, even in steps after which no run
+    /// continues.
     pub fn stepwise(self) -> Self {
         Self {
             stepwise: true,
@@ -98,9 +105,9 @@ impl<'a> Prover<'a> {
             return Ok(self.proof);
         }
         self.order = self.order_of(&waits);
-        self.safety()?;
-        let reliable = self.justice()?;
-        self.goal(&reliable)?;
+        self.prove_safety()?;
+        let reliable = self.prove_justice()?;
+        self.prove_goal(&reliable)?;
         self.proof.discharges.sort_by_key(|d| place(d.what));
         self.proof.open.sort_by_key(|o| place(o.what));
         Ok(self.proof)
@@ -108,13 +115,13 @@ impl<'a> Prover<'a> {
 
     // ---- order of answers -----------------------------------------------------------------------
 
-    /// Computes the order: a part comes after those whose answers its own wait for, and after those
-    /// that its assumptions mention.
+    /// Computes the order: a component comes after the components that its answers wait for, and
+    /// after the components that its assumptions mention.
     fn order_of(&self, waits: &AnswerDependencies) -> Order {
         let system = self.book.system;
-        let mut edges = waits.parts.clone();
-        for (i, part) in system.parts.iter().enumerate() {
-            for (kind, _, formula) in super::super::system::formulas(&part.assumptions) {
+        let mut edges = waits.components.clone();
+        for (i, component) in system.components.iter().enumerate() {
+            for (kind, _, formula) in super::super::system::formulas(&component.assumptions) {
                 if kind != RuleKind::Justice {
                     let read = latest(&formula.expr, kind);
                     let drivers = read.iter().filter_map(|v| system.driver(*v));
@@ -123,8 +130,8 @@ impl<'a> Prover<'a> {
             }
         }
         let reach: Vec<BTreeSet<usize>> = (0..edges.len()).map(|i| reachable(&edges, i)).collect();
-        // Depth in the graph of strongly connected components: a part that reaches more parts comes
-        // later.
+        // Depth in the graph of strongly connected components: a component that reaches more
+        // components comes later.
         let together =
             |i: usize, j: usize| i == j || (reach[i].contains(&j) && reach[j].contains(&i));
         let mut places = vec![usize::MAX; edges.len()];
@@ -140,44 +147,47 @@ impl<'a> Prover<'a> {
         }
         Order {
             places,
-            sooner: BTreeMap::new(),
+            earlier: BTreeMap::new(),
         }
     }
 
-    /// Returns whether a rule may be relied on in the step in which a part's assumption is checked.
-    fn is_usable(&self, rule: usize, part: usize) -> bool {
+    /// Returns whether a rule may be relied on in the same step in which a component's assumption
+    /// is checked.
+    fn is_usable(&self, rule: usize, component: usize) -> bool {
         let entry = &self.book.entries[rule];
         entry.unconditional
             || self.exported.contains(&rule)
-            || entry.part.is_some_and(|p| self.order.is_before(p, part))
+            || entry
+                .component
+                .is_some_and(|p| self.order.is_before(p, component))
     }
 
     // ---- safety ---------------------------------------------------------------------------------
 
-    /// Returns the rules that hold from the beginning: givens, exported assumptions, and guarantees
-    /// of parts.
+    /// Returns the rules that safety may rest on: givens, exported assumptions, guarantees of
+    /// components, and proved common lemmas, without justice.
     pub(super) fn hypotheses(&self) -> Vec<usize> {
-        let mut found = self.book.numbers(|at| is_given(*at));
+        let mut found = self.book.rules_where(|at| is_given(*at));
         found.extend(&self.exported);
-        found.extend(self.book.numbers(|at| is_guarantee(*at)));
+        found.extend(self.book.rules_where(|at| is_guarantee(*at)));
         found.extend(self.shown.iter().filter(|i| self.is_common_lemma(**i)));
         found.retain(|i| !self.book.is_justice(*i));
         found
     }
 
-    /// Adds the safety that parts assume to these rules: it was kept so far. It follows from the
-    /// others unless one of the assumptions is open.
+    /// Adds the safety assumptions of components to these rules, since they were kept in all
+    /// earlier steps. They follow from the other rules unless an assumption is open.
     pub(super) fn with_assumptions(&self, mut rules: Vec<usize>) -> Vec<usize> {
-        let assumed = self.book.numbers(|at| is_assumption(*at));
+        let assumed = self.book.rules_where(|at| is_assumption(*at));
         rules.extend(assumed.into_iter().filter(|i| !self.book.is_justice(*i)));
         rules.sort_unstable();
         rules.dedup();
         rules
     }
 
-    /// Proves the initial conditions, invariants and safety that parts assume.
-    fn safety(&mut self) -> Result<(), Limit> {
-        let assumed = self.book.numbers(|at| is_assumption(*at));
+    /// Proves the initial conditions, invariants and safety that components assume.
+    fn prove_safety(&mut self) -> Result<(), Limit> {
+        let assumed = self.book.rules_where(|at| is_assumption(*at));
         let mut left: Vec<usize> = assumed;
         left.retain(|i| !self.book.is_justice(*i));
         loop {
@@ -185,21 +195,21 @@ impl<'a> Prover<'a> {
             let mut open = Vec::new();
             let mut moved = false;
             for rule in std::mem::take(&mut left) {
-                // If the caller chooses, an assumption that does not follow from near rules is
-                // handed on without further search.
+                // If the caller makes the requests, an assumption that does not follow from near
+                // rules is exported without further search.
                 if matches!(self.claim.exports, Exports::After(_)) && self.is_about_outside(rule) {
-                    if let Some(by) = self.step_minimal(rule, Some(rule), NEAR)? {
-                        self.discharged(rule, &by);
+                    if let Some(by) = self.minimal_for_step(rule, Some(rule), NEAR)? {
+                        self.record_discharge(rule, &by);
                         continue;
                     }
                     match self.export(rule)? {
                         Ok(by) => {
-                            self.hand_on(rule, &by);
+                            self.record_export(rule, &by);
                             moved = true;
                             continue;
                         }
-                        // An assumption that fails even where the environment has no choice fails
-                        // altogether.
+                        // An assumption that fails even in a step for which the environment is not
+                        // responsible stays open.
                         Err(Some(worse)) => {
                             open.push((rule, worse));
                             continue;
@@ -207,17 +217,17 @@ impl<'a> Prover<'a> {
                         Err(None) => {}
                     }
                 }
-                match self.assumption(rule)? {
-                    ObligationResult::Follows(by) => self.discharged(rule, &by),
+                match self.prove_assumption(rule)? {
+                    ObligationResult::Follows(by) => self.record_discharge(rule, &by),
                     ObligationResult::Fails(why) => failed.push((rule, why)),
                 }
             }
-            // Assumptions that only the environment can keep are handed on; with them, more may
-            // follow.
+            // Assumptions that only the environment can keep are exported; then other assumptions
+            // may follow from them.
             for (rule, why) in failed {
                 match self.export(rule)? {
                     Ok(by) => {
-                        self.hand_on(rule, &by);
+                        self.record_export(rule, &by);
                         moved = true;
                     }
                     Err(worse) => open.push((rule, worse.unwrap_or(why))),
@@ -227,59 +237,68 @@ impl<'a> Prover<'a> {
                 left = open.into_iter().map(|(rule, _)| rule).collect();
                 continue;
             }
-            return self.within_a_step(open);
+            return self.retry_within_step(open);
         }
     }
 
-    /// Retries assumptions that failed without the answers of parts that may wait for one another,
-    /// now with those answers, if the parts can be ordered.
-    fn within_a_step(&mut self, failed: Vec<(usize, Refutation)>) -> Result<(), Limit> {
+    /// Retries failed assumptions with the answers of components that have the same position. A
+    /// proof is accepted if the components can be ordered so that it relies on earlier answers
+    /// only; otherwise there is a loop.
+    fn retry_within_step(&mut self, failed: Vec<(usize, Refutation)>) -> Result<(), Limit> {
         let mut needs: Vec<(usize, BTreeSet<usize>, Vec<usize>)> = Vec::new();
         let mut open = Vec::new();
         for (rule, why) in failed {
-            let part = self.part_of(rule);
+            let component = self.component_of(rule);
             let same: BTreeSet<usize> = (0..self.order.places.len())
-                .filter(|j| *j != part && self.order.places[*j] == self.order.places[part])
+                .filter(|j| {
+                    *j != component && self.order.places[*j] == self.order.places[component]
+                })
                 .collect();
             let found = if same.is_empty() {
                 None
             } else {
-                self.order.sooner.insert(part, same.clone());
-                let found = self.step_minimal(rule, Some(rule), ALL)?;
-                self.order.sooner.remove(&part);
+                self.order.earlier.insert(component, same.clone());
+                let found = self.minimal_for_step(rule, Some(rule), ALL)?;
+                self.order.earlier.remove(&component);
                 found
             };
             match found {
                 Some(by) => {
                     let mut needed = BTreeSet::new();
                     for j in same {
-                        let rests = by.iter().any(|i| self.book.entries[*i].part == Some(j));
-                        self.order.sooner.insert(part, self.same_place(part, j));
-                        if rests && !self.step_holds(&by, rule, Some(part))? {
+                        let rests = by
+                            .iter()
+                            .any(|i| self.book.entries[*i].component == Some(j));
+                        self.order
+                            .earlier
+                            .insert(component, self.same_place(component, j));
+                        if rests && !self.step_holds(&by, rule, Some(component))? {
                             needed.insert(j);
                         }
-                        self.order.sooner.remove(&part);
+                        self.order.earlier.remove(&component);
                     }
                     needs.push((rule, needed, by));
                 }
                 None => open.push((rule, why)),
             }
         }
-        // Dependencies of all of them.
+        // Dependencies between the components for all these assumptions.
         let mut edges = vec![BTreeSet::new(); self.order.places.len()];
         for (rule, needed, _) in &needs {
-            edges[self.part_of(*rule)].extend(needed.iter().copied());
+            edges[self.component_of(*rule)].extend(needed.iter().copied());
         }
         for (rule, needed, by) in needs {
-            let part = self.part_of(rule);
-            let circle = needed.iter().any(|j| reachable(&edges, *j).contains(&part));
+            let component = self.component_of(rule);
+            let circle = needed
+                .iter()
+                .any(|j| reachable(&edges, *j).contains(&component));
             if circle {
                 let variables = self.loop_of(rule, &needed);
                 if !self.proof.loops.iter().any(|l| l.variables == variables) {
                     self.proof.loops.push(super::SameStepLoop { variables });
                 }
             } else {
-                self.discharged(rule, &by);
+                self.record_discharge(rule, &by);
             }
         }
         for (rule, why) in open {
@@ -289,15 +308,16 @@ impl<'a> Prover<'a> {
         Ok(())
     }
 
-    /// Returns the parts in the same place, except these two.
-    fn same_place(&self, part: usize, without: usize) -> BTreeSet<usize> {
-        let place = self.order.places[part];
+    /// Returns the other components with the same position as `component`, except `without`.
+    fn same_place(&self, component: usize, without: usize) -> BTreeSet<usize> {
+        let place = self.order.places[component];
         (0..self.order.places.len())
-            .filter(|j| *j != part && *j != without && self.order.places[*j] == place)
+            .filter(|j| *j != component && *j != without && self.order.places[*j] == place)
             .collect()
     }
 
-    /// Returns the variables of other parts that an assumption waits for within its step.
+    /// Returns the variables of a loop within a step: those of other components that an assumption
+    /// waits for, and those of its own component that the others' assumptions mention.
     fn loop_of(&self, rule: usize, needed: &BTreeSet<usize>) -> Vec<linewright_core::gr1::VarId> {
         let Rule { kind, expr } = self.book.rule(rule);
         let mut variables: Vec<_> = latest(expr, *kind)
@@ -309,37 +329,42 @@ impl<'a> Prover<'a> {
                     .is_some_and(|j| needed.contains(&j))
             })
             .collect();
-        let part = self.part_of(rule);
-        variables.extend(self.book.system.parts[part].drives.iter().filter(|v| {
-            needed.iter().any(|j| {
-                let other = &self.book.system.parts[*j];
-                other
-                    .assumptions
-                    .all()
-                    .any(|f| super::book::mentions(&f.expr).contains(v))
-            })
-        }));
+        let component = self.component_of(rule);
+        variables.extend(
+            self.book.system.components[component]
+                .drives
+                .iter()
+                .filter(|v| {
+                    needed.iter().any(|j| {
+                        let other = &self.book.system.components[*j];
+                        other
+                            .assumptions
+                            .all()
+                            .any(|f| super::book::mentions(&f.expr).contains(v))
+                    })
+                }),
+        );
         variables.sort_unstable();
         variables.dedup();
         variables
     }
 
-    /// Proves an assumption of a part, by induction over time.
-    fn assumption(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
-        let part = self.part_of(rule);
-        if let Some(by) = self.step_minimal(rule, Some(rule), ALL)? {
+    /// Proves an assumption of a component, by induction over time.
+    fn prove_assumption(&mut self, rule: usize) -> Result<ObligationResult, Limit> {
+        let component = self.component_of(rule);
+        if let Some(by) = self.minimal_for_step(rule, Some(rule), ALL)? {
             return Ok(ObligationResult::Follows(by));
         }
-        // Other assumptions were kept so far as well.
+        // All other assumptions were also kept in earlier steps.
         let mut all = self.with_assumptions(self.hypotheses());
         if self.book.rule(rule).kind == RuleKind::Initial {
             let first = [RuleKind::Initial, RuleKind::Invariant];
             all.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
-        if let Some(trace) = self.step(&all, rule, Some(part))? {
+        if let Some(trace) = self.step(&all, rule, Some(component))? {
             return Ok(ObligationResult::Fails(Refutation::Trace(trace)));
         }
-        let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(part));
+        let mut holds = |kept: &[usize]| self.step_holds(kept, rule, Some(component));
         Ok(ObligationResult::Follows(quick_xplain(
             &mut holds,
             &[],
@@ -348,48 +373,49 @@ impl<'a> Prover<'a> {
         )?))
     }
 
-    /// Returns the smallest subset of the hypotheses from which a rule follows step by step, within
-    /// a maximum number of rings; `None` if it does not follow. `assumed` is the rule if it is an
-    /// assumption of a part.
-    pub(super) fn step_minimal(
+    /// Returns a minimal subset of the hypotheses from which a rule follows step by step, within a
+    /// maximum number of rings; `None` if it does not follow. `assumed` is the rule if it is an
+    /// assumption of a component.
+    pub(super) fn minimal_for_step(
         &mut self,
         rule: usize,
         assumed: Option<usize>,
         rings: usize,
     ) -> Result<Option<Vec<usize>>, Limit> {
-        let part = assumed.map(|rule| self.part_of(rule));
+        let component = assumed.map(|rule| self.component_of(rule));
         let mut candidates = self.hypotheses();
         if let Some(sources) = self.sources(rule, &candidates) {
             let found = self.minimal(rule, &sources, ALL, &mut |p, kept| {
-                p.step_holds(kept, rule, part)
+                p.step_holds(kept, rule, component)
             })?;
             if found.is_some() || self.is_lemma(rule) {
                 return Ok(found);
             }
         }
         if self.book.rule(rule).kind == RuleKind::Initial {
-            // Nothing else is about step 0.
+            // Only these kinds of rules constrain step 0.
             let first = [RuleKind::Initial, RuleKind::Invariant];
             candidates.retain(|i| first.contains(&self.book.rule(*i).kind));
         }
         self.minimal(rule, &candidates, rings, &mut |p, kept| {
-            p.step_holds(kept, rule, part)
+            p.step_holds(kept, rule, component)
         })
     }
 
-    /// Returns the smallest sufficient subset of some candidates: givens alone, a single guarantee,
-    /// then ring by ring, up to `most_rings`.
+    /// Returns a minimal sufficient subset of the candidates. Tries formulas that the environment
+    /// keeps, then each single rule of the first ring, then ring by ring, up to `max_rings`.
+    /// Returns `None` if the candidates are not sufficient.
     pub(super) fn minimal(
         &mut self,
         goal: usize,
         candidates: &[usize],
-        most_rings: usize,
+        max_rings: usize,
         holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
     ) -> Result<Option<Vec<usize>>, Limit> {
         let rings = self.book.rings(&[goal], candidates);
         if !self.minimal {
-            let near = rings.into_iter().take(most_rings).flatten();
-            let enough: Vec<usize> = match most_rings {
+            let near = rings.into_iter().take(max_rings).flatten();
+            let enough: Vec<usize> = match max_rings {
                 ALL => candidates.to_vec(),
                 _ => near.collect(),
             };
@@ -402,36 +428,36 @@ impl<'a> Prover<'a> {
             .iter()
             .flatten()
             .copied()
-            .filter(|i| self.is_environments(*i))
+            .filter(|i| self.is_from_environment(*i))
             .collect();
         if !environment.is_empty() && holds(self, &environment)? {
-            return self.fewest(&environment, holds).map(Some);
+            return self.minimize(&environment, holds).map(Some);
         }
         for single in rings.first().into_iter().flatten() {
-            if !self.is_environments(*single) && holds(self, &[*single])? {
+            if !self.is_from_environment(*single) && holds(self, &[*single])? {
                 return Ok(Some(vec![*single]));
             }
         }
         let mut kept = Vec::new();
-        for ring in rings.into_iter().take(most_rings) {
-            // Justice if it is enough, since it is what the reader looks for; then the nearest.
+        for ring in rings.into_iter().take(max_rings) {
+            // Prefer justice, since it explains a justice goal best; then prefer the nearest rules.
             let (justice, safety): (Vec<usize>, Vec<usize>) =
                 ring.into_iter().partition(|i| self.book.is_justice(*i));
             kept.splice(0..0, justice);
             kept.extend(safety);
             if holds(self, &kept)? {
-                return self.fewest(&kept, holds).map(Some);
+                return self.minimize(&kept, holds).map(Some);
             }
         }
-        // Unreachable candidates matter only if they cannot be kept at all.
-        if most_rings == ALL && kept.len() < candidates.len() && holds(self, candidates)? {
-            return self.fewest(candidates, holds).map(Some);
+        // Unreachable candidates are relevant only if they contradict each other.
+        if max_rings == ALL && kept.len() < candidates.len() && holds(self, candidates)? {
+            return self.minimize(candidates, holds).map(Some);
         }
         Ok(None)
     }
 
-    /// Removes rules that are not needed.
-    pub(super) fn fewest(
+    /// Removes rules that are not needed from a sufficient set.
+    pub(super) fn minimize(
         &mut self,
         enough: &[usize],
         holds: &mut impl FnMut(&mut Self, &[usize]) -> Result<bool, Limit>,
@@ -445,7 +471,7 @@ impl<'a> Prover<'a> {
         Ok(found)
     }
 
-    pub(super) fn is_environments(&self, rule: usize) -> bool {
+    pub(super) fn is_from_environment(&self, rule: usize) -> bool {
         self.exported.contains(&rule) || self.book.entries[rule].at.is_some_and(is_given)
     }
 
@@ -453,43 +479,44 @@ impl<'a> Prover<'a> {
         &mut self,
         kept: &[usize],
         rule: usize,
-        part: Option<usize>,
+        component: Option<usize>,
     ) -> Result<bool, Limit> {
-        Ok(self.step(kept, rule, part)?.is_none())
+        Ok(self.step(kept, rule, component)?.is_none())
     }
 
-    /// Returns a run up to the first step that breaks a rule, keeping some others. For a part's
-    /// assumption, the last step only has to keep what can be relied on when the part's inputs are
-    /// present.
+    /// Returns a run that keeps the rules `kept` and whose last step breaks `rule`. If `rule` is an
+    /// assumption of a component, the last step only has to keep the rules that can be relied on
+    /// when the inputs of that component are checked.
     pub(super) fn step(
         &mut self,
         kept: &[usize],
         rule: usize,
-        part: Option<usize>,
+        component: Option<usize>,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
         let definitions = self.book.definitions(kept.iter().copied().chain([rule]));
-        let usable = |i: &usize| part.is_none_or(|part| self.is_usable(*i, part));
+        let usable = |i: &usize| component.is_none_or(|component| self.is_usable(*i, component));
         let last = kept.iter().copied().filter(usable);
-        let slip = SafetyViolationQuery {
+        let query = SafetyViolationQuery {
             last: last.chain(definitions.iter().copied()).collect(),
             before: [kept, &definitions].concat(),
             broken: rule,
         };
-        self.book.runs.step(&slip)
+        self.book.runs.find_violation(&query)
     }
 
     // ---- exported assumptions -------------------------------------------------------------------
 
-    /// Returns whether a rule mentions outside values in the last step that it is about.
+    /// Returns whether a rule reads outside values in the last step that it constrains.
     fn is_about_outside(&self, rule: usize) -> bool {
         let Rule { kind, expr } = self.book.rule(rule);
         let mut latest = latest(expr, *kind).into_iter();
         latest.any(|v| self.book.system.driver(v).is_none())
     }
 
-    /// Returns what the export of an undischarged assumption rests on. If it may not be handed on,
-    /// returns how it is broken where the environment has no choice, or `None` if it may never be
-    /// handed on.
+    /// Tries to export an assumption that was not discharged. `Ok(Ok(_))` contains the rules that
+    /// the export rests on. `Ok(Err(_))` means that the assumption cannot be exported: it contains
+    /// a run on which the assumption is broken in a step for which the environment is not
+    /// responsible, or `None` if the claim does not allow the export at all.
     pub(super) fn export(
         &mut self,
         rule: usize,
@@ -508,42 +535,43 @@ impl<'a> Prover<'a> {
             RuleKind::Invariant => expr.substitute(&mut |v, _| Expr::Var(v, Time::Next)),
             _ => expr,
         };
-        // The assumption itself held in the steps before: it is either handed on or shown here.
+        // The assumption itself was kept in all earlier steps: in each, it is either exported or
+        // proved here.
         let weaker = self.book.add(Rule {
             kind: RuleKind::Safety,
             expr: after.or(next),
         });
-        let part = self.part_of(rule);
+        let component = self.component_of(rule);
         let mut candidates = self.hypotheses();
         candidates.push(rule);
-        let slips = |p: &mut Self, kept: &[usize]| {
-            // In the last step it is to be shown.
+        let violation = |p: &mut Self, kept: &[usize]| {
+            // In the last step, the assumption has to be proved.
             let definitions = p.book.definitions(kept.iter().copied().chain([weaker]));
             let last = kept
                 .iter()
                 .copied()
-                .filter(|i| *i != rule && p.is_usable(*i, part));
-            let slip = SafetyViolationQuery {
+                .filter(|i| *i != rule && p.is_usable(*i, component));
+            let query = SafetyViolationQuery {
                 last: last.chain(definitions.iter().copied()).collect(),
                 before: [kept, &definitions].concat(),
                 broken: weaker,
             };
-            p.book.runs.step(&slip)
+            p.book.runs.find_violation(&query)
         };
-        let mut holds = |p: &mut Self, kept: &[usize]| Ok(slips(p, kept)?.is_none());
+        let mut holds = |p: &mut Self, kept: &[usize]| Ok(violation(p, kept)?.is_none());
         let by = if let Some(by) = self.minimal(weaker, &candidates, ALL, &mut holds)? {
             by
         } else {
             let all = self.with_assumptions(candidates);
-            if let Some(trace) = slips(self, &all)? {
+            if let Some(trace) = violation(self, &all)? {
                 return Ok(Err(Some(Refutation::Trace(trace))));
             }
-            self.fewest(&all, &mut holds)?
+            self.minimize(&all, &mut holds)?
         };
         Ok(Ok(by.into_iter().filter(|i| *i != rule).collect()))
     }
 
-    pub(super) fn hand_on(&mut self, rule: usize, by: &[usize]) {
+    pub(super) fn record_export(&mut self, rule: usize, by: &[usize]) {
         self.exported.push(rule);
         let what = self.at(rule);
         let by = by.iter().map(|i| self.at(*i)).collect();
@@ -554,8 +582,8 @@ impl<'a> Prover<'a> {
         });
     }
 
-    fn discharged(&mut self, rule: usize, by: &[usize]) {
-        let of_the_environment = by.iter().all(|i| self.is_environments(*i));
+    fn record_discharge(&mut self, rule: usize, by: &[usize]) {
+        let of_the_environment = by.iter().all(|i| self.is_from_environment(*i));
         let kind = if of_the_environment {
             DischargeRule::Environment
         } else {
@@ -576,37 +604,37 @@ impl<'a> Prover<'a> {
 
     pub(super) fn at(&self, rule: usize) -> FormulaRef {
         let at = self.book.entries[rule].at;
-        at.expect("a formula that somebody wrote; please report this")
+        at.expect("the rule is a formula of a contract or claim; please report this")
     }
 
-    pub(super) fn part_of(&self, rule: usize) -> usize {
-        let part = self.book.entries[rule].part;
-        part.expect("an assumption of a part; please report this")
+    pub(super) fn component_of(&self, rule: usize) -> usize {
+        let component = self.book.entries[rule].component;
+        component.expect("the rule is a formula of a component; please report this")
     }
 }
 
 pub(super) fn is_given(at: FormulaRef) -> bool {
-    at.part.is_none() && at.half == ContractSide::Assumptions
+    at.component.is_none() && at.half == ContractSide::Assumptions
 }
 
 pub(super) fn is_goal(at: FormulaRef) -> bool {
-    at.part.is_none() && at.half == ContractSide::Guarantees
+    at.component.is_none() && at.half == ContractSide::Guarantees
 }
 
 pub(super) fn is_guarantee(at: FormulaRef) -> bool {
-    at.part.is_some() && at.half == ContractSide::Guarantees
+    at.component.is_some() && at.half == ContractSide::Guarantees
 }
 
 pub(super) fn is_assumption(at: FormulaRef) -> bool {
-    at.part.is_some() && at.half == ContractSide::Assumptions
+    at.component.is_some() && at.half == ContractSide::Assumptions
 }
 
-/// Returns a sort key: parts in order, the goal last.
+/// Returns a sort key: components in order, the goal last.
 fn place(at: FormulaRef) -> (usize, RuleKind, usize) {
-    (at.part.unwrap_or(usize::MAX), at.kind, at.index)
+    (at.component.unwrap_or(usize::MAX), at.kind, at.index)
 }
 
-/// Returns what can be reached in a graph, by at least one edge.
+/// Returns the nodes of a graph that can be reached from a node by at least one edge.
 fn reachable(edges: &[BTreeSet<usize>], from: usize) -> BTreeSet<usize> {
     let mut seen = BTreeSet::new();
     let mut open: Vec<usize> = edges[from].iter().copied().collect();

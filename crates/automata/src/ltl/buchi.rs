@@ -1,9 +1,10 @@
-//! A formula as a deterministic Büchi automaton.
+//! Conversion of a formula to a deterministic Büchi automaton.
 //!
 //! A state is a conjunction of disjunctions of temporal formulas. A disjunction that contains a
-//! `weak` or a `release` can be kept for ever; one without, a *debt*, has to be paid eventually.
-//! Debts are paid in rounds: the debts at the beginning of a round are watched until none is left,
-//! which is accepting (the break-point construction of Miyano and Hayashi, "Alternating finite
+//! `weak` or a `release` can remain for ever. Any other disjunction is a *debt*, which has to
+//! disappear eventually. The automaton works in rounds: it watches the debts that exist at the
+//! beginning of a round until all of them have disappeared; then the state is accepting and the
+//! next round begins (the break-point construction of Miyano and Hayashi, "Alternating finite
 //! automata on ω-words", 1984).
 //!
 //! This is correct for formulas in which no `until` contains a `weak` or a `release`.
@@ -13,30 +14,33 @@ use super::progression::{Condition, Progression, Reading};
 use crate::bound::BoundExceeded;
 use crate::symbolic::{Automaton, Values};
 
-/// Remaining condition, watched debts, and whether a round has just ended.
+/// Remaining condition, watched debts, and whether the last step ended a round.
 type Round = (Condition, Condition, bool);
 
-/// Returns the minimal automaton of a formula over the atoms 0 to `atoms - 1`.
+/// Returns the minimal automaton of a formula over the atoms `0..atoms`. It accepts a run that
+/// visits accepting states infinitely often.
 ///
 /// # Errors
-/// When it is too large for [`Automaton::explore`].
+/// When the automaton exceeds the limits of [`Automaton::explore`].
 pub fn buchi(formulas: &Formulas, formula: Node, atoms: usize) -> Result<Automaton, BoundExceeded> {
     let mut progression = Progression::new(formulas, Reading::Clauses, usize::MAX);
-    let lost = progression.constant(false);
-    let start: Round = (progression.ahead(formula)?, Condition::none(), false);
+    let falsum = progression.constant(false);
+    let start: Round = (progression.as_condition(formula)?, Condition::none(), false);
     let atoms: Vec<usize> = (0..atoms).collect();
     let step = |(left, watched, _): &Round, values: &Values| {
         let holding = values.iter().filter(|(_, holds)| **holds);
         let letter = holding.fold(0, |letter, (atom, _)| letter | 1 << atom);
-        let left = progression.all_after(left, letter)?;
-        let mut watched = progression.all_after(watched, letter)?;
-        let paid = watched.is_empty() && left != lost;
-        if paid {
-            watched = left.filter(|clause| !clause.iter().any(|node| formulas.goes_on(*node)));
+        let left = progression.progress_condition(left, letter)?;
+        let mut watched = progression.progress_condition(watched, letter)?;
+        let round_ends = watched.is_empty() && left != falsum;
+        if round_ends {
+            watched =
+                left.filter(|clause| !clause.iter().any(|node| formulas.can_hold_forever(*node)));
         }
-        Ok((left, watched, paid))
+        Ok((left, watched, round_ends))
     };
-    let found = Automaton::explore(start, |_| atoms.clone(), step, |(_, _, paid)| *paid)?;
+    let is_accepting = |(_, _, round_ended): &Round| *round_ended;
+    let found = Automaton::explore(start, |_| atoms.clone(), step, is_accepting)?;
     Ok(found.minimal())
 }
 
@@ -62,13 +66,13 @@ mod tests {
 
     /// `G (p -> F q)`: accepting states recur for ever, unless the last `p` is never answered.
     #[test]
-    fn a_debt_has_to_be_paid() {
+    fn a_debt_has_to_disappear() {
         const P: u32 = 1;
         const Q: u32 = 2;
         let mut formulas = Formulas::default();
         let [p, q] = [0, 1].map(|atom| formulas.node(Formula::Atom(atom, true)));
-        let some_day = formulas.eventually(q);
-        let response = formulas.implies(p, some_day);
+        let answered = formulas.eventually(q);
+        let response = formulas.implies(p, answered);
         let response = formulas.always(response);
         let automaton = buchi(&formulas, response, 2).expect("it is small");
         let rounds: [(&[u32], &[u32], bool); 5] = [
@@ -93,7 +97,8 @@ mod tests {
         }
     }
 
-    /// A formula that a finite run can break is lost in the same states of both automata.
+    /// The Büchi automaton of a safety formula is no longer accepting exactly when the safety
+    /// automaton has refused a step.
     #[test]
     fn both_automata_of_a_safety_formula_agree() {
         let mut formulas = Formulas::default();
@@ -111,7 +116,7 @@ mod tests {
         for formula in [weak, release, either, always] {
             let words = safety(&formulas, formula, &letters, limits).expect("it is small");
             let runs = buchi(&formulas, formula, 2).expect("it is small");
-            // Step both together: a refused run is never accepting again.
+            // Run both automata together: after a refused step, no state is accepting.
             let mut open = vec![(Some(0), 0)];
             let mut seen = BTreeSet::new();
             while let Some((word, run)) = open.pop() {

@@ -1,8 +1,8 @@
-//! Formulas over numbered atoms.
+//! Formulas of linear temporal logic over numbered atoms.
 
 use std::collections::BTreeMap;
 
-/// A node of [`Formulas`].
+/// Reference to a formula in [`Formulas`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Node(u32);
 
@@ -11,47 +11,50 @@ pub struct Node(u32);
 pub enum Formula {
     /// True or false.
     Constant(bool),
-    /// An atom, or its negation.
+    /// An atom with `true`, its negation with `false`.
     Atom(usize, bool),
     /// Conjunction.
     And(Vec<Node>),
     /// Disjunction.
     Or(Vec<Node>),
-    /// Holds from the next step on.
+    /// The operand holds in the next step.
     Next(Node),
-    /// The first holds until the second, which must occur.
+    /// The first operand holds until the second does, which must happen.
     Until(Node, Node),
-    /// The first holds until the second, or for ever.
+    /// The first operand holds until the second does, or for ever.
     Weak(Node, Node),
-    /// The second holds up to and including the step of the first, or for ever.
+    /// The second operand holds up to and including the step in which the first does, or for ever.
     Release(Node, Node),
 }
 
-/// Formulas with shared equal subformulas.
+/// Store of formulas in which equal subformulas are shared.
 #[derive(Debug, Default)]
 pub struct Formulas {
     nodes: Vec<Formula>,
     known: BTreeMap<Formula, Node>,
-    /// Whether each node can be kept for ever, that is, contains a `weak` or a `release`.
-    goes_on: Vec<bool>,
+    /// Whether each node contains a `weak` or a `release`, so that it can remain as an obligation
+    /// for ever.
+    can_hold_forever: Vec<bool>,
 }
 
 impl Formulas {
-    /// Returns the node of a formula.
+    /// Returns the node of a formula, which is added if it is new.
     pub fn node(&mut self, formula: Formula) -> Node {
         if let Some(known) = self.known.get(&formula) {
             return *known;
         }
-        let goes_on = match &formula {
+        let can_hold_forever = match &formula {
             Formula::Constant(_) | Formula::Atom(..) => false,
             Formula::Weak(..) | Formula::Release(..) => true,
-            Formula::Next(a) => self.goes_on(*a),
-            Formula::Until(a, b) => self.goes_on(*a) || self.goes_on(*b),
-            Formula::And(list) | Formula::Or(list) => list.iter().any(|a| self.goes_on(*a)),
+            Formula::Next(a) => self.can_hold_forever(*a),
+            Formula::Until(a, b) => self.can_hold_forever(*a) || self.can_hold_forever(*b),
+            Formula::And(list) | Formula::Or(list) => {
+                list.iter().any(|a| self.can_hold_forever(*a))
+            }
         };
         let node = Node(self.nodes.len() as u32);
         self.nodes.push(formula.clone());
-        self.goes_on.push(goes_on);
+        self.can_hold_forever.push(can_hold_forever);
         self.known.insert(formula, node);
         node
     }
@@ -61,12 +64,12 @@ impl Formulas {
         &self.nodes[node.0 as usize]
     }
 
-    /// Returns whether the node can be kept for ever.
-    pub(super) fn goes_on(&self, node: Node) -> bool {
-        self.goes_on[node.0 as usize]
+    /// Returns whether the node contains a `weak` or a `release`.
+    pub(super) fn can_hold_forever(&self, node: Node) -> bool {
+        self.can_hold_forever[node.0 as usize]
     }
 
-    /// Returns true or false.
+    /// Returns the constant `true` or `false`.
     pub fn constant(&mut self, value: bool) -> Node {
         self.node(Formula::Constant(value))
     }
@@ -85,11 +88,11 @@ impl Formulas {
 
     /// Returns "`a` implies `b`".
     pub fn implies(&mut self, a: Node, b: Node) -> Node {
-        let denied = self.not(a);
-        self.node(Formula::Or(vec![denied, b]))
+        let negated = self.not(a);
+        self.node(Formula::Or(vec![negated, b]))
     }
 
-    /// Returns the negation. The recursion is as deep as the formula.
+    /// Returns the negation, in negation normal form. The recursion is as deep as the formula.
     pub fn not(&mut self, a: Node) -> Node {
         let formula = match self.formula(a).clone() {
             Formula::Constant(value) => Formula::Constant(!value),

@@ -1,12 +1,12 @@
-//! Formulas of linear temporal logic, and their automata by progression.
+//! Formulas of linear temporal logic, and their conversion to automata by progression.
 //!
-//! A state of such an automaton is the obligation that remains after the steps so far: a condition
-//! on the steps to come, built from temporal formulas by "and" and "or". A step replaces each of
-//! these by what it requires of the rest (Bacchus and Kabanza, "Using temporal logics to express
-//! search control knowledge for planning", 2000). Conditions are [antichains](crate::antichain), so
-//! equal ones are found.
+//! A state of such an automaton is the obligation that remains after the previous steps: a
+//! condition on the following steps, built from temporal formulas with "and" and "or". A step
+//! replaces each formula by its requirement on the steps after that (Bacchus and Kabanza, "Using
+//! temporal logics to express search control knowledge for planning", 2000). Conditions are
+//! [antichains](crate::antichain), so that equivalent conditions are recognized as one state.
 //!
-//! [`safety`] refuses runs that can no longer be repaired; [`buchi`] also handles eventualities.
+//! [`safety`] returns an automaton that refuses bad prefixes; [`buchi`] also handles eventualities.
 
 mod buchi;
 mod formula;

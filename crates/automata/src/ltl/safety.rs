@@ -1,4 +1,4 @@
-//! A safety formula as a deterministic automaton that refuses its bad prefixes.
+//! Conversion of a safety formula to a deterministic automaton that refuses its bad prefixes.
 
 use super::formula::{Formulas, Node};
 use super::progression::{Progression, Reading};
@@ -10,26 +10,27 @@ use crate::dfa::Dfa;
 pub struct Limits {
     /// Maximum number of states before minimization.
     pub states: usize,
-    /// Maximum number of alternatives in a state.
+    /// Maximum number of alternatives in a state, that is, of terms in its condition.
     pub alternatives: usize,
 }
 
-/// Returns the minimal automaton of a formula without `until`. Its letters are these choices of
-/// atoms, as bits. It refuses a step after which no continuation keeps the formula.
+/// Returns the minimal automaton of a formula without `until`. Its letter `i` is the step in which
+/// the atoms in the bits of `letters[i]` hold. It refuses a letter if no continuation after it
+/// satisfies the formula.
 ///
 /// # Errors
-/// When it is larger than the limits.
+/// When the automaton exceeds the limits.
 pub fn safety(
     formulas: &Formulas,
     formula: Node,
     letters: &[u32],
     limits: Limits,
 ) -> Result<Dfa, BoundExceeded> {
-    // Each step asks what can still be kept in some way, so states are terms.
+    // A state is refused if no alternative is left, which is easy to see with terms.
     let mut progression = Progression::new(formulas, Reading::Terms, limits.alternatives);
-    let start = progression.ahead(formula)?;
+    let start = progression.as_condition(formula)?;
     let step = |state: &_, letter: usize| {
-        let left = progression.all_after(state, letters[letter])?;
+        let left = progression.progress_condition(state, letters[letter])?;
         Ok((!left.is_empty()).then_some(left))
     };
     let dfa = Dfa::try_explore(letters.len(), start, limits.states, step, |_| true)?;

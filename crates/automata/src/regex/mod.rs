@@ -4,5 +4,5 @@ mod short;
 mod thompson;
 mod tree;
 
-pub use thompson::{MOST_PLACES, automaton};
+pub use thompson::{MAX_PLACES, automaton};
 pub use tree::Regex;

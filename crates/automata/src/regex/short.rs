@@ -3,7 +3,7 @@
 use super::tree::Regex;
 
 impl Regex {
-    /// Concatenates, without redundant parts.
+    /// Returns the concatenation, without redundant parts.
     pub fn concat(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut flat = Vec::new();
         for part in parts {
@@ -17,8 +17,8 @@ impl Regex {
         // x* x is x+, and x* x* is x*.
         let mut short: Vec<Self> = Vec::new();
         for part in flat {
-            match short.last().and_then(|last| joined(last, &part)) {
-                Some(joined) => *short.last_mut().expect("it was looked at") = joined,
+            match short.last().and_then(|last| merge(last, &part)) {
+                Some(merged) => *short.last_mut().expect("`short` is not empty") = merged,
                 None => short.push(part),
             }
         }
@@ -29,7 +29,7 @@ impl Regex {
         }
     }
 
-    /// Returns the union, without duplicates; common prefixes and suffixes are factored out.
+    /// Returns the union, without duplicates and with common prefixes and suffixes factored out.
     pub fn either(parts: impl IntoIterator<Item = Self>) -> Self {
         let mut flat = Vec::new();
         let mut empty = false;
@@ -105,7 +105,7 @@ impl Regex {
         }
     }
 
-    /// Returns the expression or the empty word.
+    /// Returns the union of the expression and the empty word.
     #[must_use]
     pub fn optional(self) -> Self {
         match self {
@@ -131,8 +131,8 @@ fn push_new(parts: &mut Vec<Regex>, part: Regex) {
     }
 }
 
-/// Merges two adjacent parts, if possible.
-fn joined(a: &Regex, b: &Regex) -> Option<Regex> {
+/// Merges two adjacent parts of a concatenation into one; `None` if that is not possible.
+fn merge(a: &Regex, b: &Regex) -> Option<Regex> {
     let many = |of: &Regex, low| Regex::Repeat {
         of: Box::new(of.clone()),
         low,
@@ -179,13 +179,13 @@ fn parts(regex: &Regex) -> Vec<Regex> {
     }
 }
 
-/// Factors out a common prefix or suffix of two alternatives: `x y | x z` becomes `x (y | z)`, as
-/// long as that is shorter.
+/// Factors out common prefixes and suffixes of alternatives, pair by pair: `x y | x z` becomes
+/// `x (y | z)`.
 fn factor(flat: &mut Vec<Regex>) {
     'again: loop {
         for i in 0..flat.len() {
             for j in i + 1..flat.len() {
-                if let Some(shorter) = factored(&flat[i], &flat[j]) {
+                if let Some(shorter) = factor_pair(&flat[i], &flat[j]) {
                     flat[i] = shorter;
                     flat.remove(j);
                     continue 'again;
@@ -196,8 +196,10 @@ fn factor(flat: &mut Vec<Regex>) {
     }
 }
 
-fn factored(a: &Regex, b: &Regex) -> Option<Regex> {
-    // The letters of a class stay one class.
+/// Factors out a common prefix of two alternatives, or else a common suffix; `None` if there is
+/// neither.
+fn factor_pair(a: &Regex, b: &Regex) -> Option<Regex> {
+    // Letters have no proper prefix or suffix.
     if matches!((a, b), (Regex::Letter(_), Regex::Letter(_))) {
         return None;
     }

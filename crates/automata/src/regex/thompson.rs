@@ -8,15 +8,19 @@ use crate::bound::{BoundExceeded, ExplorationBound};
 use crate::dfa::Dfa;
 use std::collections::BTreeSet;
 
-/// Maximum number of places of an expression with its repetitions written out.
-pub const MOST_PLACES: usize = 1 << 16;
+/// Maximum number of states of the nondeterministic automaton (*places*), in which repetitions are
+/// copied.
+pub const MAX_PLACES: usize = 1 << 16;
 
-/// What is read on a transition.
+/// Label of a transition.
 enum Move {
-    Nothing,
+    /// The transition reads no letter.
+    Empty,
+    /// The transition reads one of the letters whose entry is true.
     Letters(Vec<bool>),
 }
 
+/// The nondeterministic automaton.
 struct Places {
     letters: usize,
     from: Vec<Vec<(Move, usize)>>,
@@ -24,17 +28,17 @@ struct Places {
 
 impl Places {
     fn new_place(&mut self) -> Result<usize, BoundExceeded> {
-        if self.from.len() == MOST_PLACES {
+        if self.from.len() == MAX_PLACES {
             return Err(BoundExceeded::Count {
                 what: "places in a regular expression",
-                limit: MOST_PLACES,
+                limit: MAX_PLACES,
             });
         }
         self.from.push(Vec::new());
         Ok(self.from.len() - 1)
     }
 
-    fn only(&self, letters: &[usize], inside: bool) -> Move {
+    fn letter_move(&self, letters: &[usize], inside: bool) -> Move {
         let mut set = vec![!inside; self.letters];
         for letter in letters {
             set[*letter] = inside;
@@ -42,67 +46,71 @@ impl Places {
         Move::Letters(set)
     }
 
-    /// Adds the expression behind `from`; returns the place where its words end.
-    fn lay(&mut self, regex: &Regex, from: usize) -> Result<usize, BoundExceeded> {
+    /// Adds an expression whose words start at `from`; returns the place where they end.
+    fn append(&mut self, regex: &Regex, from: usize) -> Result<usize, BoundExceeded> {
         match regex {
             Regex::Nothing => self.new_place(),
             Regex::Empty => Ok(from),
-            Regex::Letter(letter) => self.lay_one(self.only(&[*letter], true), from),
-            Regex::AnyBut(letters) => self.lay_one(self.only(letters, false), from),
-            Regex::AnyOrder(letters) => self.lay_any_order(letters, from),
-            Regex::Concat(parts) => parts.iter().try_fold(from, |at, part| self.lay(part, at)),
+            Regex::Letter(letter) => self.append_move(self.letter_move(&[*letter], true), from),
+            Regex::AnyBut(letters) => self.append_move(self.letter_move(letters, false), from),
+            Regex::AnyOrder(letters) => self.append_any_order(letters, from),
+            Regex::Concat(parts) => parts
+                .iter()
+                .try_fold(from, |at, part| self.append(part, at)),
             Regex::Either(parts) => {
                 let end = self.new_place()?;
                 for part in parts {
                     let begin = self.new_place()?;
-                    self.from[from].push((Move::Nothing, begin));
-                    let at = self.lay(part, begin)?;
-                    self.from[at].push((Move::Nothing, end));
+                    self.from[from].push((Move::Empty, begin));
+                    let at = self.append(part, begin)?;
+                    self.from[at].push((Move::Empty, end));
                 }
                 Ok(end)
             }
             Regex::Repeat { of, low, high } => {
                 let mut at = from;
                 for _ in 0..*low {
-                    at = self.lay(of, at)?;
-                    // An empty repetition takes a place too, so every number can be too large.
+                    at = self.append(of, at)?;
+                    // A repetition of the empty word also takes a place, so that the limit applies
+                    // to every count.
                     let next = self.new_place()?;
-                    self.from[at].push((Move::Nothing, next));
+                    self.from[at].push((Move::Empty, next));
                     at = next;
                 }
                 let end = self.new_place()?;
                 if let Some(high) = high {
                     for _ in *low..*high {
-                        self.from[at].push((Move::Nothing, end));
+                        self.from[at].push((Move::Empty, end));
                         let begin = self.new_place()?;
-                        self.from[at].push((Move::Nothing, begin));
-                        at = self.lay(of, begin)?;
+                        self.from[at].push((Move::Empty, begin));
+                        at = self.append(of, begin)?;
                     }
                 } else {
                     let around = self.new_place()?;
-                    self.from[at].push((Move::Nothing, around));
-                    let back = self.lay(of, around)?;
-                    self.from[back].push((Move::Nothing, around));
+                    self.from[at].push((Move::Empty, around));
+                    let back = self.append(of, around)?;
+                    self.from[back].push((Move::Empty, around));
                     at = around;
                 }
-                self.from[at].push((Move::Nothing, end));
+                self.from[at].push((Move::Empty, end));
                 Ok(end)
             }
         }
     }
 
-    fn lay_one(&mut self, step: Move, from: usize) -> Result<usize, BoundExceeded> {
+    fn append_move(&mut self, step: Move, from: usize) -> Result<usize, BoundExceeded> {
         let to = self.new_place()?;
         self.from[from].push((step, to));
         Ok(to)
     }
 
-    /// Adds a place for every set of letters read so far.
-    fn lay_any_order(&mut self, letters: &[usize], from: usize) -> Result<usize, BoundExceeded> {
-        if letters.len() >= MOST_PLACES.ilog2() as usize {
+    /// Adds an expression that reads letters in any order, with one place for every set of letters
+    /// already read.
+    fn append_any_order(&mut self, letters: &[usize], from: usize) -> Result<usize, BoundExceeded> {
+        if letters.len() >= MAX_PLACES.ilog2() as usize {
             return Err(BoundExceeded::Count {
                 what: "places in a regular expression",
-                limit: MOST_PLACES,
+                limit: MAX_PLACES,
             });
         }
         let mut places = vec![from];
@@ -112,7 +120,7 @@ impl Places {
         for read in 0..places.len() {
             for (i, letter) in letters.iter().enumerate() {
                 if read >> i & 1 == 0 {
-                    let step = self.only(&[*letter], true);
+                    let step = self.letter_move(&[*letter], true);
                     self.from[places[read]].push((step, places[read | 1 << i]));
                 }
             }
@@ -120,13 +128,13 @@ impl Places {
         Ok(places[places.len() - 1])
     }
 
-    /// Returns these places and all that are reached by empty moves, in ascending order.
+    /// Returns these places and all places reachable from them by empty moves, in ascending order.
     fn closure(&self, places: impl IntoIterator<Item = usize>) -> Vec<usize> {
         let mut waiting: Vec<usize> = places.into_iter().collect();
         let mut seen: BTreeSet<usize> = waiting.iter().copied().collect();
         while let Some(place) = waiting.pop() {
             for (step, to) in &self.from[place] {
-                if matches!(step, Move::Nothing) && seen.insert(*to) {
+                if matches!(step, Move::Empty) && seen.insert(*to) {
                     waiting.push(*to);
                 }
             }
@@ -135,11 +143,11 @@ impl Places {
     }
 }
 
-/// Returns the minimal automaton of an expression over `letters` letters. Letters after which no
-/// word is possible are refused.
+/// Returns the minimal automaton of an expression over `letters` letters. It refuses letters after
+/// which no word of the expression is possible.
 ///
 /// # Errors
-/// When the expression has more than [`MOST_PLACES`] places, when the automaton has more states
+/// When the expression has more than [`MAX_PLACES`] places, when the automaton has more states
 /// than `bound` allows, or when the deadline has passed.
 pub fn automaton(
     regex: &Regex,
@@ -150,7 +158,7 @@ pub fn automaton(
         letters,
         from: vec![Vec::new()],
     };
-    let end = places.lay(regex, 0)?;
+    let end = places.append(regex, 0)?;
     let step = |state: &Vec<usize>, letter: usize| {
         let moves = state.iter().flat_map(|place| &places.from[*place]);
         let reached = moves.filter_map(|(step, to)| match step {

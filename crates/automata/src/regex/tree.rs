@@ -1,4 +1,4 @@
-//! Regular expressions as trees.
+//! Syntax trees of regular expressions.
 
 /// A regular expression over letters.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -9,15 +9,15 @@ pub enum Regex {
     Empty,
     /// One letter.
     Letter(usize),
-    /// Any letter except these; `.` is the empty list.
+    /// Any letter except these; an empty list is any letter (`.`).
     AnyBut(Vec<usize>),
-    /// Several letters, each once, in any order.
+    /// All of these letters, each exactly once, in any order.
     AnyOrder(Vec<usize>),
     /// Concatenation.
     Concat(Vec<Regex>),
     /// Union.
     Either(Vec<Regex>),
-    /// From `low` to `high` times; unbounded if `high` is `None`.
+    /// From `low` to `high` repetitions; unbounded if `high` is `None`.
     Repeat {
         /// Repeated expression.
         of: Box<Regex>,
@@ -41,7 +41,7 @@ impl Regex {
         }
     }
 
-    /// Returns the number of letters and operators.
+    /// Returns the number of letters and operators, as a measure of length.
     pub fn size(&self) -> usize {
         match self {
             Self::Nothing | Self::Empty | Self::Letter(_) => 1,

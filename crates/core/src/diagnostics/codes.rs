@@ -23,7 +23,7 @@ impl Code {
     /// Returns the group of the code.
     ///
     /// # Panics
-    /// When there is no group for its first digit, which a test rules out for every code.
+    /// If no group has its first digit. A test checks that every code has a group.
     pub fn group(self) -> &'static Group {
         let start = |g: &&Group| g.pattern[..3] == self.id[..3];
         GROUPS.iter().find(start).expect("every code has a group")
@@ -75,23 +75,23 @@ codes! {
     IMPORT_CIRCULAR = "LW003", "files import each other (circular import)";
     IMPORT_MISSING = "LW004", "an imported file does not exist";
     NOTATION = "LW005", "another tool's notation means something unusual";
-    OWN_TOOL = "LW006", "a specification's own tool answers otherwise";
+    OWN_TOOL = "LW006", "a specification's own tool gives another answer";
     INTERNAL = "LW007", "linewright itself failed";
 
     NAME_UNKNOWN = "LW101", "a name is not declared";
-    NAME_DOUBLE = "LW102", "a name is declared twice";
+    NAME_DUPLICATE = "LW102", "a name is declared twice";
     TYPE_MISMATCH = "LW103", "a type does not fit";
     DOMAIN_EMPTY = "LW104", "a domain is empty or too large";
     ARGUMENT = "LW105", "an argument is missing, unknown or outside its range";
     NOT_CONSTANT = "LW106", "a constant is needed";
-    INDEX_RANGE = "LW107", "an array index leaves its array";
+    INDEX_RANGE = "LW107", "an array index is out of bounds";
     DIVISION = "LW108", "a divisor can be zero";
     TAXONOMY_UNKNOWN = "LW109", "a taxonomy code does not exist";
     NUMBER_RANGE = "LW110", "a number is too large";
     UNUSED = "LW111", "a declaration is never used";
     TOO_LARGE = "LW112", "a formula becomes too large";
-    NAMES_ALIKE = "LW113", "two names look like one thing";
-    COMPARISON_DECIDED = "LW114", "a comparison is always true, or never";
+    NAMES_ALIKE = "LW113", "two names may mean the same thing";
+    COMPARISON_DECIDED = "LW114", "a comparison is always true or always false";
     SKILL = "LW115", "a skill does not fit its component or its order";
 
     NOT_GR1 = "LW201", "a formula is outside GR(1)";
@@ -105,28 +105,28 @@ codes! {
     NEXT_OUTPUT_ASSUMED = "LW209", "an assumption refers to the machine's next values";
     PAST = "LW210", "an operator over other steps is out of place";
     NEXT_BOTH_SIDES = "LW211", "next appears on both sides of an equation";
-    UNBREAKABLE = "LW212", "nothing could break a guarantee";
-    NEVER_ASKED = "LW213", "the condition of a formula never holds";
+    UNBREAKABLE = "LW212", "a guarantee cannot be broken";
+    CONDITION_NEVER_HOLDS = "LW213", "the condition of a formula never holds";
     UNCONSTRAINED = "LW214", "no guarantee restricts an output";
     CONSTANT = "LW215", "an output keeps one value for ever";
-    UNFRAMED = "LW216", "an output is free where nothing says that it stays";
-    BY_CHANCE = "LW217", "a request is completed by chance only";
-    REQUEST_OPEN = "LW218", "nothing asks that a request is completed";
-    IDLE = "LW219", "a machine that never does anything keeps the contract";
+    UNFRAMED = "LW216", "an output is unconstrained where it was probably meant to stay";
+    REQUEST_BY_CHANCE = "LW217", "a request may never be completed, whatever the controller";
+    REQUEST_OPEN = "LW218", "no guarantee requires that a request is completed";
+    IDLE = "LW219", "a machine that never changes its outputs keeps the contract";
 
-    INPUT_UNBOUND = "LW301", "an input of a component is bound to nothing";
+    INPUT_UNBOUND = "LW301", "an input of a component is not bound";
     SAME_STEP_LOOP = "LW302", "components wait for each other in the same step";
-    ASSUMPTION_OPEN = "LW303", "an assumption is not discharged";
+    ASSUMPTION_UNDISCHARGED = "LW303", "an assumption is not discharged";
     REQUEST_INCOMPLETE = "LW304", "an accepted request may never complete";
     OPERATION = "LW306", "an operation does not fit its coordinator";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";
     JUSTICE_CIRCLE = "LW309", "justice assumptions depend on one another";
-    PROMISE_BROKEN = "LW310", "what is promised as a whole is not kept";
+    GUARANTEE_UNPROVED = "LW310", "a guarantee of the whole does not follow from its components";
     PORTS = "LW311", "the ports of contracts do not fit together";
     INCOMPATIBLE = "LW312", "no environment fits the contracts";
     MACHINE_IN_ITSELF = "LW313", "a machine contains itself";
-    ORDER_NOTHING = "LW314", "rules of a skill order allow nothing";
+    ORDER_EMPTY = "LW314", "rules of a skill order allow nothing";
     ORDER_CONTRADICTION = "LW315", "rules of a skill order contradict each other";
     ORDER_REDUNDANT = "LW316", "a rule of a skill order excludes nothing";
     ORDER_BROKEN = "LW317", "a program breaks a rule of a skill order";
@@ -141,16 +141,16 @@ codes! {
     LINE_CIRCLE = "LW408", "parts can deadlock (circular wait)";
     LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
     LINE_UNDECIDED = "LW410", "a line is too large to be proved";
-    LINE_ASKS = "LW411", "a line may ask a station for what its machine forbids";
+    LINE_FORBIDDEN_REQUEST = "LW411", "a line may request what a machine forbids";
     LINE_REFUSED = "LW414", "a station refuses a part";
     LINE_VALUE = "LW415", "a value leaves its range";
-    LINE_TIMELESS = "LW416", "parts move on and no time passes";
+    LINE_TIMELESS = "LW416", "parts move without any time passing";
 
     COMPILER_MISSING = "LW501", "no C compiler was found";
     COMPILER_FAILED = "LW502", "the C compiler failed";
     LIBRARY_DAMAGED = "LW503", "a station library is damaged";
     OUTPUT_UNWRITABLE = "LW504", "a file or folder cannot be written";
-    LIBRARY_CALL = "LW505", "a station library answered with an error";
+    LIBRARY_CALL = "LW505", "a station library returned an error";
     CROSS_COMPILER_MISSING = "LW506", "no C compiler for Windows was found";
     MSVC_MISSING = "LW507", "Microsoft's compiler was not found";
 
@@ -160,10 +160,10 @@ codes! {
     PROFILE_UNVERIFIED = "LW541", "a profile of UF_Value is unverified";
     PROFILE_FOREIGN = "LW542", "a station library is built for another layout of UF_Value";
     DUMP = "LW543", "a probe's dump is damaged or incomplete";
-    LAYOUT_OPEN = "LW544", "a probe's dump does not determine the layout of UF_Value";
+    LAYOUT_UNDETERMINED = "LW544", "a probe's dump does not determine the layout of UF_Value";
     LAYOUT_REFUTED = "LW545", "the host did not read back what was returned";
-    FILE_KEPT = "LW546", "a file is already there and differs";
-    SIZES_OF_LINE = "LW547", "a machine is built with the sizes that a line gives it";
+    FILE_KEPT = "LW546", "a file already exists and differs";
+    LINE_SIZES = "LW547", "a machine is built with the sizes that a line gives it";
 }
 
 /// Returns the code with an id such as `LW101`; case does not matter.

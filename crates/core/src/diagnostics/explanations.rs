@@ -1,6 +1,6 @@
 //! The pages behind `linewright explain`: one Markdown file per code, embedded in the program.
 //!
-//! A page explains the finding to somebody who knows the plant but no temporal logic. It shows the
+//! A page explains the finding to a reader who knows the plant but no temporal logic. It shows the
 //! smallest contract with the finding and how to repair it. The example is a block fenced with
 //! ```` ```lw LW103 ````; a test checks it and expects exactly that code. Findings that only occur
 //! in other tools' files have an example in that format, fenced with the file extension:
@@ -19,7 +19,7 @@ pub fn page(code: Code) -> Option<&'static str> {
         .and_then(|file| file.contents_utf8())
 }
 
-/// Returns the first paragraph of a page, before its first example, as one line.
+/// Returns the first paragraph of a page, after its title, as one line.
 pub fn summary(page: &str) -> String {
     let mut paragraphs = page.split("\n\n").skip(1);
     let first = paragraphs.next().unwrap_or_default();
@@ -54,9 +54,9 @@ pub fn plain(page: &str) -> String {
 /// An example of a page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Example {
-    /// File extension of the example: `lw`.
-    pub ending: String,
-    /// Code that the example shows.
+    /// File extension of the example, such as `lw`.
+    pub extension: String,
+    /// Code of the finding that the example has.
     pub code: String,
     /// Text of the contract.
     pub text: String,
@@ -68,7 +68,8 @@ pub fn examples(page: &str) -> Vec<Example> {
     let mut examples = Vec::new();
     let mut lines = page.lines();
     while let Some(line) = lines.next() {
-        let Some((ending, info)) = line.strip_prefix("```").and_then(|i| i.split_once(' ')) else {
+        let Some((extension, info)) = line.strip_prefix("```").and_then(|i| i.split_once(' '))
+        else {
             continue;
         };
         let text: String = lines
@@ -77,7 +78,7 @@ pub fn examples(page: &str) -> Vec<Example> {
             .flat_map(|l| [l, "\n"])
             .collect();
         examples.push(Example {
-            ending: ending.to_owned(),
+            extension: extension.to_owned(),
             code: info.trim().to_owned(),
             text,
         });
@@ -97,7 +98,7 @@ mod tests {
             let heading = format!("# {code}: {}\n", code.title);
             assert!(
                 page.starts_with(&heading),
-                "{code}: the page opens otherwise"
+                "{code}: the page does not begin with its title"
             );
         }
     }
@@ -120,7 +121,7 @@ mod tests {
                 .file_stem()
                 .and_then(|s| s.to_str())
                 .expect("names are UTF-8");
-            assert!(codes::find(stem).is_some(), "{stem} is no code");
+            assert!(codes::find(stem).is_some(), "there is no code {stem}");
         }
     }
 }

@@ -1,12 +1,13 @@
-//! Findings as objects, as they appear in every JSON document of this program.
+//! Findings as serializable objects, the form that they have in every JSON document of this
+//! program.
 
 use super::{Diagnostic, render};
 use crate::source::{SourceMap, Span};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A finding in JSON. Positions count from 1, columns count characters, and the end is one past the
-/// last character.
+/// A finding in JSON. Lines and columns start at 1, columns count characters, and the end is one
+/// past the last character.
 #[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Finding {
     /// Code, such as `LW101`.

@@ -15,14 +15,15 @@ pub mod sarif;
 
 use crate::source::Span;
 pub use codes::Code;
-pub use nearest::{distance, nearest, related, words};
+pub use nearest::{edit_distance, nearest, word_similarity, words};
 
 /// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Severity {
     /// The contract, machine or line cannot be used as it is.
     Error,
-    /// It can be used, but probably does not mean what its author intended.
+    /// The contract, machine or line can be used, but probably does not mean what its author
+    /// intended.
     Warning,
     /// Information for the user.
     Note,

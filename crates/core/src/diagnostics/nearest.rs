@@ -1,43 +1,44 @@
 //! "Did you mean ...?": the known word closest to an undeclared one.
 //!
 //! A name can be wrong in three ways: in its spelling (`comand`), in how its words are joined
-//! (`angleDesired`, `ANGLE_DESIRED`), and in its words (`desired` for `desired_angle`, `cmd` for
-//! `command`). The first two are slips. The third is a guess, so it is tried last, and only whole
-//! words and common engineering abbreviations count.
+//! (`angleDesired`, `ANGLE_DESIRED`), and in its choice of words (`desired` for `desired_angle`,
+//! `cmd` for `command`). The first two are typing mistakes. The third is a guess, so it is tried
+//! last, and only whole words and common engineering abbreviations count.
 
 /// Maximum length of a compared name, in bytes. Longer names are not typing mistakes.
-const LONGEST_NAME: usize = 256;
+const MAX_NAME_LENGTH: usize = 256;
 
 /// Returns the known name closest to an unknown one, if any is close.
 pub fn nearest<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    if name.len() > LONGEST_NAME {
+    if name.len() > MAX_NAME_LENGTH {
         return None;
     }
-    let own = words(name);
-    let ranked = known.filter_map(|k| Some((rank(name, &own, k)?, k)));
+    let name_words = words(name);
+    let ranked = known.filter_map(|k| Some((rank(name, &name_words, k)?, k)));
     ranked.min().map(|(_, k)| k)
 }
 
-/// Ranks a known name by how it differs: in which way, and by how much.
-fn rank(name: &str, own: &[String], known: &str) -> Option<(u8, usize)> {
+/// Ranks a known name by the way in which it differs from `name`, then by how much; `None` if it is
+/// not close.
+fn rank(name: &str, name_words: &[String], known: &str) -> Option<(u8, usize)> {
     let words = words(known);
-    if !own.is_empty() && own.concat() == words.concat() {
-        return Some((0, distance(name, known)));
+    if !name_words.is_empty() && name_words.concat() == words.concat() {
+        return Some((0, edit_distance(name, known)));
     }
-    if numbered_apart(own, &words) {
+    if differ_in_numbers_only(name_words, &words) {
         return None;
     }
-    let slips = distance(name, known);
+    let mistakes = edit_distance(name, known);
     let few = name.len().min(known.len()).div_ceil(4).min(name.len() / 2);
-    if slips <= few {
-        return Some((1, slips));
+    if mistakes <= few {
+        return Some((1, mistakes));
     }
-    let extra = related(own, &words)?;
-    Some((2, extra.words.len() * 100 + words.concat().len()))
+    let similarity = word_similarity(name_words, &words)?;
+    Some((2, similarity.words.len() * 100 + words.concat().len()))
 }
 
-/// Returns whether two names differ only in their numbers: `h1` and `h2` are different things.
-fn numbered_apart(a: &[String], b: &[String]) -> bool {
+/// Returns whether two names differ only in their numbers: `h1` is not a misspelt `h2`.
+fn differ_in_numbers_only(a: &[String], b: &[String]) -> bool {
     let number = |w: &&String| w.starts_with(|c: char| c.is_numeric());
     let numbers = |words: &[String]| words.iter().filter(number).cloned().collect::<Vec<_>>();
     let others = |words: &[String]| {
@@ -51,7 +52,7 @@ fn numbered_apart(a: &[String], b: &[String]) -> bool {
     x != y && !x.is_empty() && !y.is_empty() && others(a) == others(b)
 }
 
-/// How two names are related if they have the same words, or one has additional words.
+/// Difference between two similar names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NameSimilarity {
     /// Words that only one of the two names has.
@@ -60,17 +61,18 @@ pub struct NameSimilarity {
     pub abbreviated: bool,
 }
 
-/// Compares two different names word by word, given their [`words`]: they are related if one begins
-/// or ends with the words of the other, or with abbreviations of them.
-pub fn related(a: &[String], b: &[String]) -> Option<NameSimilarity> {
+/// Compares two different names word by word, given their [`words`]. They are similar if one begins
+/// or ends with the words of the other, or with abbreviations of those words, or if both have the
+/// same words in a different order. Returns `None` if they are not similar.
+pub fn word_similarity(a: &[String], b: &[String]) -> Option<NameSimilarity> {
     let (short, long) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     // A single letter or a number is too little to identify a name.
     if short.iter().all(|w| w.len() < 3) {
         return None;
     }
-    let kin = |part: &[String], rest: &[String]| {
-        let alike = short.iter().zip(part).all(|(x, y)| same(x, y));
-        alike.then(|| NameSimilarity {
+    let matching = |part: &[String], rest: &[String]| {
+        let matches = short.iter().zip(part).all(|(x, y)| same(x, y));
+        matches.then(|| NameSimilarity {
             words: rest.to_vec(),
             abbreviated: short != part,
         })
@@ -87,8 +89,8 @@ pub fn related(a: &[String], b: &[String]) -> Option<NameSimilarity> {
             abbreviated: false,
         })
     };
-    kin(head, tail)
-        .or_else(|| kin(end, front))
+    matching(head, tail)
+        .or_else(|| matching(end, front))
         .or_else(in_other_order)
 }
 
@@ -132,9 +134,9 @@ pub fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Returns the edit distance of two names: letters changed, added, omitted or swapped with their
-/// neighbour (optimal string alignment).
-pub fn distance(a: &str, b: &str) -> usize {
+/// Returns the edit distance of two names: the number of letters changed, added, omitted or swapped
+/// with their neighbour (optimal string alignment).
+pub fn edit_distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut before: Vec<usize> = Vec::new();
     let mut row: Vec<usize> = (0..=b.len()).collect();
@@ -158,16 +160,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distance_counts_slips() {
-        assert_eq!(distance("", "abc"), 3);
-        assert_eq!(distance("drehen", "dreehn"), 1);
-        assert_eq!(distance("turn", "turn"), 0);
+    fn distance_counts_typing_mistakes() {
+        assert_eq!(edit_distance("", "abc"), 3);
+        assert_eq!(edit_distance("drehen", "dreehn"), 1);
+        assert_eq!(edit_distance("turn", "turn"), 0);
     }
 
     #[test]
-    fn typical_slips_are_found() {
+    fn typical_typing_mistakes_are_found() {
         let known = ["Turn", "turn", "command", "angle", "a"];
-        for (slip, meant) in [
+        for (typed, meant) in [
             ("Trun", Some("Turn")),
             ("comand", Some("command")),
             ("angel", Some("angle")),
@@ -175,12 +177,12 @@ mod tests {
             ("b", None),
             ("press", None),
         ] {
-            assert_eq!(nearest(slip, known.into_iter()), meant, "{slip}");
+            assert_eq!(nearest(typed, known.into_iter()), meant, "{typed}");
         }
     }
 
     #[test]
-    fn words_are_known_in_other_company() {
+    fn words_are_recognized_in_other_combinations() {
         let known = [
             "desired_angle",
             "command",
@@ -207,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn strangers_stay_strangers() {
+    fn dissimilar_names_are_not_suggested() {
         let known = [
             "turn_executed",
             "command",
@@ -234,18 +236,18 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_goes_before_a_guess() {
+    fn a_typing_mistake_takes_precedence_over_a_guess() {
         let known = ["angle_desired", "angles", "angle_max"];
         assert_eq!(nearest("angle", known.into_iter()), Some("angles"));
         assert_eq!(nearest("desired", known.into_iter()), Some("angle_desired"));
     }
 
     #[test]
-    fn kin_say_what_sets_them_apart() {
-        let apart = |a, b| related(&words(a), &words(b)).map(|k| k.words.join(" "));
-        assert_eq!(apart("desired", "desired_angle").as_deref(), Some("angle"));
-        assert_eq!(apart("cmd_turn", "command_turn").as_deref(), Some(""));
-        assert_eq!(apart("turn_done", "turn_executed"), None);
-        assert_eq!(apart("h1", "h2"), None);
+    fn similarity_names_the_additional_words() {
+        let extra = |a, b| word_similarity(&words(a), &words(b)).map(|s| s.words.join(" "));
+        assert_eq!(extra("desired", "desired_angle").as_deref(), Some("angle"));
+        assert_eq!(extra("cmd_turn", "command_turn").as_deref(), Some(""));
+        assert_eq!(extra("turn_done", "turn_executed"), None);
+        assert_eq!(extra("h1", "h2"), None);
     }
 }

@@ -1,7 +1,7 @@
 //! Findings as text for people: with source lines ([`human`]) or one line each ([`short`]).
 //!
-//! `human` has the layout of rustc, by annotate-snippets: readers know it, and editors recognise
-//! its places. It is always coloured; the caller strips the colours where they are not wanted
+//! `human` uses annotate-snippets for the layout of rustc, which readers know and whose places
+//! editors recognise. Its output is always coloured; the caller strips the colours where necessary
 //! (anstream). `short` is for build logs and editors' problem matchers:
 //! `file:line:column: severity[code]: message`.
 
@@ -15,11 +15,11 @@ use std::ops::Range;
 /// the marked part.
 const WIDTH: usize = 120;
 /// Maximum length of a displayed line, in bytes. The renderer searches the whole line for each
-/// finding, so longer ones would be slow.
-const LONG_LINE: usize = 4_000;
+/// finding, so longer lines would be slow.
+const MAX_LINE_LENGTH: usize = 4_000;
 
-/// Sorts findings by file name and place. Those without a place come last, in the order in which
-/// they were found.
+/// Sorts findings by file name and place. Findings without a place come last, in their original
+/// order.
 pub fn sorted<'a>(sources: &SourceMap, findings: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
     let mut sorted: Vec<&Diagnostic> = findings.iter().collect();
     sorted.sort_by_cached_key(|d| {
@@ -105,7 +105,7 @@ fn snippets<'a>(sources: &'a SourceMap, finding: &'a Diagnostic) -> Vec<Element<
             let places = places.chain(finding.labels.iter().map(|l| l.0));
             let places = places.filter(|s| s.file == id);
             let lines = sources.lines(places.clone());
-            if longest(&file.text[lines.clone()]) > LONG_LINE {
+            if longest(&file.text[lines.clone()]) > MAX_LINE_LENGTH {
                 let origin = Origin::path(file.name.as_str());
                 return match places.map(|s| sources.start(s)).next() {
                     Some(start) => origin.line(start.line).char_column(start.column).into(),
@@ -139,8 +139,8 @@ fn longest(text: &str) -> usize {
     text.lines().map(str::len).max().unwrap_or_default()
 }
 
-/// Returns a span as a range within the text, on character boundaries; the renderer panics on any
-/// other. Trailing white space, which a grammar rule may include, is not marked.
+/// Returns a span as a range within the text, on character boundaries; the renderer would panic on
+/// other offsets. Trailing white space, which a grammar rule may include, is excluded.
 fn range(text: &str, span: Span) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());
@@ -176,13 +176,13 @@ mod tests {
     }
 
     #[test]
-    fn short_has_one_line_a_finding() {
+    fn short_has_one_line_per_finding() {
         let (sources, findings) = sample::findings();
         insta::assert_snapshot!(sample::with_sources(&sources, &short(&sources, &findings)));
     }
 
     #[test]
-    fn colours_are_there_to_be_stripped() {
+    fn human_is_coloured_and_the_colours_can_be_stripped() {
         let (sources, findings) = sample::findings();
         assert!(human(&sources, &findings).contains('\u{1b}'));
         assert!(!plain(&sources, &findings).contains('\u{1b}'));

@@ -1,9 +1,9 @@
 //! Findings as SARIF 2.1.0 (OASIS standard), which code hosts and editors read.
 //!
-//! There is one run. Every code that occurs is a rule with its page as the help. There is no
-//! `helpUri`, since the pages are in the program. Region columns count characters
+//! The document has one run. Every code that occurs is a rule, with its page as the help. There is
+//! no `helpUri`, since the pages are embedded in the program. Region columns count characters
 //! (`unicodeCodePoints`), as everywhere in this program. A finding's related places are
-//! `relatedLocations`; its next step is appended to the message.
+//! `relatedLocations`; its notes and its next step are appended to the message.
 
 use super::json::Place;
 use super::{Code, Diagnostic, Severity, explanations, render};
@@ -24,7 +24,7 @@ pub fn document(sources: &SourceMap, findings: &[Diagnostic]) -> Value {
     run(&rules, &results)
 }
 
-/// Returns a document with these codes and no findings.
+/// Returns a document that describes these codes and has no findings.
 pub fn catalogue(codes: &[Code]) -> Value {
     run(codes, &[])
 }

@@ -3,8 +3,8 @@
 use super::{Graph, Region};
 use std::fmt::Write as _;
 
-/// Renders a graph.
-pub fn of(name: &str, graph: &Graph) -> String {
+/// Renders a graph, in the Graphviz language.
+pub fn render(name: &str, graph: &Graph) -> String {
     let mut text = head(name, "LR");
     text.push_str("  start [shape=point, label=\"\"];\n");
     body(&mut text, graph, "", "  ");
@@ -13,7 +13,7 @@ pub fn of(name: &str, graph: &Graph) -> String {
 }
 
 /// Renders regions, each as a cluster with its title.
-pub fn of_regions(name: &str, regions: &[Region]) -> String {
+pub fn render_regions(name: &str, regions: &[Region]) -> String {
     let mut text = head(name, "TB");
     for (number, region) in regions.iter().enumerate() {
         let title = quoted(std::slice::from_ref(&region.title));
@@ -52,7 +52,7 @@ fn body(text: &mut String, graph: &Graph, prefix: &str, indent: &str) {
     }
 }
 
-/// Returns a quoted label of several lines.
+/// Joins lines into one quoted label.
 fn quoted(lines: &[String]) -> String {
     let lines = lines.iter();
     let escaped: Vec<String> = lines

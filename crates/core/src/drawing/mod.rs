@@ -1,5 +1,4 @@
-//! Graphs of states with labels, as Graphviz text and as pictures. The callers decide what the
-//! graphs show.
+//! Labelled state graphs as Graphviz text and as pictures. The callers decide what the graphs show.
 
 pub mod dot;
 pub mod svg;
@@ -9,14 +8,14 @@ pub mod svg;
 pub struct Graph {
     /// Label of each state, as lines.
     pub states: Vec<Vec<String>>,
-    /// Edges; `from` is `None` for the step before the first state.
+    /// Edges, including those that lead to the initial states.
     pub edges: Vec<Edge>,
 }
 
 /// An edge of a [`Graph`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Edge {
-    /// Source state; `None`: before the start.
+    /// Source state; `None` for an edge to an initial state, which is drawn from a dot.
     pub from: Option<usize>,
     /// Target state.
     pub to: usize,

@@ -1,4 +1,4 @@
-//! A graph as a picture: laid out by layout-rs, drawn by our own backend.
+//! A graph as an SVG picture: laid out by layout-rs, drawn by our own backend.
 //!
 //! layout-rs's own backend writes its styles in the order of a hash map, draws edge labels without
 //! a background, and supports only Times as its font.
@@ -19,15 +19,15 @@ const EDGE_FONT: usize = 11;
 /// Distance between regions, and padding inside a region, in SVG units.
 const GAP: f64 = 12.;
 
-/// Draws a graph.
-pub fn of(name: &str, graph: &Graph) -> String {
+/// Draws a graph and returns the SVG document.
+pub fn render(name: &str, graph: &Graph) -> String {
     let mut canvas = Canvas::default();
     place(graph).do_it(false, false, false, &mut canvas);
     canvas.finish(name)
 }
 
 /// Draws regions side by side, each in a frame with its title.
-pub fn of_regions(name: &str, regions: &[Region]) -> String {
+pub fn render_regions(name: &str, regions: &[Region]) -> String {
     let mut whole = Canvas::default();
     let mut right = 0.;
     for region in regions {
@@ -98,7 +98,7 @@ fn place(graph: &Graph) -> VisualGraph {
     visual
 }
 
-/// Returns the size of some lines of text, with a margin.
+/// Estimates the size of a text with these lines, including a margin.
 fn text_size(lines: &[String], font: usize) -> Point {
     let longest = lines.iter().map(|l| l.chars().count()).max().unwrap_or(0);
     let (width, height) = (longest.max(2) as f64 * 0.58, lines.len() as f64 * 1.2);
@@ -198,7 +198,7 @@ impl RenderBackend for Canvas {
         if lines.is_empty() {
             return;
         }
-        // On a long edge the package does not pass on the label's style.
+        // For the label of a long edge, layout-rs does not pass on the style.
         let state = look.font_size == STATE_FONT;
         let font_size = if state { STATE_FONT } else { EDGE_FONT };
         let font = font_size as f64;

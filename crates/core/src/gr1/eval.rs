@@ -1,11 +1,12 @@
-//! The meaning of an expression, by direct evaluation.
+//! Direct evaluation of expressions.
 
 use super::{BinaryOp, Expr, Time, UnaryOp};
 
-/// Evaluates `expr` where variable `v` has the value `now[v]` and the next value `next[v]`.
+/// Evaluates `expr`, where variable `v` has the current value `now[v]` and the next value
+/// `next[v]`.
 ///
-/// `next` may be empty if the expression has no next values. Arithmetic is exact as long as the
-/// value fits an `i64`, which [`interval`](super::interval) checks beforehand.
+/// `next` can be empty if the expression has no next values. Arithmetic is exact as long as every
+/// result fits into an `i64`, which [`interval`](super::interval) checks beforehand.
 pub fn eval(expr: &Expr, now: &[i64], next: &[i64]) -> i64 {
     match expr {
         Expr::Const(c) => *c,
@@ -68,7 +69,8 @@ pub fn binary(op: BinaryOp, a: i64, b: i64) -> i64 {
     }
 }
 
-/// Like [`binary`]; returns `None` if the result would leave an `i64`, or the divisor is 0.
+/// Like [`binary`], but returns `None` if the result does not fit into an `i64` or the divisor is
+/// 0.
 pub fn checked(op: BinaryOp, a: i64, b: i64) -> Option<i64> {
     match op {
         BinaryOp::Add => a.checked_add(b),
@@ -95,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn division_rounds_down_and_the_rest_has_the_divisors_sign() {
+    fn division_rounds_down_and_the_remainder_has_the_sign_of_the_divisor() {
         for a in -7..=7 {
             for b in [-3, -2, -1, 1, 2, 3] {
                 let (q, r) = (binary(BinaryOp::Div, a, b), binary(BinaryOp::Mod, a, b));

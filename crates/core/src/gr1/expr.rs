@@ -32,9 +32,9 @@ pub enum BinaryOp {
     Or,
     /// Boolean implication.
     Implies,
-    /// `=`; also "if and only if" of booleans.
+    /// `=`; for booleans, "if and only if".
     Eq,
-    /// `!=`; also exclusive or of booleans.
+    /// `!=`; for booleans, exclusive or.
     Ne,
     /// `<`
     Lt,
@@ -53,8 +53,8 @@ pub enum BinaryOp {
     /// Division rounded towards minus infinity. The divisor is never 0 (checked when a file is
     /// resolved).
     Div,
-    /// Remainder of that division. It has the divisor's sign, so it is never negative for a
-    /// positive divisor.
+    /// Remainder of [`Div`](Self::Div). Its sign is that of the divisor, so it is never negative
+    /// for a positive divisor.
     Mod,
     /// Minimum.
     Min,
@@ -62,7 +62,7 @@ pub enum BinaryOp {
     Max,
 }
 
-/// An expression over the variables of one specification (or over the wires of one machine).
+/// An expression over the variables of one specification or the wires of one machine.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Expr {
     /// A constant; `true` is 1.
@@ -95,7 +95,10 @@ impl Expr {
 
     /// Returns the boolean negation.
     #[must_use]
-    #[expect(clippy::should_implement_trait, reason = "the logic's own word")]
+    #[expect(
+        clippy::should_implement_trait,
+        reason = "`not` is the usual name in logic"
+    )]
     pub fn not(self) -> Self {
         Self::Unary(UnaryOp::Not, Box::new(self))
     }
@@ -160,14 +163,15 @@ impl Expr {
         found
     }
 
-    /// Returns whether a next value occurs.
+    /// Returns whether the expression reads a next value.
     pub fn mentions_next(&self) -> bool {
         let mut found = false;
         self.for_each_var(&mut |_, t| found |= t == Time::Next);
         found
     }
 
-    /// Returns the same expression with every variable replaced.
+    /// Returns the expression with every occurrence of a variable replaced by the result of
+    /// `replace`.
     #[must_use]
     pub fn substitute(&self, replace: &mut impl FnMut(VarId, Time) -> Self) -> Self {
         match self {
@@ -187,9 +191,10 @@ impl Expr {
         }
     }
 
-    /// Folds constants without changing the value: operators with known operands, and connectives
-    /// and choices decided by one operand. Arithmetic that would leave an `i64` or divide by zero
-    /// is kept.
+    /// Folds constants without changing the value: operators with constant operands, connectives
+    /// that one operand decides, and choices with a constant condition or equal branches.
+    /// Arithmetic whose result does not fit into an `i64`, or that divides by zero, is left
+    /// unchanged.
     #[must_use]
     pub fn simplify(&self) -> Self {
         use BinaryOp as B;

@@ -1,8 +1,8 @@
-//! The smallest and largest value an expression can take, by interval arithmetic.
+//! Bounds for the values of an expression, by interval arithmetic.
 //!
-//! Sound, not exact: the true range lies within. Used to choose bit widths, to reject arithmetic
-//! that could leave an `i64` or divide by zero, and to find next values that can leave their
-//! domain.
+//! The bounds are sound but not exact: the true range lies within them. They are used to choose bit
+//! widths, to reject arithmetic that could overflow an `i64` or divide by zero, and to find next
+//! values that can leave their domain.
 
 use super::{BinaryOp, Domain, Expr, UnaryOp, VarId};
 
@@ -33,10 +33,10 @@ impl Interval {
     }
 }
 
-/// Problem of an expression.
+/// Error for an expression whose interval cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Problem {
-    /// A value could leave ±2^62.
+pub enum IntervalError {
+    /// A value could be outside ±2^62.
     TooLarge,
     /// A divisor's range contains 0.
     DivisorZero,
@@ -44,12 +44,18 @@ pub enum Problem {
 
 const LIMIT: i128 = 1 << 62;
 
-/// Computes the interval of `expr`, where `domain` gives that of each variable (current and next
-/// values alike).
-pub fn interval(expr: &Expr, domain: &impl Fn(VarId) -> Interval) -> Result<Interval, Problem> {
+/// Computes the interval of `expr`. `domain` gives the interval of each variable, for current and
+/// next values alike.
+///
+/// # Errors
+/// If a subexpression could be too large, or a divisor could be 0.
+pub fn interval(
+    expr: &Expr,
+    domain: &impl Fn(VarId) -> Interval,
+) -> Result<Interval, IntervalError> {
     let make = |low: i128, high: i128| {
         if low < -LIMIT || high > LIMIT {
-            Err(Problem::TooLarge)
+            Err(IntervalError::TooLarge)
         } else {
             Ok(Interval {
                 low: low as i64,
@@ -89,7 +95,7 @@ pub fn interval(expr: &Expr, domain: &impl Fn(VarId) -> Interval) -> Result<Inte
                 BinaryOp::Add => make(al + bl, ah + bh),
                 BinaryOp::Sub => make(al - bh, ah - bl),
                 BinaryOp::Mul => hull([al * bl, al * bh, ah * bl, ah * bh]),
-                BinaryOp::Div | BinaryOp::Mod if b.contains(0) => Err(Problem::DivisorZero),
+                BinaryOp::Div | BinaryOp::Mod if b.contains(0) => Err(IntervalError::DivisorZero),
                 BinaryOp::Div => hull([
                     floor_div(al, bl),
                     floor_div(al, bh),

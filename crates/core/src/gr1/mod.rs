@@ -1,12 +1,12 @@
-//! GR(1) specifications: the narrow waist between languages and solvers.
+//! GR(1) specifications: the common interface between input languages and solvers.
 //!
 //! A [`Specification`] is flat: scalar variables with finite domains, and formulas over their
-//! current and next values. Arrays, parameters, quantifiers and defines are gone; every formula
-//! keeps its name, its span and its text.
+//! current and next values. Arrays, parameters, quantifiers and defines have been expanded; every
+//! formula keeps its name, its span and its text.
 //!
 //! # Meaning
 //!
-//! Time is a sequence of steps; in step *t* the environment gives the inputs x(t) and the machine
+//! Time is a sequence of steps. In step *t* the environment chooses the inputs x(t) and the machine
 //! answers with the outputs y(t) (internal variables count as outputs). With `Mealy` timing y(t)
 //! may depend on x(t); with `Moore` it may not.
 //!
@@ -16,10 +16,10 @@
 //! - `justice` formulas hold infinitely often (current values, and next values where a format
 //!   allows it).
 //!
-//! Safety is strict and comes first (Bloem et al., Synthesis of Reactive(1) Designs, 2012): the
-//! machine must keep its initial conditions, invariants and safety for as long as the environment
-//! has kept its own, and its justice whenever the environment's justice holds. It must have an
-//! answer for every initial choice the environment may make.
+//! The semantics is strict (Bloem et al., Synthesis of Reactive(1) Designs, 2012): the machine must
+//! keep its initial conditions, invariants and safety for as long as the environment has kept its
+//! own, and its justice whenever the environment's justice holds. It must have an answer to every
+//! initial choice that the environment is allowed to make.
 
 pub mod eval;
 mod expr;
@@ -66,7 +66,7 @@ pub enum Domain {
 }
 
 impl Domain {
-    /// Smallest value.
+    /// Returns the smallest value.
     pub fn low(&self) -> i64 {
         match self {
             Self::Range { low, .. } => *low,
@@ -74,7 +74,7 @@ impl Domain {
         }
     }
 
-    /// Largest value.
+    /// Returns the largest value.
     pub fn high(&self) -> i64 {
         match self {
             Self::Bool => 1,
@@ -95,7 +95,7 @@ impl Domain {
 
     /// Returns whether a real number is one of the values.
     pub fn contains_real(&self, value: f64) -> bool {
-        #[expect(clippy::float_cmp, reason = "a whole number is its own floor")]
+        #[expect(clippy::float_cmp, reason = "a whole number equals its floor exactly")]
         let whole = value == value.floor();
         whole && self.low() as f64 <= value && value <= self.high() as f64
     }
@@ -138,13 +138,13 @@ pub struct Variable {
     pub name: String,
     /// Side that chooses its value.
     pub owner: Owner,
-    /// Whether it is internal to the machine: checked like an output, but not part of its
+    /// Whether the variable is internal to the machine: treated like an output, but not part of the
     /// interface.
     pub internal: bool,
     /// Set of its values.
     pub domain: Domain,
-    /// Unit of its values, such as `mm`; empty for bare numbers. For display only: formulas are
-    /// already in one unit.
+    /// Unit of its values, such as `mm`; empty for bare numbers. For display only: the numbers in
+    /// formulas are already converted to this unit.
     pub unit: String,
     /// Place of its declaration.
     pub span: Span,
@@ -153,17 +153,17 @@ pub struct Variable {
 impl Variable {
     /// Formats a value with its unit: `90 deg`.
     pub fn show(&self, value: i64) -> String {
-        shown(&self.domain, value, &self.unit)
+        show_value(&self.domain, value, &self.unit)
     }
 
     /// Formats the domain with its unit: `0..359 deg`.
     pub fn describe(&self) -> String {
-        described(&self.domain, &self.unit)
+        describe_domain(&self.domain, &self.unit)
     }
 }
 
 /// Formats a domain with its unit.
-pub fn described(domain: &Domain, unit: &str) -> String {
+pub fn describe_domain(domain: &Domain, unit: &str) -> String {
     let domain = domain.describe();
     if unit.is_empty() {
         domain
@@ -173,7 +173,7 @@ pub fn described(domain: &Domain, unit: &str) -> String {
 }
 
 /// Formats a value with its unit.
-pub fn shown(domain: &Domain, value: i64, unit: &str) -> String {
+pub fn show_value(domain: &Domain, value: i64, unit: &str) -> String {
     let value = domain.show(value);
     if unit.is_empty() {
         value
@@ -198,18 +198,19 @@ pub struct Formula {
     pub name: String,
     /// Requirement it comes from, such as `R-12`.
     pub requirement: Option<String>,
-    /// Formula without the temporal operator that put it into its list; its value is 0 or 1.
+    /// Formula without its outer temporal operator, which its list in [`Side`] stands for; its
+    /// value is 0 or 1.
     pub expr: Expr,
     /// Place in the source.
     pub span: Span,
     /// Source text, in one line.
     pub text: String,
-    /// Whether it only defines the value of a monitor, and so leaves the machine no choice: see
-    /// [`monitors`].
+    /// Whether the formula defines the value of a monitor and nothing else, so that it does not
+    /// restrict the machine's choices: see [`monitors`].
     pub defines: bool,
 }
 
-/// Formulas of one side, by kind. See the module's text for the meaning of each kind.
+/// Formulas of one side, by kind. The module documentation gives the meaning of each kind.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Side {
     /// Hold in step 0.
@@ -238,14 +239,14 @@ impl Side {
 pub struct Specification {
     /// Name of the contract.
     pub name: String,
-    /// Which side answers first.
+    /// Order of the two sides within a step.
     pub timing: Timing,
     /// All variables in declaration order; inputs and outputs may be mixed.
     pub variables: Vec<Variable>,
-    /// Promises of the environment. Invariants and initial conditions mention inputs only; safety
-    /// mentions next values of inputs only.
+    /// Assumptions about the environment. Initial conditions and invariants mention inputs only;
+    /// safety formulas mention current values of all variables, but next values of inputs only.
     pub assumptions: Side,
-    /// Promises of the machine.
+    /// Guarantees of the machine.
     pub guarantees: Side,
 }
 
@@ -265,12 +266,12 @@ impl Specification {
         &self.variables[id.index()]
     }
 
-    /// Returns whether a variable was generated for a monitor: its span is that of a formula, not
-    /// of a declaration.
+    /// Returns whether a variable was generated for a monitor: an internal variable whose span lies
+    /// within a formula instead of a declaration.
     pub fn is_auxiliary(&self, id: VarId) -> bool {
         let variable = self.variable(id);
         let mut formulas = self.assumptions.all().chain(self.guarantees.all());
-        variable.internal && formulas.any(|f| f.span.holds(variable.span))
+        variable.internal && formulas.any(|f| f.span.contains(variable.span))
     }
 
     fn owned_by(&self, owner: Owner) -> impl Iterator<Item = VarId> {

@@ -1,32 +1,33 @@
 //! Next values that can leave their domain: `next made = made + 1` where `made` is at the end of
 //! its range.
 //!
-//! All arithmetic is exact and nothing wraps around, so such a formula cannot be kept in such a
-//! step. Intervals alone would also report `made < 9 -> next made = made + 1`. So the conditions of
-//! an equation are kept, and the values of the variables in both are tried. If there are too many
-//! values, nothing is reported: this is only a hint; the game decides exactly.
+//! All arithmetic is exact and nothing wraps around, so no controller can keep such a formula in
+//! such a step. Intervals alone would also report `made < 9 -> next made = made + 1`. So the search
+//! collects the conditions of an equation, and tries all values of the variables in the equation
+//! and its conditions. If there are too many valuations, nothing is reported: this is only a hint,
+//! and the game decides exactly.
 
 use super::interval::{Interval, interval};
 use super::{BinaryOp, Expr, Formula, Specification, Time, UnaryOp, VarId};
 use crate::gr1::eval::{eval, holds};
 
 /// Maximum number of valuations tried per equation.
-const LIMIT: u64 = 1 << 16;
+const MAX_VALUATIONS: u64 = 1 << 16;
 
 /// An equation whose right side can leave the domain of the next value on its left side.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Overflow<'a> {
     /// Formula that contains the equation.
     pub formula: &'a Formula,
-    /// Variable whose next value it sets.
+    /// Variable whose next value the equation sets.
     pub variable: VarId,
-    /// Value that does not fit.
+    /// Value outside the variable's domain.
     pub value: i64,
-    /// Current values of the variables that lead to it.
+    /// Current values that lead to this next value.
     pub example: Vec<(VarId, i64)>,
 }
 
-/// Returns an overflow for each formula that can require a next value outside its domain,
+/// Returns one overflow for each safety formula that can require a next value outside its domain,
 /// guarantees first.
 pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
     let (g, a) = (&specification.guarantees, &specification.assumptions);
@@ -38,7 +39,7 @@ pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
                 formula,
                 conditions: Vec::new(),
             };
-            search.demand(&formula.expr)
+            search.check(&formula.expr)
         })
         .collect()
 }
@@ -46,15 +47,15 @@ pub fn overflows(specification: &Specification) -> Vec<Overflow<'_>> {
 struct Search<'a> {
     specification: &'a Specification,
     formula: &'a Formula,
-    /// Conditions under which the current expression must hold.
+    /// Conditions under which the expression being checked has to hold.
     conditions: Vec<Expr>,
 }
 
 impl<'a> Search<'a> {
     /// Checks an expression that has to hold.
-    fn demand(&mut self, expr: &Expr) -> Option<Overflow<'a>> {
+    fn check(&mut self, expr: &Expr) -> Option<Overflow<'a>> {
         match expr {
-            Expr::Binary(BinaryOp::And, a, b) => self.demand(a).or_else(|| self.demand(b)),
+            Expr::Binary(BinaryOp::And, a, b) => self.check(a).or_else(|| self.check(b)),
             Expr::Binary(BinaryOp::Implies, a, b) => self.under((**a).clone(), b),
             Expr::Binary(BinaryOp::Or, a, b) => {
                 let not = |e: &Expr| match e {
@@ -74,10 +75,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Checks an expression that has to hold where `condition` does.
+    /// Checks an expression that has to hold if `condition` holds.
     fn under(&mut self, condition: Expr, expr: &Expr) -> Option<Overflow<'a>> {
         self.conditions.push(condition);
-        let found = self.demand(expr);
+        let found = self.check(expr);
         self.conditions.pop();
         found
     }
@@ -105,9 +106,9 @@ impl<'a> Search<'a> {
         self.try_values(variable, value)
     }
 
-    /// Tries the values of all variables that the equation and its conditions mention. Conditions
-    /// on next values are skipped: the machine may choose those, so they do not restrict its
-    /// obligation.
+    /// Tries all current values of the variables that the equation and its conditions mention.
+    /// Returns `None` if the value or a condition reads next values, or if there are too many
+    /// valuations.
     fn try_values(&self, variable: VarId, value: &Expr) -> Option<Overflow<'a>> {
         if value.mentions_next() {
             return None;
@@ -129,7 +130,7 @@ impl<'a> Search<'a> {
         let count = used
             .iter()
             .try_fold(1u64, |n, v| n.checked_mul(domain_of(*v).size()))?;
-        if count > LIMIT {
+        if count > MAX_VALUATIONS {
             return None;
         }
         let variables = self.specification.variables.iter();
@@ -146,10 +147,10 @@ impl<'a> Search<'a> {
                     });
                 }
             }
-            // Advances to the next valuation, as an odometer counts.
-            let mut turned = used.iter();
+            // Advance to the next valuation, like an odometer.
+            let mut digits = used.iter();
             loop {
-                let v = turned.next()?;
+                let v = digits.next()?;
                 let value = &mut now[v.index()];
                 if *value < domain_of(*v).high() {
                     *value += 1;
@@ -212,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_that_runs_over_is_found() {
+    fn a_counter_that_overflows_is_found() {
         let expr = Expr::now(PART).implies(Expr::next(MADE).equals(plus_one()));
         assert_eq!(found(expr), Some((10, vec![(MADE, 9), (PART, 1)])));
         let down = Expr::binary(BinaryOp::Sub, Expr::now(MADE), Expr::Const(1));
@@ -223,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_counter_that_stops_or_asks_first_is_not() {
+    fn a_counter_that_saturates_or_is_guarded_is_not() {
         let bounded = Expr::binary(BinaryOp::Min, plus_one(), Expr::Const(9));
         assert_eq!(found(Expr::next(MADE).equals(bounded)), None);
         let below = Expr::binary(BinaryOp::Lt, Expr::now(MADE), Expr::Const(9));

@@ -1,8 +1,8 @@
-//! Expressions in the syntax of the contract language, with labels by name.
+//! Formatting of expressions in the syntax of the contract language, with labels by name.
 
 use super::{BinaryOp, Domain, Expr, Specification, Time, UnaryOp};
 
-/// Binding strength, from a whole formula to a name.
+/// Binding strength, from the weakest to the strongest.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binds {
     Implication,
@@ -15,14 +15,14 @@ enum Binds {
     Name,
 }
 
-/// Formats a truth value. The text parses to an equal expression in a contract with the same
-/// variables.
+/// Formats a boolean expression. In a contract with the same variables, the text parses to an equal
+/// expression.
 pub fn text(specification: &Specification, expr: &Expr) -> String {
     print(specification, expr, TRUTH).0
 }
 
-/// Formats a truth value as an operand: in parentheses unless it is a name, a comparison or a
-/// negation.
+/// Formats a boolean expression as an operand: in parentheses unless it is a name, a comparison or
+/// a negation.
 pub fn operand(specification: &Specification, expr: &Expr) -> String {
     let (text, binds) = print(specification, expr, TRUTH);
     if binds >= Binds::Not {
@@ -34,33 +34,33 @@ pub fn operand(specification: &Specification, expr: &Expr) -> String {
 
 /// Notation of a constant.
 #[derive(Clone, Copy)]
-enum Like<'s> {
+enum Notation<'s> {
     /// A label or truth value of this domain.
     Label(&'s Domain),
     /// A number with this unit.
     Unit(&'s str),
 }
 
-const TRUTH: Option<Like<'static>> = Some(Like::Label(&Domain::Bool));
+const TRUTH: Option<Notation<'static>> = Some(Notation::Label(&Domain::Bool));
 
-fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (String, Binds) {
+fn print<'s>(s: &'s Specification, expr: &Expr, notation: Option<Notation<'s>>) -> (String, Binds) {
     use BinaryOp as B;
-    let part = |expr: &Expr, least: Binds, like: Option<Like<'s>>| {
-        let (text, binds) = print(s, expr, like);
+    let part = |expr: &Expr, least: Binds, notation: Option<Notation<'s>>| {
+        let (text, binds) = print(s, expr, notation);
         if binds >= least {
             text
         } else {
             format!("({text})")
         }
     };
-    let both = |a: &Expr, word: &str, b: &Expr, (binds, inner), like: Option<Like<'s>>| {
-        let (a, b) = (part(a, inner, like), part(b, inner, like));
+    let both = |a: &Expr, word: &str, b: &Expr, (binds, inner), notation: Option<Notation<'s>>| {
+        let (a, b) = (part(a, inner, notation), part(b, inner, notation));
         (format!("{a} {word} {b}"), binds)
     };
     match expr {
-        Expr::Const(value) => match like {
-            Some(Like::Label(domain)) => (domain.show(*value), Binds::Name),
-            Some(Like::Unit(unit)) if *value >= 0 => (format!("{value} {unit}"), Binds::Name),
+        Expr::Const(value) => match notation {
+            Some(Notation::Label(domain)) => (domain.show(*value), Binds::Name),
+            Some(Notation::Unit(unit)) if *value >= 0 => (format!("{value} {unit}"), Binds::Name),
             _ if *value < 0 => (format!("(0 - {})", value.unsigned_abs()), Binds::Name),
             _ => (value.to_string(), Binds::Name),
         },
@@ -84,22 +84,23 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
                 (format!("not ({text})"), Binds::Not)
             }
         }
-        Expr::Unary(UnaryOp::Neg, a) => {
-            (format!("0 - {}", part(a, Binds::Product, like)), Binds::Sum)
-        }
+        Expr::Unary(UnaryOp::Neg, a) => (
+            format!("0 - {}", part(a, Binds::Product, notation)),
+            Binds::Sum,
+        ),
         Expr::Unary(UnaryOp::Abs, a) => (
-            format!("abs({})", part(a, Binds::Implication, like)),
+            format!("abs({})", part(a, Binds::Implication, notation)),
             Binds::Name,
         ),
         Expr::If(c, a, b) => {
-            let own = if truth(s, expr) {
+            let own = if is_boolean(s, expr) {
                 TRUTH
             } else {
-                labels(s, expr)
+                notation_of(s, expr)
             };
-            let like = like.or(own);
+            let notation = notation.or(own);
             let c = part(c, Binds::Or, TRUTH);
-            let (a, b) = (part(a, Binds::Or, like), part(b, Binds::Or, like));
+            let (a, b) = (part(a, Binds::Or, notation), part(b, Binds::Or, notation));
             (format!("if {c} then {a} else {b}"), Binds::Implication)
         }
         Expr::Binary(op, a, b) => match op {
@@ -115,7 +116,7 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
                 let (a, b) = (part(a, Binds::Or, TRUTH), part(b, Binds::Or, TRUTH));
                 (format!("{a} -> {b}"), Binds::Implication)
             }
-            B::Eq | B::Ne if compares_truth(s, a, b) => {
+            B::Eq | B::Ne if compares_booleans(s, a, b) => {
                 let word = if *op == B::Eq { "<->" } else { "xor" };
                 let (a, b) = (part(a, Binds::Not, TRUTH), part(b, Binds::Not, TRUTH));
                 (format!("{a} {word} {b}"), Binds::Implication)
@@ -129,20 +130,23 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
                     B::Gt => ">",
                     _ => ">=",
                 };
-                let (of_a, of_b) = (labels(s, a), labels(s, b));
+                let (of_a, of_b) = (notation_of(s, a), notation_of(s, b));
                 let a = part(a, Binds::Sum, of_b);
                 let b = part(b, Binds::Sum, of_a);
                 (format!("{a} {word} {b}"), Binds::Comparison)
             }
             B::Min | B::Max => {
                 let word = if *op == B::Min { "min" } else { "max" };
-                let a = part(a, Binds::Implication, like);
-                let b = part(b, Binds::Implication, like);
+                let a = part(a, Binds::Implication, notation);
+                let b = part(b, Binds::Implication, notation);
                 (format!("{word}({a}, {b})"), Binds::Name)
             }
-            B::Add => both(a, "+", b, (Binds::Sum, Binds::Sum), like),
+            B::Add => both(a, "+", b, (Binds::Sum, Binds::Sum), notation),
             B::Sub => {
-                let (a, b) = (part(a, Binds::Sum, like), part(b, Binds::Product, like));
+                let (a, b) = (
+                    part(a, Binds::Sum, notation),
+                    part(b, Binds::Product, notation),
+                );
                 (format!("{a} - {b}"), Binds::Sum)
             }
             B::Mul => both(a, "*", b, (Binds::Product, Binds::Name), None),
@@ -152,47 +156,48 @@ fn print<'s>(s: &'s Specification, expr: &Expr, like: Option<Like<'s>>) -> (Stri
     }
 }
 
-/// Returns the notation of constants compared with an expression.
-fn labels<'s>(s: &'s Specification, expr: &Expr) -> Option<Like<'s>> {
+/// Returns the notation for constants that an expression is compared with; `None` for bare numbers.
+fn notation_of<'s>(s: &'s Specification, expr: &Expr) -> Option<Notation<'s>> {
     use BinaryOp as B;
     match expr {
         Expr::Var(v, _) => {
             let variable = s.variable(*v);
             match &variable.domain {
                 Domain::Range { .. } if variable.unit.is_empty() => None,
-                Domain::Range { .. } => Some(Like::Unit(&variable.unit)),
-                domain => Some(Like::Label(domain)),
+                Domain::Range { .. } => Some(Notation::Unit(&variable.unit)),
+                domain => Some(Notation::Label(domain)),
             }
         }
         Expr::If(_, a, b) | Expr::Binary(B::Add | B::Sub | B::Min | B::Max, a, b) => {
-            labels(s, a).or_else(|| labels(s, b))
+            notation_of(s, a).or_else(|| notation_of(s, b))
         }
-        Expr::Unary(UnaryOp::Neg | UnaryOp::Abs, a) => labels(s, a),
+        Expr::Unary(UnaryOp::Neg | UnaryOp::Abs, a) => notation_of(s, a),
         _ => None,
     }
 }
 
-/// Returns whether two operands are truth values. A variable and a constant are compared like other
-/// values: `b = true`.
-fn compares_truth(s: &Specification, a: &Expr, b: &Expr) -> bool {
+/// Returns whether a comparison is written with `<->` or `xor`, since its operands are boolean. A
+/// variable and a constant are compared like other values: `b = true`.
+fn compares_booleans(s: &Specification, a: &Expr, b: &Expr) -> bool {
     let plain = |e: &Expr| matches!(e, Expr::Var(..) | Expr::Const(_));
-    match (truth(s, a), truth(s, b)) {
+    match (is_boolean(s, a), is_boolean(s, b)) {
         (true, true) => true,
-        // Both have the same type.
+        // The operands have the same type, so the other one is a boolean constant.
         (true, false) | (false, true) => !(plain(a) && plain(b)),
         (false, false) => false,
     }
 }
 
-/// Returns whether an expression is a truth value by its form.
-pub fn truth(s: &Specification, expr: &Expr) -> bool {
+/// Returns whether an expression is boolean by its form; `false` for constants, whose type depends
+/// on their context.
+pub fn is_boolean(s: &Specification, expr: &Expr) -> bool {
     use BinaryOp as B;
     match expr {
         Expr::Const(_) => false,
         Expr::Var(v, _) => s.variable(*v).domain == Domain::Bool,
         Expr::Unary(op, _) => *op == UnaryOp::Not,
-        // Both have the same type; one of them may be a constant.
-        Expr::If(_, a, b) => truth(s, a) || truth(s, b),
+        // Both branches have the same type; one of them can be a constant.
+        Expr::If(_, a, b) => is_boolean(s, a) || is_boolean(s, b),
         Expr::Binary(op, ..) => matches!(
             op,
             B::And | B::Or | B::Implies | B::Eq | B::Ne | B::Lt | B::Le | B::Gt | B::Ge

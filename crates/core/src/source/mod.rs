@@ -31,12 +31,12 @@ impl Span {
         }
     }
 
-    /// Returns whether another span lies within this one or equals it.
-    pub fn holds(self, other: Self) -> bool {
+    /// Returns whether another span lies within this span or equals it.
+    pub fn contains(self, other: Self) -> bool {
         self.file == other.file && self.start <= other.start && other.end <= self.end
     }
 
-    /// Returns the smallest span that contains both, which must be in the same file.
+    /// Returns the smallest span that contains both spans, which must be in the same file.
     #[must_use]
     pub fn to(self, other: Self) -> Self {
         Self {
@@ -57,7 +57,7 @@ pub struct SourceFile {
     line_starts: Vec<u32>,
 }
 
-/// A line and column for display, both from 1; the column counts characters.
+/// A line and column for display; both start at 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Position {
     /// Line, from 1.
@@ -66,7 +66,7 @@ pub struct Position {
     pub column: usize,
 }
 
-/// Every file that was read, by [`FileId`].
+/// All files that were read, indexed by [`FileId`].
 #[derive(Debug, Clone, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
@@ -78,7 +78,7 @@ impl SourceMap {
         Self::default()
     }
 
-    /// Adds a file and returns its id. A name may be added twice; the two are different files.
+    /// Adds a file and returns its id. Files with the same name are different files.
     pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
         let text = text.into();
         let line_starts = std::iter::once(0)
@@ -92,7 +92,10 @@ impl SourceMap {
         FileId(self.files.len() as u32 - 1)
     }
 
-    /// Returns the file with an id from this map.
+    /// Returns the file with this id.
+    ///
+    /// # Panics
+    /// If the id is not from this map.
     pub fn file(&self, id: FileId) -> &SourceFile {
         &self.files[id.0 as usize]
     }
@@ -105,7 +108,7 @@ impl SourceMap {
             .map(|(i, f)| (FileId(i as u32), f))
     }
 
-    /// Returns the text of a span.
+    /// Returns the text of a span; empty if the span is not in the file or splits a character.
     pub fn text(&self, span: Span) -> &str {
         let text = &self.file(span.file).text;
         text.get(span.start as usize..span.end as usize)
@@ -122,8 +125,8 @@ impl SourceMap {
         self.position(span.file, span.end)
     }
 
-    /// Returns the whole lines, as a range of bytes, from the first to the last of these places in
-    /// one file.
+    /// Returns the byte range of all lines from the first to the last of these places, which must
+    /// be in one file.
     pub(crate) fn lines(&self, places: impl Iterator<Item = Span>) -> Range<usize> {
         let mut places = places.peekable();
         let Some(first) = places.peek() else {
@@ -145,7 +148,7 @@ impl SourceMap {
         let line = file.line_starts.partition_point(|&s| s <= offset).max(1);
         let start = file.line_starts[line - 1] as usize;
         let prefix = file.text.get(start..offset as usize).unwrap_or("");
-        // A byte order mark is no character of the first line.
+        // A byte order mark does not count as a character of the first line.
         let prefix = prefix.strip_prefix('\u{feff}').unwrap_or(prefix);
         Position {
             line,

@@ -1,12 +1,12 @@
 //! The taxonomies that contracts name in `implements`: DIN 8580 (manufacturing) and VDI 2860
 //! (handling).
 //!
-//! The data are two tables in `din8580/`, embedded in the program. A [`Taxonomy`] is their tree. A
-//! code has its standard before the colon (`din:4.3.1`, `vdi:Drehen`), as in the language. Each
-//! entry also has its source and a confidence, since neither standard is freely available and the
-//! sources disagree in places.
+//! The data are two tables in `din8580/`, embedded in the program. A [`Taxonomy`] is the tree of
+//! their entries. A full code has its standard before a colon (`din:4.3.1`, `vdi:Drehen`), as in
+//! the language. Each entry also gives its source and a confidence, since neither standard is
+//! freely available and the sources disagree in places.
 
-use crate::diagnostics::distance;
+use crate::diagnostics::edit_distance;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
@@ -55,9 +55,9 @@ pub struct Entry {
     pub parent: Option<String>,
     /// Source of the entry.
     pub source: String,
-    /// Edition of the standard; empty if the table has none.
+    /// Edition of the standard; empty if the table does not give it.
     pub edition: String,
-    /// Confidence: `high` if several sources agree, `medium` if there is one.
+    /// Confidence: `high` if several sources agree, `medium` if there is only one source.
     pub confidence: String,
     /// Remarks on the entry.
     pub note: String,
@@ -75,7 +75,7 @@ impl Entry {
     }
 }
 
-/// Error for a table that cannot be read.
+/// Error in a table of a taxonomy.
 #[derive(Debug, thiserror::Error)]
 #[error("{table}, record {record}: {message}")]
 pub struct TableError {
@@ -108,8 +108,10 @@ pub fn find(code: &str) -> Option<&'static Entry> {
     taxonomy().find(code)
 }
 
-/// Returns the entry of a full code in the embedded taxonomy, or a suggested next step if there is
-/// none.
+/// Returns the entry of a full code in the embedded taxonomy.
+///
+/// # Errors
+/// If there is no such entry; the error is a suggested next step for the user.
 pub fn lookup(code: &str) -> Result<&'static Entry, String> {
     taxonomy().find(code).ok_or_else(|| {
         let near: Vec<String> = taxonomy()
@@ -125,7 +127,10 @@ pub fn lookup(code: &str) -> Result<&'static Entry, String> {
 }
 
 impl Taxonomy {
-    /// Reads tables with the columns `code,german,english,parent,source,confidence,...`.
+    /// Reads CSV tables with the columns `code,german,english,parent,source,confidence,...`.
+    ///
+    /// # Errors
+    /// If a table is malformed, or a code occurs twice, or a record has no code or term.
     pub fn parse(tables: &[(Standard, &str)]) -> Result<Self, TableError> {
         let mut taxonomy = Self::default();
         for (standard, text) in tables {
@@ -182,23 +187,24 @@ impl Taxonomy {
         &self.entries
     }
 
-    /// Returns the entry of a full code. Case and the spelling of umlauts do not matter; the
-    /// standard does.
+    /// Returns the entry of a full code, standard included. Case and the spelling of umlauts (`ü`
+    /// or `ue`) are ignored.
     pub fn find(&self, code: &str) -> Option<&Entry> {
         self.by_code
             .get(&fold(code.trim()))
             .map(|i| &self.entries[*i])
     }
 
-    /// Returns the entries whose code or term, German or English, contains a word. Case and the
-    /// spelling of umlauts do not matter: `Fraesen` and `frasen` both find Fräsen.
+    /// Returns the entries whose code, German term or English term contains a word. Case and the
+    /// spelling of umlauts are ignored: `Fraesen` and `frasen` both find Fräsen.
     pub fn search(&self, word: &str) -> Vec<&Entry> {
-        let spellings = [fold(word.trim()), bare(word.trim())];
+        let spellings = [fold(word.trim()), without_umlauts(word.trim())];
         self.entries
             .iter()
             .filter(|e| {
                 [&e.full_code(), &e.german, &e.english].iter().any(|text| {
-                    fold(text).contains(&spellings[0]) || bare(text).contains(&spellings[1])
+                    fold(text).contains(&spellings[0])
+                        || without_umlauts(text).contains(&spellings[1])
                 })
             })
             .collect()
@@ -210,19 +216,19 @@ impl Taxonomy {
         self.find(&format!("{}:{parent}", entry.standard.prefix()))
     }
 
-    /// Returns the entries directly below, in the order of the table.
+    /// Returns the direct children of an entry, in the order of the table.
     pub fn children<'a>(&'a self, entry: &'a Entry) -> impl Iterator<Item = &'a Entry> {
         self.entries
             .iter()
             .filter(|e| e.standard == entry.standard && e.parent.as_ref() == Some(&entry.code))
     }
 
-    /// Returns the entries at the top.
+    /// Returns the entries without a parent.
     pub fn roots(&self) -> impl Iterator<Item = &Entry> {
         self.entries.iter().filter(|e| e.parent.is_none())
     }
 
-    /// Returns the path from the top down to an entry, itself included.
+    /// Returns the path from a root down to an entry, which is the last element.
     pub fn path<'a>(&'a self, entry: &'a Entry) -> Vec<&'a Entry> {
         let mut path = vec![entry];
         let mut seen = BTreeSet::from([entry.code.as_str()]);
@@ -236,9 +242,9 @@ impl Taxonomy {
         path
     }
 
-    /// Returns at most three entries similar to an unknown code, nearest first: the same code or
-    /// term with its standard missing or wrong, a parent code, or one that differs in a few
-    /// letters.
+    /// Returns at most three entries similar to an unknown code, nearest first. An entry is similar
+    /// if only its standard is missing or wrong, if it is an ancestor of the code, or if its code
+    /// or term differs in a few letters.
     pub fn suggestions(&self, code: &str) -> Vec<&Entry> {
         let wanted = fold(code.trim());
         let local = wanted.split_once(':').map_or(wanted.as_str(), |(_, l)| l);
@@ -265,8 +271,8 @@ impl Taxonomy {
                 };
                 match terms
                     .iter()
-                    .map(|t| distance(&fold(t), local))
-                    .chain([distance(&own, local)])
+                    .map(|t| edit_distance(&fold(t), local))
+                    .chain([edit_distance(&own, local)])
                     .min()
                 {
                     Some(d) if d <= limit => 2 + d,
@@ -284,7 +290,7 @@ impl Taxonomy {
     }
 }
 
-/// Converts to lower case and writes out umlauts: `Fräsen` and `Fraesen` fold to the same.
+/// Converts to lower case and writes out umlauts, so that `Fräsen` and `Fraesen` are equal.
 fn fold(text: &str) -> String {
     let mut folded = String::with_capacity(text.len());
     for c in text.chars().flat_map(char::to_lowercase) {
@@ -299,8 +305,8 @@ fn fold(text: &str) -> String {
     folded
 }
 
-/// Converts to lower case and drops the dots of umlauts, as typed without an umlaut key: `frasen`.
-fn bare(text: &str) -> String {
+/// Converts to lower case and replaces umlauts by their vowels: `frasen` for `Fräsen`.
+fn without_umlauts(text: &str) -> String {
     fold_with(text, |c| match c {
         'ä' => 'a',
         'ö' => 'o',
@@ -336,7 +342,7 @@ mod tests {
             let path = taxonomy.path(entry);
             assert!(
                 path[0].parent.is_none(),
-                "{} hangs in a cycle",
+                "{} is in a cycle",
                 entry.full_code()
             );
             assert_eq!(path.last(), Some(&entry));
@@ -385,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn find_wants_the_standard_and_not_the_case() {
+    fn find_requires_the_standard_and_ignores_case() {
         assert_eq!(find("din:4.3.1").unwrap().german, "Schrauben");
         assert_eq!(find("VDI:drehen").unwrap().english, "Rotating");
         assert_eq!(find("vdi:Prüfen").unwrap().code, "Pruefen");
@@ -394,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn search_does_not_mind_how_umlauts_are_typed() {
+    fn search_ignores_how_umlauts_are_typed() {
         for word in ["Fräsen", "Fraesen", "FRAESEN", "frasen", "milling"] {
             assert!(
                 codes(&taxonomy().search(word)).contains(&"din:3.2.3".to_owned()),

@@ -7,7 +7,7 @@ use linewright_core::gr1::Specification;
 use linewright_core::source::Span;
 use linewright_solver::game::EnvironmentFindings;
 
-/// Returns what makes a realizable contract mean less than it seems to: LW205 and LW206.
+/// Returns the findings. `span` is the place of the contract's name.
 pub fn findings(
     specification: &Specification,
     span: Span,
@@ -15,14 +15,14 @@ pub fn findings(
 ) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     findings.extend(empty(specification, span, found));
-    // If no plant can keep the assumptions, whether the machine could break them does not matter.
+    // If no plant can keep the assumptions, it is irrelevant whether the machine can break them.
     if !found.cannot_start && !found.unsatisfiable {
         findings.extend(forced(specification, span, found));
     }
     findings
 }
 
-/// LW206
+/// LW206: no plant can keep the assumptions, or they leave it no next step.
 fn empty(
     specification: &Specification,
     span: Span,
@@ -35,15 +35,15 @@ fn empty(
     if found.cannot_start {
         return warning(
             format!(
-                "the assumptions of `{name}` contradict each other at the start, so every machine keeps it"
+                "the assumptions of `{name}` contradict each other at the start, so every machine keeps the contract"
             ),
-            "no plant can begin like this; weaken an initial or `always` assumption".to_owned(),
+            "weaken an initial or `always` assumption, so that a plant can begin".to_owned(),
         );
     }
     if found.unsatisfiable {
         return warning(
-            format!("no plant can keep all assumptions of `{name}`, so the verdict means nothing"),
-            "some assumptions contradict each other in the long run; weaken one of them".to_owned(),
+            format!("no plant can keep all assumptions of `{name}`, so the verdict is meaningless"),
+            "some assumptions cannot be kept together for ever; weaken one of them".to_owned(),
         );
     }
     let values = found.stuck_at_start.as_ref().or(found.dead_end.as_ref())?;
@@ -51,14 +51,15 @@ fn empty(
         format!("the assumptions of `{name}` leave the plant no next step in some situations"),
         match shown(specification, values) {
             Some(values) => format!(
-                "one of them is {values}; weaken an assumption there, or keep the machine from bringing the plant there"
+                "one of them is {values}; weaken an assumption there, or prevent the machine from leading the plant there"
             ),
-            None => "in fact in every situation that can occur: weaken an assumption".to_owned(),
+            None => "this is the case in every situation that can occur; weaken an assumption"
+                .to_owned(),
         },
     )
 }
 
-/// LW205
+/// LW205: the machine can make the plant break an assumption.
 fn forced(
     specification: &Specification,
     span: Span,
@@ -73,13 +74,13 @@ fn forced(
             format!("{} of the situations that can occur", percent(from / all))
         }
     };
-    let mut note = format!("it can force that from {}", share(found.forced_states));
+    let mut note = format!("it can do so from {}", share(found.forced_states));
     if found.forced_recklessly.is_some() {
-        note.push_str("; a machine that also broke its guarantees, from ");
+        note.push_str("; a machine that also breaks its guarantees, from ");
         note.push_str(&share(found.forced_recklessly_states));
     }
     let message = format!(
-        "a controller of `{name}` may keep its contract by making the plant break an assumption"
+        "a controller of `{name}` can keep its contract by making the plant break an assumption"
     );
     let mut finding = Diagnostic::warning(codes::NOT_WELL_SEPARATED, span, message).with_note(note);
     for assumption in &found.broken {
@@ -91,7 +92,7 @@ fn forced(
         None => "from every situation that can occur,".to_owned(),
     };
     Some(finding.with_help(format!(
-        "{from} the machine can bring it about that the plant cannot keep {}; ask for that only as long as the machine lets the plant keep it",
+        "{from} the machine can prevent the plant from keeping {}; assume it only while the machine lets the plant keep it",
         if found.broken.is_empty() { "all assumptions" } else { "the marked assumption" }
     )))
 }

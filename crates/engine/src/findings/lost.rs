@@ -1,20 +1,24 @@
-//! LW203: why there is no controller, a play that shows it, and possible repairs.
+//! LW203: the guarantees that clash in an unrealizable contract, a play, and possible repairs.
 
 use super::{list, play};
 use crate::pipeline::Explanation;
 use linewright_core::diagnostics::{Diagnostic, codes};
+use linewright_core::gr1::monitors::Kind;
 use linewright_core::gr1::text::{operand, text};
-use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Specification};
+use linewright_core::gr1::{BinaryOp, Expr, Formula, Owner, Side, Specification};
 use linewright_core::source::Span;
+use linewright_interchange::{Format, statement as foreign_statement};
 use linewright_solver::game::{
     Advice, GuaranteeKind, GuaranteeRef, NewAssumption, Weakening, negation,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Returns the finding. `core` holds the names of the guarantees that clash.
+/// Returns the finding about an unrealizable contract. `core` holds the names of the guarantees
+/// that clash.
 pub fn finding(
     specification: &Specification,
+    format: Option<Format>,
     span: Span,
     core: &[String],
     explained: Option<&Explanation>,
@@ -23,7 +27,7 @@ pub fn finding(
     let name = &s.name;
     let advice = explained.and_then(|e| e.advice.as_ref());
     let contradictory = advice.is_some_and(|a| a.contradictory);
-    let message = format!("no controller can keep the guarantees of `{name}`, whatever it does");
+    let message = format!("no controller can keep the guarantees of `{name}`");
     let mut finding = Diagnostic::error(codes::UNREALIZABLE, span, message);
     for span in spans(&s.guarantees, core) {
         finding = finding.with_label(span, "cannot be kept");
@@ -39,14 +43,16 @@ pub fn finding(
         let helping = s.assumptions.all().filter(|f| matters.contains(&f.name));
         let shown = play::mentioned(s, clashing.chain(helping));
         finding = finding.with_note(format!(
-            "the plant wins like this, however the machine resists:\n{}",
+            "the plant can always win, for instance like this:\n{}",
             play::table(s, &shown, found)
         ));
     }
     if contradictory {
-        finding = finding.with_note(no_help(s, advice));
+        finding = finding.with_note(note_on_contradiction(s, advice));
     }
-    let suggestions = advice.map(|a| suggestions(s, a)).unwrap_or_default();
+    let suggestions = advice
+        .map(|a| suggestions(s, format, a))
+        .unwrap_or_default();
     let of_kind = |kind: Change| -> Vec<&Suggestion> {
         suggestions.iter().filter(|x| x.kind == kind).collect()
     };
@@ -54,12 +60,9 @@ pub fn finding(
     for (kind, heading) in [
         (
             Change::Assume,
-            "is one of these true of your plant? Then add it:",
+            "if one of these is true of your plant, add it:",
         ),
-        (
-            Change::Weaken,
-            "may a guarantee ask for less? Then change it:",
-        ),
+        (Change::Weaken, "if a guarantee can be weaker, change it:"),
     ] {
         let lines: Vec<String> = of_kind(kind)
             .into_iter()
@@ -77,8 +80,8 @@ pub fn finding(
     finding.with_help(help)
 }
 
-/// States that no assumption can repair the contract.
-fn no_help(s: &Specification, advice: Option<&Advice>) -> String {
+/// States that no further assumption makes the contract realizable, and why.
+fn note_on_contradiction(s: &Specification, advice: Option<&Advice>) -> String {
     let refs = advice
         .map(|a| a.contradiction.as_slice())
         .unwrap_or_default();
@@ -90,30 +93,32 @@ fn no_help(s: &Specification, advice: Option<&Advice>) -> String {
         }
     }
     match names.as_slice() {
-        [] => "no assumption mends it: those that there are contradict each other".to_owned(),
-        [one] => format!(
-            "no assumption mends it: {one} contradicts itself or the assumptions, however the plant helps"
-        ),
+        [] => {
+            "no further assumption helps: the existing assumptions contradict each other".to_owned()
+        }
+        [one] => {
+            format!("no further assumption helps: {one} contradicts itself or the assumptions")
+        }
         _ => format!(
-            "no assumption mends it: {} contradict each other, however the plant helps",
+            "no further assumption helps: {} contradict each other",
             list(&names)
         ),
     }
 }
 
-/// Names of the assumptions that matter.
+/// Names of the assumptions without which fewer guarantees would already clash.
 fn matters(s: &Specification, advice: Option<&Advice>) -> Vec<String> {
     let refs = advice.map(|a| a.matters.as_slice()).unwrap_or_default();
     let names = refs.iter().map(|a| a.formula(&s.assumptions).name.clone());
     names.collect()
 }
 
-/// Places of the formulas with these names; of nested places only the outer ones.
+/// Places of the formulas with these names; only the outermost of nested places.
 fn spans(side: &Side, names: &[String]) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     for formula in side.all().filter(|f| names.contains(&f.name)) {
-        if !spans.iter().any(|s| s.holds(formula.span)) {
-            spans.retain(|s| !formula.span.holds(*s));
+        if !spans.iter().any(|s| s.contains(formula.span)) {
+            spans.retain(|s| !formula.span.contains(*s));
             spans.push(formula.span);
         }
     }
@@ -127,7 +132,7 @@ fn spans(side: &Side, names: &[String]) -> Vec<Span> {
 pub enum Change {
     /// An assumption is added.
     Assume,
-    /// A guarantee asks for less.
+    /// A guarantee is weakened or removed.
     Weaken,
 }
 
@@ -138,10 +143,11 @@ pub struct Suggestion {
     pub kind: Change,
     /// The line to write.
     pub text: String,
-    /// The guarantee that it replaces.
+    /// Name of the guarantee that it replaces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub replaces: Option<String>,
-    /// Share of steps (0 to 1) that it forbids the plant, or in which the guarantee need not hold.
+    /// Share (0 to 1) of the combinations of values that it forbids the plant, or in which the
+    /// guarantee no longer has to hold.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub share: f64,
     /// The same share in words.
@@ -150,10 +156,12 @@ pub struct Suggestion {
 }
 
 /// All suggested changes, assumptions first.
-pub fn suggestions(s: &Specification, advice: &Advice) -> Vec<Suggestion> {
-    let assumed = advice.assumptions.iter().map(|a| assumption(s, a));
+///
+/// For another tool's `format` they are in its notation, if it can express them.
+pub fn suggestions(s: &Specification, format: Option<Format>, advice: &Advice) -> Vec<Suggestion> {
+    let assumed = advice.assumptions.iter().map(|a| assumption(s, format, a));
     let left_out = (!advice.leave_out.is_empty()).then(|| leave_out(s, &advice.leave_out));
-    let weaker = advice.weakenings.iter().map(|w| weakening(s, w));
+    let weaker = advice.weakenings.iter().map(|w| weakening(s, format, w));
     assumed.chain(weaker).chain(left_out).collect()
 }
 
@@ -170,13 +178,13 @@ fn leave_out(s: &Specification, guarantees: &[GuaranteeRef]) -> Suggestion {
         text: format!("leave out {}", list(&names)),
         replaces: None,
         share: 1.0,
-        cost: "several mistakes: mend one, then check again".to_owned(),
+        cost: "several problems: repair one, then check again".to_owned(),
     }
 }
 
-fn assumption(s: &Specification, new: &NewAssumption) -> Suggestion {
+fn assumption(s: &Specification, format: Option<Format>, new: &NewAssumption) -> Suggestion {
     let cost = match new.kind {
-        GuaranteeKind::Justice => "asks for something again and again".to_owned(),
+        GuaranteeKind::Justice => "requires something infinitely often".to_owned(),
         GuaranteeKind::Initial => "only at the start".to_owned(),
         _ => format!(
             "rules out {} of the combinations of values",
@@ -185,35 +193,29 @@ fn assumption(s: &Specification, new: &NewAssumption) -> Suggestion {
     };
     Suggestion {
         kind: Change::Assume,
-        text: format!("assume {}", temporal(s, new.kind, &new.formula)),
+        text: statement(s, format, Owner::Environment, None, new.kind, &new.formula),
         replaces: None,
         share: new.forbids,
         cost,
     }
 }
 
-fn weakening(s: &Specification, weaker: &Weakening) -> Suggestion {
+fn weakening(s: &Specification, format: Option<Format>, weaker: &Weakening) -> Suggestion {
     let formula: &Formula = weaker.guarantee.formula(&s.guarantees);
     let name = &formula.name;
     let (text, cost) = match &weaker.unless {
         None => (
             format!("leave out `{name}`"),
-            "nothing less was found".to_owned(),
+            "no weaker form was found".to_owned(),
         ),
         Some(unless) => {
             let weak = unless_holds(&formula.expr, unless);
-            let label = if is_label(name) {
-                format!("{name}: ")
-            } else {
-                String::new()
-            };
+            let label = is_label(name).then_some(name.as_str());
+            let kind = weaker.guarantee.kind;
             (
+                statement(s, format, Owner::System, label, kind, &weak),
                 format!(
-                    "guarantee {label}{}",
-                    temporal(s, weaker.guarantee.kind, &weak)
-                ),
-                format!(
-                    "gives it up in {} of the combinations of values",
+                    "no longer required in {} of the combinations of values",
                     percent(weaker.gives_up)
                 ),
             )
@@ -228,13 +230,42 @@ fn weakening(s: &Specification, weaker: &Weakening) -> Suggestion {
     }
 }
 
+/// A formula as a statement of the file: in the notation of another tool's format if it can express
+/// the formula, otherwise in that of contracts.
+fn statement(
+    s: &Specification,
+    format: Option<Format>,
+    side: Owner,
+    label: Option<&str>,
+    kind: GuaranteeKind,
+    expr: &Expr,
+) -> String {
+    let written = format.and_then(|format| {
+        let kind = match kind {
+            GuaranteeKind::Initial => Kind::Initial,
+            GuaranteeKind::Invariant => Kind::Invariant,
+            GuaranteeKind::Safety => Kind::Safety,
+            GuaranteeKind::Justice => Kind::Justice,
+        };
+        foreign_statement(format, s, side, label, kind, expr)
+    });
+    written.unwrap_or_else(|| {
+        let keyword = match side {
+            Owner::Environment => "assume",
+            Owner::System => "guarantee",
+        };
+        let label = label.map_or(String::new(), |label| format!("{label}: "));
+        format!("{keyword} {label}{}", temporal(s, kind, expr))
+    })
+}
+
 /// Whether a name can be used as the label of a formula.
 fn is_label(name: &str) -> bool {
     name.starts_with(|c: char| c.is_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_alphanumeric() || c == '_')
 }
 
-/// Weakens a formula to where `unless` does not hold.
+/// Weakens a formula so that it is required only where `unless` does not hold.
 fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
     let not = |unless: &Expr| negation(unless.clone());
     match expr {
@@ -251,11 +282,19 @@ fn unless_holds(expr: &Expr, unless: &Expr) -> Expr {
                 .unwrap_or_else(|| unless.clone());
             (**a).clone().and(not(&rest)).implies((**b).clone())
         }
-        whole => not(unless).implies(whole.clone()),
+        whole => {
+            // `w or (u and not w)` is `w or u`.
+            let against = negation(whole.clone());
+            let rest = unless.conjuncts().into_iter().filter(|u| **u != against);
+            match rest.cloned().reduce(Expr::and) {
+                Some(rest) => whole.clone().or(rest),
+                None => not(unless).implies(whole.clone()),
+            }
+        }
     }
 }
 
-/// A formula with the keywords of its kind.
+/// Formats a formula with the keywords of its kind.
 fn temporal(s: &Specification, kind: GuaranteeKind, expr: &Expr) -> String {
     match kind {
         GuaranteeKind::Initial => text(s, expr),
@@ -268,7 +307,8 @@ fn temporal(s: &Specification, kind: GuaranteeKind, expr: &Expr) -> String {
     }
 }
 
-/// `always` extends to the end of the formula, but is easier to read with parentheses.
+/// Formats the operand of `always`, with parentheses for readability only: `always` extends to the
+/// end of the formula.
 fn operand_of_always(s: &Specification, expr: &Expr) -> String {
     match expr {
         Expr::Var(..) | Expr::Unary(..) => text(s, expr),
@@ -288,8 +328,8 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// Names of the assumptions that matter, for JSON documents.
-pub fn matter_names(s: &Specification, explained: &Explanation) -> Vec<String> {
+/// Names, each once, of the assumptions without which fewer guarantees would already clash.
+pub fn relevant_assumptions(s: &Specification, explained: &Explanation) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in matters(s, explained.advice.as_ref()) {
         if !names.contains(&name) {

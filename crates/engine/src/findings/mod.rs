@@ -1,4 +1,4 @@
-//! Findings about a contract, in words.
+//! Findings about a contract.
 
 pub mod environment;
 pub mod lost;
@@ -6,10 +6,10 @@ pub mod play;
 pub mod shape;
 
 use linewright_core::gr1::Specification;
-use linewright_solver::game::Situation;
+use linewright_solver::game::PartialValuation;
 
-/// A valuation in words: the values of all variables that some formula mentions.
-fn shown(specification: &Specification, situation: &Situation) -> Option<String> {
+/// Formats the known values of a situation: `a = 1, b = true`; `None` if there are none.
+fn shown(specification: &Specification, situation: &PartialValuation) -> Option<String> {
     let values: Vec<String> = specification
         .variables
         .iter()

@@ -6,11 +6,11 @@ use linewright_core::gr1::{Formula, Owner, Specification, Timing, VarId};
 use linewright_solver::game::{Ending, GuaranteeRef, Play};
 use std::fmt::Write as _;
 
-/// Maximum width of the table in columns.
-const WIDTH: usize = 96;
+/// Maximum width of the table in characters.
+const MAX_WIDTH: usize = 96;
 
-/// Minimum number of steps of a play of which only the beginning and the end are shown.
-const MOST_STEPS: usize = 40;
+/// Maximum number of steps of a play that is shown completely.
+const MAX_STEPS: usize = 40;
 
 /// One row of a table: the owner and name of a variable, and its value in every step.
 pub struct Row {
@@ -22,7 +22,7 @@ pub struct Row {
     pub cells: Vec<String>,
 }
 
-/// Returns the table and a sentence on how the play ends.
+/// Returns the table of a play and a sentence about its ending. `shown` selects the variables.
 pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> String {
     let s = specification;
     let last = play.steps.len() - 1;
@@ -54,7 +54,7 @@ pub fn table(specification: &Specification, shown: &[VarId], play: &Play) -> Str
     grid(&rows, last) + &ending(s, play)
 }
 
-/// A table of rows over steps, split into pieces of limited width.
+/// Formats rows as a table over the steps 0 to `last`, split into pieces of limited width.
 pub fn grid(rows: &[Row], last: usize) -> String {
     let widest = |texts: &mut dyn Iterator<Item = &String>| texts.map(|t| t.chars().count()).max();
     let sides = widest(&mut rows.iter().map(|r| &r.side))
@@ -79,7 +79,7 @@ pub fn grid(rows: &[Row], last: usize) -> String {
     while from < steps.len() {
         let mut width = sides + 2 + names;
         let mut to = from;
-        while to < steps.len() && (to == from || width + 2 + widths[to] <= WIDTH) {
+        while to < steps.len() && (to == from || width + 2 + widths[to] <= MAX_WIDTH) {
             width += 2 + widths[to];
             to += 1;
         }
@@ -104,13 +104,13 @@ pub fn grid(rows: &[Row], last: usize) -> String {
     text
 }
 
-/// The steps shown: of a long play the first and last ones, with a gap (`None`) between.
+/// Steps to show; for a long play the first and the last ones, with a gap (`None`) between them.
 fn columns(last: usize) -> Vec<Option<usize>> {
-    if last < MOST_STEPS {
+    if last < MAX_STEPS {
         return (0..=last).map(Some).collect();
     }
-    let first = (0..MOST_STEPS / 2).map(Some);
-    let rest = (last + 1 - MOST_STEPS / 4..=last).map(Some);
+    let first = (0..MAX_STEPS / 2).map(Some);
+    let rest = (last + 1 - MAX_STEPS / 4..=last).map(Some);
     first.chain([None]).chain(rest).collect()
 }
 
@@ -129,10 +129,10 @@ fn ending(s: &Specification, play: &Play) -> String {
                 }
             }
             match (names.as_slice(), s.timing) {
-                ([], _) => format!("in step {last} there is no answer at all"),
+                ([], _) => format!("in step {last} the machine has no answer"),
                 ([one], Timing::Moore) => {
                     format!(
-                        "whatever the machine does in step {last}, the plant can answer so that {one} is broken"
+                        "whatever the machine does in step {last}, the plant can answer so that {one} is violated"
                     )
                 }
                 ([one], _) => format!("in step {last} no answer keeps {one}"),
@@ -141,16 +141,17 @@ fn ending(s: &Specification, play: &Play) -> String {
         }
         Ending::Starved { from, goal } => {
             let round = if *from == last {
-                format!("step {last} goes on for ever")
+                format!("step {last} repeats for ever")
             } else {
-                format!("after step {last} it goes on with step {from}, for ever")
+                format!("after step {last} the play repeats from step {from} for ever")
             };
-            format!("{round}, and {} is never met again", name(goal))
+            format!("{round}, and {} never holds again", name(goal))
         }
     }
 }
 
-/// Variables that these formulas, or the monitors among them, mention, in declaration order.
+/// Variables that the formulas, or the definitions of their auxiliary variables, mention; first
+/// those of the plant, then those of the machine, each in declaration order.
 pub fn mentioned<'f>(
     specification: &'f Specification,
     formulas: impl Iterator<Item = &'f Formula>,

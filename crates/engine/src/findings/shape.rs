@@ -1,13 +1,14 @@
-//! Findings where a realizable contract demands less than it seems to: LW212 to LW219.
+//! Findings about formulas of a realizable contract that demand less than they seem to: LW212 to
+//! LW219.
 
 use super::shown;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::text::{operand, text};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Specification, Time, VarId};
-use linewright_solver::game::{GuaranteeRef, Shape, negation};
+use linewright_solver::game::{GuaranteeRef, WeaknessFindings, negation};
 
 /// Returns the findings.
-pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic> {
+pub fn findings(specification: &Specification, found: &WeaknessFindings) -> Vec<Diagnostic> {
     let s = specification;
     let mut findings = Vec::new();
     let formula = |g: &GuaranteeRef| -> &Formula { g.formula(&s.guarantees) };
@@ -19,11 +20,11 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 codes::UNBREAKABLE,
                 formula.span,
                 format!(
-                    "nothing the machine does could break `{}`: the domains and the assumptions ensure it already",
+                    "the machine cannot break `{}`: the domains and the assumptions already ensure it",
                     formula.name
                 ),
             )
-            .with_help("leave it out, or say what it was meant to ask of the machine"),
+            .with_help("remove it, or write what it was meant to require of the machine"),
         );
     }
     for guarantee in &found.unreachable {
@@ -33,15 +34,15 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
         let formula = formula(guarantee);
         findings.push(
             Diagnostic::warning(
-                codes::NEVER_ASKED,
+                codes::CONDITION_NEVER_HOLDS,
                 formula.span,
                 format!(
-                    "`{}` never asks for anything: the condition before its `->` never holds, whatever the controller does",
+                    "`{}` never requires anything: the condition before its `->` never holds, whatever the controller does",
                     formula.name
                 ),
             )
             .with_help(
-                "look for a guarantee or an assumption that forbids that situation, or for a slip in the condition",
+                "look for a guarantee or an assumption that excludes the condition, or for a mistake in the condition",
             ),
         );
     }
@@ -49,15 +50,15 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
         let formula = assumption.formula(&s.assumptions);
         findings.push(
             Diagnostic::warning(
-                codes::NEVER_ASKED,
+                codes::CONDITION_NEVER_HOLDS,
                 formula.span,
                 format!(
-                    "`{}` never asks for anything of the plant: the condition before its `->` never holds, whatever the controller does",
+                    "`{}` never requires anything of the plant: the condition before its `->` never holds, whatever the controller does",
                     formula.name
                 ),
             )
             .with_help(
-                "look for a guarantee or an assumption that forbids that situation, or for a slip in the condition; if it is as it should be, leave the assumption out",
+                "look for a guarantee or an assumption that excludes the condition, or for a mistake in the condition; if the condition is as intended, remove the assumption",
             ),
         );
     }
@@ -68,12 +69,10 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 codes::UNCONSTRAINED,
                 span,
                 format!(
-                    "no guarantee restricts `{name}`: the machine may give it any value at any time"
+                    "no guarantee restricts `{name}`: the machine can give it any value at any time"
                 ),
             )
-            .with_help(
-                "say in a guarantee what it is to be, or make it an input if the plant decides it",
-            ),
+            .with_help("add a guarantee about it, or make it an input if the plant sets it"),
         );
     }
     for (v, value) in &found.constant {
@@ -88,7 +87,7 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 ),
             )
             .with_help(
-                "look for the guarantees that leave it no other value, or leave the output out",
+                "look for the guarantees that exclude all other values, or remove the output",
             ),
         );
     }
@@ -106,13 +105,13 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 codes::UNFRAMED,
                 span,
                 format!(
-                    "in some situations nothing restricts the next value of `{name}`: the machine may give it any value"
+                    "in some situations nothing restricts the next value of `{name}`: the machine can give it any value"
                 ),
             )
-            .with_label(fixer.span, "elsewhere this fixes its next value")
+            .with_label(fixer.span, "in other situations this fixes its next value")
             .with_note(match shown(s, &unframed.situation) {
                 Some(values) => format!("one such situation is {values}"),
-                None => "this is so in every situation that can occur".to_owned(),
+                None => "this is the case in every situation that can occur".to_owned(),
             })
             .with_help(frame(s, unframed.variable)),
         );
@@ -129,22 +128,22 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
             Diagnostic::warning(
                 codes::REQUEST_OPEN,
                 span,
-                format!("nothing asks that the request `{up}` is ever completed: `{name}` may stay away for ever"),
+                format!("no guarantee completes the request `{up}`: `{name}` may never answer it"),
             )
             .with_help(format!("add `{completes}`"))
         } else {
             Diagnostic::warning(
-                codes::BY_CHANCE,
+                codes::REQUEST_BY_CHANCE,
                 span,
-                format!("the request `{up}` is completed by chance only: no controller can make sure that `{name}` comes"),
+                format!("the request `{up}` is completed only by chance: no controller can ensure that `{name}` answers it"),
             )
             .with_help(format!(
-                "add `{completes}`, and mend what `check` then says: mostly the plant changes what was asked for, or drops the request"
+                "add `{completes}`, then repair what `check` reports: usually the plant changes or drops the request"
             ))
         };
         if let Some(held) = request.held_by {
             let formula = held.formula(&s.assumptions);
-            finding = finding.with_label(formula.span, "this says what is held until it is done");
+            finding = finding.with_label(formula.span, "this holds the request until it is done");
         }
         findings.push(finding);
     }
@@ -159,14 +158,15 @@ pub fn findings(specification: &Specification, found: &Shape) -> Vec<Diagnostic>
                 format!("a machine that never changes an output keeps `{}`", s.name),
             )
             .with_help(
-                "ask for what the machine is there for, with your own conditions for `requested` and `done`: `guarantee completes: always eventually (not requested or done)`",
+                "require what the machine is for, with your own conditions for `requested` and `done`: `guarantee completes: always eventually (not requested or done)`",
             ),
         );
     }
     findings
 }
 
-/// A frame for an output: its value stays unless a condition holds under which a guarantee sets it.
+/// Suggests a guarantee by which an output keeps its value unless a condition holds under which a
+/// guarantee sets it.
 fn frame(s: &Specification, v: VarId) -> String {
     let name = &s.variable(v).name;
     let mut conditions: Vec<String> = Vec::new();
@@ -183,7 +183,7 @@ fn frame(s: &Specification, v: VarId) -> String {
             }
         }
     }
-    let made_up = |formula: &Formula| {
+    let mentions_auxiliary = |formula: &Formula| {
         let mut found = false;
         formula
             .expr
@@ -191,15 +191,19 @@ fn frame(s: &Specification, v: VarId) -> String {
         found
     };
     let mut setting = s.guarantees.safety.iter().filter(|f| sets(&f.expr, v));
-    if conditions.is_empty() || setting.any(made_up) {
-        return format!("say in a guarantee when it stays: `next {name} = {name}`");
+    if conditions.is_empty() || setting.any(mentions_auxiliary) {
+        return format!(
+            "add a guarantee that states when it keeps its value: `next {name} = {name}`"
+        );
     }
     let moves = conditions.join(" or ");
     let moves = match conditions.as_slice() {
         [_] => moves,
         _ => format!("({moves})"),
     };
-    format!("say that it stays: `guarantee frame: always (not {moves} -> next {name} = {name})`")
+    format!(
+        "let it keep its value: `guarantee frame: always (not {moves} -> next {name} = {name})`"
+    )
 }
 
 /// Whether the next value of a variable occurs in a formula.

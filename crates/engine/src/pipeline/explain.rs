@@ -7,19 +7,19 @@ use linewright_solver::game::{self, Advice, GuaranteeRef, Limit, Limits, Play};
 use linewright_solver::mealy::{self, Machine};
 use serde::{Deserialize, Serialize};
 
-/// Maximum node count while playing against the core and searching for repairs.
-const MOST_NODES: u64 = 2_000_000;
+/// Maximum number of nodes for the counterstrategy and for the search for repairs.
+const MAX_NODES: u64 = 2_000_000;
 
 /// Explanation of an unrealizable contract.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Explanation {
-    /// The play that shows it.
+    /// A play in which the core is violated.
     pub play: Option<Play>,
-    /// A machine of the plant that beats every controller, verified; see [`mealy::counter`].
+    /// The verified counterstrategy of the plant as a machine; see [`mealy::counter`].
     pub counterstrategy: Option<Machine>,
     /// Possible repairs.
     pub advice: Option<Advice>,
-    /// Whether no time or memory limit affected the result.
+    /// Whether the result would be the same without a time limit or an interrupt.
     pub complete: bool,
 }
 
@@ -31,23 +31,23 @@ pub(super) fn explain(
     report: &mut dyn FnMut(&Explanation),
 ) -> Result<Explanation, InternalError> {
     let limits = Limits {
-        most_nodes: Some(MOST_NODES),
+        max_nodes: Some(MAX_NODES),
         ..*limits
     };
     let mut explained = Explanation {
         complete: true,
         ..Explanation::default()
     };
-    let small = game::reduced(specification, core);
+    let small = game::select_guarantees(specification, core);
     let attack = match game::attack(&small, &specification.guarantees.initial, &limits) {
         Ok(Some(attack)) => attack,
         Ok(None) => {
-            let rule = "nothing beats the core of a contract that was called unrealizable";
+            let rule = "the core of an unrealizable contract has no counterstrategy";
             return Err(InternalError::new(specification, rule.to_owned()));
         }
         Err(limit) => return Ok(explained.stopped(limit)),
     };
-    let machine = mealy::counter::machine(&small, &attack);
+    let machine = mealy::counter::to_machine(&small, &attack);
     match mealy::verify::verify_counterstrategy(&small, &machine, &limits) {
         Ok(Ok(())) => explained.counterstrategy = Some(machine),
         Ok(Err(violation)) => {
@@ -58,7 +58,7 @@ pub(super) fn explain(
         }
         Err(limit) => explained = explained.stopped(limit),
     }
-    explained.play = Some(attack.play.clone().within(core));
+    explained.play = Some(attack.play.clone().with_original_references(core));
     report(&explained);
     match game::advise(specification, core, &attack.play, &limits) {
         Ok(advice) => explained.advice = Some(advice),
@@ -68,9 +68,10 @@ pub(super) fn explain(
 }
 
 impl Explanation {
-    /// A time limit may give another result in another run.
+    /// Records that a limit stopped the explanation. Only time limits make it incomplete: other
+    /// limits give the same result in every run.
     fn stopped(mut self, limit: Limit) -> Self {
-        self.complete &= !matches!(limit, Limit::Late(_));
+        self.complete &= !matches!(limit, Limit::Stopped(_));
         self
     }
 }

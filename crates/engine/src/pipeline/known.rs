@@ -9,7 +9,9 @@ use crate::statistics::Statistics;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Specification, overflow};
 use linewright_core::source::Span;
-use linewright_solver::game::{EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking, Shape};
+use linewright_solver::game::{
+    EnvironmentFindings, GuaranteeRef, Limit, Progress, Ranking, WeaknessFindings,
+};
 use linewright_solver::mealy;
 
 /// Results about a contract before they are put into words.
@@ -19,8 +21,8 @@ pub(super) struct Analysis {
     pub(super) core: Option<Vec<GuaranteeRef>>,
     pub(super) examined: ExaminationDepth,
     pub(super) environment: Option<EnvironmentFindings>,
-    pub(super) shape: Option<Shape>,
-    pub(super) lost: Option<Box<Explanation>>,
+    pub(super) shape: Option<WeaknessFindings>,
+    pub(super) explanation: Option<Box<Explanation>>,
     pub(super) controller: Controller,
     pub(super) ranking: Option<Ranking>,
     /// For each inquiry, the answers to its questions; `None` if a limit was reached first.
@@ -30,7 +32,7 @@ pub(super) struct Analysis {
 }
 
 impl Analysis {
-    /// Only the statistics so far: an unrealizable contract without a core.
+    /// An unrealizable contract of which only the statistics are known so far.
     pub(super) fn new(statistics: Statistics) -> Self {
         Self {
             realizable: false,
@@ -38,7 +40,7 @@ impl Analysis {
             examined: ExaminationDepth::Nothing,
             environment: None,
             shape: None,
-            lost: None,
+            explanation: None,
             controller: Controller::NotRequested,
             ranking: None,
             answers: Vec::new(),
@@ -47,27 +49,27 @@ impl Analysis {
         }
     }
 
-    /// What is known while the core is being searched.
-    pub(super) fn lost(solve: &Progress, specification: &Specification) -> Self {
+    /// What is known about an unrealizable contract while its core is being searched.
+    pub(super) fn without_core(solve: &Progress, specification: &Specification) -> Self {
         Self::new(Statistics::of_solver(&solve.statistics(), specification))
     }
 
-    /// The same, if the remaining work is abandoned.
+    /// Records that the remaining work was abandoned.
     pub(super) fn stopped(mut self, limit: Limit, job: &Job) -> Self {
-        let asked = self.realizable && job.goal.extracts(self.statistics.large);
-        if asked && matches!(self.controller, Controller::NotRequested) {
+        let requested = self.realizable && job.goal.extracts(self.statistics.large);
+        if requested && matches!(self.controller, Controller::NotRequested) {
             self.controller = Controller::Stopped(limit);
         }
         self
     }
 
-    /// Whether to report that the contract demands less than it seems to. Not if no plant keeps the
-    /// assumptions, since then every guarantee is vacuous.
-    pub(super) fn tells_shape(&self, job: &Job) -> bool {
+    /// Whether to report formulas that demand less than they seem to. If no plant keeps the
+    /// assumptions, they are not reported: every guarantee is then vacuous.
+    pub(super) fn reports_shape(&self, job: &Job) -> bool {
         let empty = |e: &EnvironmentFindings| e.cannot_start || e.unsatisfiable;
-        let means_nothing = self.environment.as_ref().is_some_and(empty);
-        // The suggested lines are in Linewright's own language.
-        job.goal >= Goal::Small && !job.foreign && !means_nothing
+        let is_vacuous = self.environment.as_ref().is_some_and(empty);
+        // The findings suggest lines in Linewright's own language.
+        job.goal >= Goal::Small && job.format.is_none() && !is_vacuous
     }
 
     /// Puts the results into words.
@@ -76,10 +78,10 @@ impl Analysis {
         let mut findings = Vec::new();
         let mut core = Vec::new();
         let mut controller = None;
-        let mut left_out = false;
-        let tells_shape = self.tells_shape(job);
+        let mut verdict_only = false;
+        let reports_shape = self.reports_shape(job);
         if self.realizable {
-            left_out = job.goal == Goal::Small && self.statistics.large;
+            verdict_only = job.goal == Goal::Small && self.statistics.large;
             match self.controller {
                 Controller::NotRequested => {}
                 Controller::Stopped(limit) => {
@@ -94,7 +96,7 @@ impl Analysis {
                 let examined = job.own.as_deref().unwrap_or(specification);
                 findings.extend(environment::findings(examined, job.span, found));
             }
-            if let Some(found) = self.shape.as_ref().filter(|_| tells_shape) {
+            if let Some(found) = self.shape.as_ref().filter(|_| reports_shape) {
                 findings.extend(shape::findings(specification, found));
             }
         } else {
@@ -105,8 +107,9 @@ impl Analysis {
                     core.push(formula.name.clone());
                 }
             }
-            let told = lost::finding(specification, job.span, &core, self.lost.as_deref());
-            findings.push(told);
+            let explanation = self.explanation.as_deref();
+            let shown = lost::finding(specification, job.format, job.span, &core, explanation);
+            findings.push(shown);
         }
         for (inquiry, answers) in job.inquiries.iter().zip(&self.answers) {
             findings.extend(
@@ -127,13 +130,13 @@ impl Analysis {
             findings,
             core,
             environment: self.environment,
-            lost: self.lost,
+            explanation: self.explanation,
             controller,
             ranking: self.ranking,
             seconds: 0.0,
             peak_nodes: Some(self.peak_nodes),
             statistics: self.statistics,
-            left_out,
+            verdict_only,
         }
     }
 }
@@ -146,26 +149,26 @@ fn help(limit: Limit) -> String {
     }
 }
 
-/// A contract without a verdict.
+/// Result for a contract whose verdict was prevented by a limit.
 pub(super) fn gave_up(job: &Job, limit: Limit, solve: &Progress) -> CheckedContract {
     let specification = &*job.specification;
     let name = &specification.name;
-    let mut message = format!("there is no verdict on `{name}`: {limit}");
+    let mut message = format!("no verdict on `{name}`: {limit}");
     if limit != Limit::Size {
-        message = format!("{message} {}", solve.reached());
+        message = format!("{message} {}", solve.describe());
     }
     let statistics = Statistics::of_solver(&solve.statistics(), specification);
     CheckedContract {
         findings: vec![
             Diagnostic::error(codes::GAVE_UP, job.span, message)
                 .with_help(help(limit))
-                .giving_up(limit.is_of_command()),
+                .giving_up(limit.is_external()),
         ],
         ..CheckedContract::new(Verdict::GaveUp, statistics)
     }
 }
 
-/// A contract on which an internal error occurred.
+/// Result for a contract whose check failed with an internal error.
 pub(super) fn failed(job: &Job, finding: Diagnostic) -> CheckedContract {
     let statistics = Progress::default().statistics();
     let statistics = Statistics::of_solver(&statistics, &job.specification);
@@ -175,7 +178,7 @@ pub(super) fn failed(job: &Job, finding: Diagnostic) -> CheckedContract {
     }
 }
 
-/// LW208, for each guarantee that can demand a next value outside its domain.
+/// LW208 for each guarantee that can demand a next value outside the variable's domain.
 fn overflows(specification: &Specification) -> Vec<Diagnostic> {
     let found = overflow::overflows(specification).into_iter();
     found
@@ -197,21 +200,21 @@ fn overflows(specification: &Specification) -> Vec<Diagnostic> {
             );
             let finding = Diagnostic::warning(codes::DOMAIN_LEFT, o.formula.span, message);
             finding.with_help(format!(
-                "it is for {}; keep it within with `min`, `max` or `mod`, or say when the formula holds",
+                "this happens for {}; limit the value with `min`, `max` or `mod`, or add a condition to the formula",
                 example.join(", ")
             ))
         })
         .collect()
 }
 
-/// A note, since the verdict stands; commands that need the controller turn it into an error.
+/// Reports a missing controller as a note, since the verdict is known; commands that need the
+/// controller turn the note into an error.
 fn no_machine(specification: &Specification, span: Span, limit: Limit) -> Diagnostic {
     let name = &specification.name;
-    let message =
-        format!("`{name}` is realizable, but its controller was not written down: {limit}");
+    let message = format!("`{name}` is realizable, but its controller was not extracted: {limit}");
     let mut finding = Diagnostic::error(codes::GAVE_UP, span, message)
         .with_help(help(limit))
-        .giving_up(limit.is_of_command());
+        .giving_up(limit.is_external());
     finding.severity = linewright_core::diagnostics::Severity::Note;
     finding
 }

@@ -1,8 +1,8 @@
 //! Results of the previous run, for a program that checks repeatedly.
 //!
 //! A result is reused if the whole job is the same, including all source positions, so that its
-//! findings still point to the right place. Jobs that have moved are left to the
-//! [cache](crate::cache). Unlike the cache, this also remembers jobs that were given up.
+//! findings still point to the right place. For jobs that have moved, there is the
+//! [cache](crate::cache). Unlike the cache, the memory also holds jobs that were given up.
 
 use super::{CheckedContract, Job};
 
@@ -20,7 +20,7 @@ impl Memory {
     }
 
     /// Remembers a run and forgets the previous one.
-    pub(super) fn keep(&mut self, jobs: &[Job], results: &[CheckedContract]) {
+    pub(super) fn store(&mut self, jobs: &[Job], results: &[CheckedContract]) {
         self.known = jobs.iter().cloned().zip(results.iter().cloned()).collect();
     }
 }

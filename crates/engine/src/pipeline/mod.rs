@@ -2,8 +2,8 @@
 //! parallel.
 //!
 //! A controller that the verifier rejects is a fault of this program and is never written. Results
-//! of earlier solves come from the [cache](super::cache); findings are made anew from them. A task
-//! collects the results for a contract, which are then put into words.
+//! of earlier solves come from the [cache](super::cache); findings are generated from them again. A
+//! task collects the results for a contract, which are then converted to findings.
 
 mod explain;
 mod known;
@@ -21,7 +21,7 @@ use indicatif::ProgressBar;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Specification;
 use linewright_core::source::Span;
-use linewright_interchange::{Inquiry, Reading, inquiries};
+use linewright_interchange::{Format, Inquiry, Reading, inquiries};
 use linewright_solver::game::{EnvironmentFindings, Heuristics, KernelChoice, Limits, Ranking};
 use linewright_solver::mealy;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ use task::Task;
 pub enum Verdict {
     /// There is a controller.
     Realizable,
-    /// There is none.
+    /// There is no controller.
     Unrealizable,
     /// A limit was reached.
     GaveUp,
@@ -84,10 +84,10 @@ pub struct CheckedContract {
     pub core: Vec<String>,
     /// Findings about the environment of a realizable contract.
     pub environment: Option<EnvironmentFindings>,
-    /// Why there is no controller.
-    pub lost: Option<Box<Explanation>>,
-    /// The verified controller. A realizable contract has none if it was not requested or a limit
-    /// was reached after the verdict; the findings say so.
+    /// Why the contract is unrealizable.
+    pub explanation: Option<Box<Explanation>>,
+    /// The verified controller. A realizable contract has none if it was not requested, or if a
+    /// limit was reached after the verdict, which is a finding.
     pub controller: Option<mealy::Controller>,
     /// Why the contract is realizable, if requested.
     pub ranking: Option<Ranking>,
@@ -95,16 +95,16 @@ pub struct CheckedContract {
     pub seconds: f64,
     /// Peak number of BDD nodes, if the solver counts them.
     pub peak_nodes: Option<u64>,
-    /// Effort and times by phase.
+    /// Statistics of the solver.
     pub statistics: Statistics,
-    /// Whether its controller and environment were not examined because the game is too large.
-    pub left_out: bool,
+    /// Whether only the verdict was decided because the game is too large for the goal.
+    pub verdict_only: bool,
 }
 
 /// An internal error.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "the controller synthesized for `{contract}` was refused by the verifier ({rule}); nothing was written"
+    "the verifier rejected the controller synthesized for `{contract}` ({rule}); nothing was written"
 )]
 pub struct InternalError {
     contract: String,
@@ -146,37 +146,37 @@ impl Default for Settings {
     }
 }
 
-/// A specification to solve, and where its findings point.
+/// A specification to solve, and the place to which its findings point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Job {
     /// The specification to solve.
     pub specification: Arc<Specification>,
-    /// Place of the contract's name, or of the component that gives it other arguments.
+    /// Place of the contract's name, or of the component that gives the contract other arguments.
     pub span: Span,
     /// How far to go.
     pub goal: Goal,
-    /// Whether the controller must be a machine, whatever its size, even if functions were
-    /// requested.
+    /// Whether the controller must be a machine of any size, even if functions are acceptable for
+    /// the other jobs.
     pub explicit: bool,
-    /// Whether the specification comes from another tool's file; then superfluous formulas are not
-    /// reported.
-    foreign: bool,
-    /// The specification with only the assumptions in the file, if others were added; findings
+    /// The format, if the specification comes from another tool's file; then superfluous formulas
+    /// are not reported.
+    format: Option<Format>,
+    /// If assumptions were added to those in the file, the specification without them; findings
     /// about assumptions refer to it.
     own: Option<Arc<Specification>>,
-    /// For another tool's specification: further questions whose answers show what that tool would
-    /// answer.
+    /// For another tool's specification: further specifications whose verdicts show what that tool
+    /// would answer.
     pub inquiries: Vec<Inquiry>,
 }
 
-/// How far to take a job.
+/// How far to go in a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Goal {
     /// Only decide whether there is a controller.
     Answer,
-    /// Also find the guarantees that clash if there is none. Nothing is extracted or verified, and
-    /// only small games are examined: for specifications whose controller was not requested, which
-    /// may be far larger than a contract.
+    /// Also find the guarantees that clash if there is none, and examine the environment of small
+    /// games. Nothing is extracted or verified: for specifications whose controller was not
+    /// requested, which may be far larger than a contract.
     Verdict,
     /// Also extract and verify a controller if the game is small. The solver defines what is small,
     /// independently of time.
@@ -196,19 +196,19 @@ impl Goal {
     }
 }
 
-/// Jobs without duplicates: equal contracts are synthesized once, however many machines use them.
+/// Jobs without duplicates: a contract that several machines use is synthesized once.
 #[derive(Debug, Default)]
 pub struct Jobs {
     list: Vec<Job>,
     examine: bool,
     rank: bool,
-    wish: ExtractionOptions,
+    extraction: ExtractionOptions,
 }
 
 impl Jobs {
-    /// Creates an empty list. Its jobs also search for what makes a realizable contract mean less
-    /// than it seems to (LW205, LW206, LW208). `build` and `run` skip this, since it changes no
-    /// controller.
+    /// Creates an empty list whose jobs also examine the environments of realizable contracts, and
+    /// search for formulas that demand less than they seem to (LW205, LW206, LW208). `build` and
+    /// `run` skip this, since it changes no controller.
     pub fn examining() -> Self {
         Self {
             examine: true,
@@ -218,29 +218,30 @@ impl Jobs {
 
     /// Sets the requested properties of controllers.
     #[must_use]
-    pub fn wishing(self, wish: ExtractionOptions) -> Self {
-        Self { wish, ..self }
+    pub fn with_extraction(self, extraction: ExtractionOptions) -> Self {
+        Self { extraction, ..self }
     }
 
-    /// Sets whether to find out why each realizable contract is realizable.
+    /// Sets whether to compute why each realizable contract is realizable.
     #[must_use]
-    pub fn ranking(self, rank: bool) -> Self {
+    pub fn with_ranking(self, rank: bool) -> Self {
         Self { rank, ..self }
     }
 
-    /// Adds a job whose controller is needed, or finds an equal one; returns its index.
+    /// Adds a job whose controller is needed; returns its index, or that of an equal job.
     pub fn add(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
         self.add_for(Goal::Controller, specification, span)
     }
 
-    /// Like `add`, for a controller that must be a machine (state by state).
+    /// Like [`Jobs::add`], for a controller that must be a machine (a table of states).
     pub fn add_explicit(&mut self, specification: &Arc<Specification>, span: Span) -> usize {
         let index = self.add(specification, span);
         self.list[index].explicit = true;
         index
     }
 
-    /// Adds a job, or finds an equal one; returns its index.
+    /// Adds a job; returns its index. An equal job that may extract a controller is reused, with
+    /// the further of both goals.
     pub fn add_for(&mut self, goal: Goal, specification: &Arc<Specification>, span: Span) -> usize {
         let equal = |job: &Job| {
             job.goal >= Goal::Small
@@ -257,7 +258,7 @@ impl Jobs {
         self.push(specification, span, goal)
     }
 
-    /// Adds a specification of another tool.
+    /// Adds a specification of another tool; returns the index of its job.
     pub fn add_foreign(
         &mut self,
         specification: &Arc<Specification>,
@@ -266,8 +267,10 @@ impl Jobs {
         reading: &Reading,
     ) -> usize {
         let index = self.push(specification, span, goal);
-        self.list[index].foreign = true;
-        self.list[index].own.clone_from(&reading.own);
+        self.list[index].format = Some(reading.format);
+        self.list[index]
+            .own
+            .clone_from(&reading.with_own_assumptions);
         self.list[index].inquiries = inquiries(reading);
         index
     }
@@ -278,7 +281,7 @@ impl Jobs {
             span,
             goal,
             explicit: false,
-            foreign: false,
+            format: None,
             own: None,
             inquiries: Vec::new(),
         });
@@ -300,13 +303,13 @@ impl Jobs {
         self.list.is_empty()
     }
 
-    /// Runs all jobs in parallel; results are in job order. Ends shortly after the deadline,
-    /// whatever is running then.
+    /// Runs all jobs in parallel; results are in job order. Returns shortly after the deadline even
+    /// if jobs are still running.
     pub fn run(&self, settings: &Settings, progress: &ProgressBar) -> Vec<CheckedContract> {
         self.run_with(None, settings, progress)
     }
 
-    /// Like `run`, but reuses results that a previous run obtained for the same jobs; then
+    /// Like [`Jobs::run`], but reuses the results of the previous run for equal jobs, and then
     /// remembers this run instead.
     pub fn run_with(
         &self,
@@ -329,7 +332,7 @@ impl Jobs {
             .collect::<Vec<_>>();
         progress.finish_and_clear();
         if let Some(memory) = memory {
-            memory.keep(&self.list, &results);
+            memory.store(&self.list, &results);
         }
         results
     }
@@ -342,13 +345,13 @@ impl Jobs {
             job: job.clone(),
             examine: self.examine,
             rank: self.rank,
-            wish: self.wish,
+            extraction: self.extraction,
             settings: settings.clone(),
             solve: Arc::default(),
         };
         let fault = match internal::caught(doing, || task.in_time()) {
             Ok(Ok(known)) => return known,
-            Ok(Err(refused)) => Fault::noticed(doing(), refused.to_string()),
+            Ok(Err(refused)) => Fault::detected(doing(), refused.to_string()),
             Err(fault) => fault,
         };
         known::failed(job, fault.finding(Some(job.span)))
@@ -356,24 +359,24 @@ impl Jobs {
 }
 
 impl CheckedContract {
-    /// A result with this verdict and nothing else yet.
+    /// Creates a result with only a verdict and statistics.
     pub(super) fn new(verdict: Verdict, statistics: Statistics) -> Self {
         Self {
             verdict,
             findings: Vec::new(),
             core: Vec::new(),
             environment: None,
-            lost: None,
+            explanation: None,
             controller: None,
             ranking: None,
             seconds: 0.0,
             peak_nodes: statistics.peak_nodes.filter(|n| *n > 0),
             statistics,
-            left_out: false,
+            verdict_only: false,
         }
     }
 
-    /// The findings for a command that needs the controller: a missing one is an error.
+    /// Findings for a command that needs the controller: a missing controller is an error.
     pub fn findings_where_needed(&self) -> Vec<Diagnostic> {
         let mut findings = self.findings.clone();
         if self.controller.is_none() {

@@ -15,15 +15,15 @@ use linewright_solver::mealy::functions::Functions;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Maximum node count for examining the environment of a small game.
-const MOST_EXAMINED_NODES: u64 = 400_000;
+/// Maximum number of nodes for examining the environment of a small game.
+const MAX_EXAMINED_NODES: u64 = 400_000;
 
-/// A job and everything that it depends on.
+/// A job with the settings for running it.
 pub(super) struct Task {
     pub(super) job: Job,
     pub(super) examine: bool,
     pub(super) rank: bool,
-    pub(super) wish: ExtractionOptions,
+    pub(super) extraction: ExtractionOptions,
     pub(super) settings: Settings,
     pub(super) solve: Arc<Progress>,
 }
@@ -42,12 +42,12 @@ impl Task {
                 Completion::Done(Err(error)) => return Err(error),
                 Completion::Done(Ok(Ok(known))) => known.into_contract(&job, examine),
                 Completion::Done(Ok(Err(limit))) => gave_up(&job, limit, &solve),
-                // In this phase the guarantees that clash are being searched.
-                Completion::Left(_, None) if solve.phase() == Phase::Core => {
-                    Analysis::lost(&solve, &job.specification).into_contract(&job, examine)
+                // In this phase, the contract is known to be unrealizable; its core is searched.
+                Completion::Abandoned(_, None) if solve.phase() == Phase::Core => {
+                    Analysis::without_core(&solve, &job.specification).into_contract(&job, examine)
                 }
-                Completion::Left(late, None) => gave_up(&job, late.into(), &solve),
-                Completion::Left(late, Some(known)) => {
+                Completion::Abandoned(late, None) => gave_up(&job, late.into(), &solve),
+                Completion::Abandoned(late, Some(known)) => {
                     let known: Analysis = known;
                     known
                         .stopped(late.into(), &job)
@@ -61,9 +61,9 @@ impl Task {
         })
     }
 
-    /// Solves the specification, extracts its controller, and verifies it; also searches for what
-    /// makes a realizable contract mean less than it seems to. The verdict is passed to `report` as
-    /// soon as it is known.
+    /// Solves the specification, extracts its controller, and verifies it; also searches for
+    /// formulas that demand less than they seem to. Intermediate results are passed to `report`,
+    /// first of all the verdict.
     fn check(&self, report: &dyn Fn(Analysis)) -> Result<Result<Analysis, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let heuristics: Vec<Heuristic> = Heuristic::ALL
@@ -78,7 +78,7 @@ impl Task {
                 kernel: self.settings.kernel,
                 heuristics: &heuristics,
                 memory_mib: self.settings.limits.memory_mib,
-                wish: self.wish(),
+                extraction: self.extraction_options(),
             },
         );
         let found = cache.and_then(|c| c.find(&key));
@@ -90,7 +90,7 @@ impl Task {
             if let (Some(cache), Ok(known)) = (cache, &known)
                 && let Some(entry) = self.entry(known)
             {
-                cache.keep(&key, &entry);
+                cache.store(&key, &entry);
             }
             known
         };
@@ -103,7 +103,7 @@ impl Task {
         Ok(known)
     }
 
-    /// Answers the questions about another tool.
+    /// Decides the specifications of the inquiries, to show what another tool would answer.
     fn answers(&self) -> Result<Vec<Option<Vec<bool>>>, InternalError> {
         let answer = |question: &Specification| -> Result<Option<bool>, InternalError> {
             let task = Self {
@@ -112,13 +112,13 @@ impl Task {
                     span: self.job.span,
                     goal: Goal::Answer,
                     explicit: false,
-                    foreign: false,
+                    format: None,
                     own: None,
                     inquiries: Vec::new(),
                 },
                 examine: false,
                 rank: false,
-                wish: self.wish,
+                extraction: self.extraction,
                 settings: self.settings.clone(),
                 solve: Arc::default(),
             };
@@ -135,12 +135,13 @@ impl Task {
         self.job.goal.extracts(large)
     }
 
-    /// Requested properties of the controller. If only small games get a controller, its machine
-    /// may still be large; functions equally show that a correct controller exists.
-    fn wish(&self) -> ExtractionOptions {
+    /// Requested properties of the controller. Even a small game can have a large machine; if the
+    /// controller is not needed itself, functions show its existence equally well.
+    fn extraction_options(&self) -> ExtractionOptions {
         ExtractionOptions {
-            functions: !self.job.explicit && (self.wish.functions || self.job.goal == Goal::Small),
-            ..self.wish
+            functions: !self.job.explicit
+                && (self.extraction.functions || self.job.goal == Goal::Small),
+            ..self.extraction
         }
     }
 
@@ -156,7 +157,7 @@ impl Task {
     ) -> Result<Result<Analysis, Limit>, InternalError> {
         let specification = &*self.job.specification;
         let limits = &self.settings.limits;
-        // The form of a written controller may depend on the order. So a search may start from
+        // The form of a controller can depend on the variable order. So the search starts from
         // earlier results only if no controller is written.
         let version = cache.filter(|_| self.job.goal != Goal::Controller);
         let hints = version
@@ -189,7 +190,7 @@ impl Task {
         if let (Some(cache), Some(order), true) = (cache, &last_order, large) {
             let names = &known.statistics.order_after;
             let region = won.as_ref().map(game::WonGame::region);
-            cache.keep_version(
+            cache.store_version(
                 specification,
                 &Version::new(specification, order, names, region),
             );
@@ -198,16 +199,16 @@ impl Task {
             if self.job.goal > Goal::Answer
                 && let Some(core) = known.core.clone()
             {
-                let lost = within("saying why it is unrealizable", || {
-                    explain(specification, &core, limits, &mut |lost| {
-                        let lost = Some(Box::new(lost.clone()));
+                let explanation = within("explaining why it is unrealizable", || {
+                    explain(specification, &core, limits, &mut |so_far| {
+                        let explanation = Some(Box::new(so_far.clone()));
                         report(Analysis {
-                            lost,
+                            explanation,
                             ..known.clone()
                         });
                     })
                 })?;
-                known.lost = Some(Box::new(lost));
+                known.explanation = Some(Box::new(explanation));
             }
             return Ok(Ok(known));
         };
@@ -224,7 +225,7 @@ impl Task {
                     specification,
                     &won,
                     statistics.pairs,
-                    self.wish(),
+                    self.extraction_options(),
                     limits,
                     statistics.seconds.as_mut(),
                 )
@@ -232,27 +233,27 @@ impl Task {
         }
         report(known.clone());
         if self.examines(large) {
-            // A game below the solver's limit for small games may still be large for this step,
-            // which then gives up by itself.
+            // A game that is small by the solver's limit can still be too large for this step,
+            // which then gives up at its own limit.
             let limits = Limits {
-                most_nodes: Some(MOST_EXAMINED_NODES),
+                max_nodes: Some(MAX_EXAMINED_NODES),
                 ..*limits
             };
             let environment = within("examining its plant", || match &self.job.own {
                 Some(own) => game::examine_environment(own, &limits),
                 None => won.examine_environment(specification, &limits),
             });
-            let is_late = matches!(environment, Err(Limit::Late(_)));
+            let is_late = matches!(environment, Err(Limit::Stopped(_)));
             known.environment = environment.ok();
             if !is_late {
                 known.examined = ExaminationDepth::Plant;
             }
-            if known.tells_shape(&self.job) {
+            if known.reports_shape(&self.job) {
                 report(known.clone());
                 let shape = within("examining its formulas", || {
-                    won.shape(specification, &limits)
+                    won.find_weaknesses(specification, &limits)
                 });
-                if !is_late && !matches!(shape, Err(Limit::Late(_))) {
+                if !is_late && !matches!(shape, Err(Limit::Stopped(_))) {
                     known.examined = ExaminationDepth::Whole;
                 }
                 known.shape = shape.ok();
@@ -272,8 +273,8 @@ impl Task {
                 heuristics
             },
             without_core: self.job.goal == Goal::Answer,
-            first_order: hints.order.clone(),
-            first_region: hints.region.clone(),
+            initial_order: hints.order.clone(),
+            initial_region: hints.region.clone(),
             progress: Arc::clone(&self.solve),
         };
         game::solve_with(&self.job.specification, &options)
@@ -287,9 +288,10 @@ impl Task {
         let examines = entry.realizable && self.examines(large);
         let explains = !entry.realizable && self.job.goal > Goal::Answer;
         let explained = entry.lost.as_ref().is_some_and(|l| l.complete);
-        // An entry describes the specification itself, including findings about its assumptions.
-        let other = examines && self.job.own.is_some();
-        if other
+        // The findings of an entry are about all assumptions of the specification, not about those
+        // in the file alone.
+        let differs = examines && self.job.own.is_some();
+        if differs
             || extracts && !entry.extracted
             || examines && entry.examined == ExaminationDepth::Nothing
             || explains && (entry.core.is_none() || !explained)
@@ -312,7 +314,7 @@ impl Task {
             },
             environment: entry.environment.filter(|_| examines),
             shape: entry.shape.filter(|_| examines),
-            lost: entry.lost.filter(|_| explains),
+            explanation: entry.lost.filter(|_| explains),
             controller: match (entry.machine, entry.functions) {
                 _ if !extracts => Controller::NotRequested,
                 (None, None) => Controller::Stopped(Limit::Size),
@@ -327,9 +329,9 @@ impl Task {
             statistics,
         };
         // The entry may come from another tool's file, for which less was examined.
-        let says_enough =
-            known.examined == ExaminationDepth::Whole || !known.tells_shape(&self.job);
-        (says_enough || !examines).then_some(known)
+        let is_sufficient =
+            known.examined == ExaminationDepth::Whole || !known.reports_shape(&self.job);
+        (is_sufficient || !examines).then_some(known)
     }
 
     /// The entry to store. `None` if a time or memory limit affected the result.
@@ -343,7 +345,7 @@ impl Task {
         };
         let examines = known.realizable && self.examines(known.statistics.large);
         let explains = !known.realizable && self.job.goal > Goal::Answer;
-        let explained = known.lost.as_ref().is_some_and(|l| l.complete);
+        let explained = known.explanation.as_ref().is_some_and(|l| l.complete);
         if examines && (known.examined == ExaminationDepth::Nothing || self.job.own.is_some())
             || explains && (known.core.is_none() || !explained)
         {
@@ -355,7 +357,7 @@ impl Task {
             examined: known.examined,
             environment: known.environment.clone(),
             shape: known.shape.clone(),
-            lost: known.lost.clone(),
+            lost: known.explanation.clone(),
             extracted,
             machine,
             functions,

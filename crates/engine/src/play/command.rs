@@ -10,23 +10,23 @@ pub(super) enum Command {
     Move(Vec<Part>),
     /// Lists the legal moves.
     Moves,
-    /// Explains which rules limit the moves, or why the last move was refused.
+    /// Shows which rules limit the moves, or why the last move was refused.
     Why,
-    /// Explains which rules forbid a move.
+    /// Shows which rules forbid a move.
     WhyNot(Vec<Part>),
     /// Shows the values of the last steps.
     State,
-    /// Takes back a number of steps.
+    /// Takes back this number of steps.
     Undo(usize),
-    /// Starts again.
+    /// Takes back all steps.
     Reset,
-    /// Makes a number of random legal moves.
+    /// Makes this number of random legal moves.
     Random(usize),
     /// Runs the commands of a file.
     Replay(String),
-    /// Writes the moves to a file, either as a test with the resulting values or without them.
+    /// Writes the moves to a file.
     Save {
-        /// Whether the resulting values are included as expectations.
+        /// Whether to include the opponent's values as expectations.
         test: bool,
         /// File to write.
         file: String,
@@ -42,7 +42,7 @@ pub(super) enum Command {
 /// One value of a move.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Part {
-    /// Variable name; `None` for a value alone.
+    /// Variable name; `None` if only a value was given.
     pub name: Option<String>,
     /// The value as text.
     pub value: String,
@@ -56,32 +56,32 @@ pub(super) const WORDS: [&str; 12] = [
 
 /// Output of `help`.
 pub(super) const HELP: &str = "\
-name = value, name = value  a move; what is left out keeps its value where it may
-value, value                the same by values alone, in the order of the declarations
-moves                       the legal moves
-why                         why the last move was refused, or which rules limit the next one
-why not name = value        which rules forbid that
-state                       the values of the last steps, and when each goal was last met
-undo [N]                    takes the last step back, or the last N
-reset                       begins anew
-random [N]                  makes a legal move by chance, or N
-save FILE                   writes the moves to a file that `replay` and --script read
-save test FILE              the same with `expect` lines: replaying it fails when a value differs
-replay FILE                 runs the commands in a file
-expect name = value         fails unless the last step has these values
-help                        this text
-quit                        the end
+name = value, name = value  make a move; other variables keep their values if possible
+value, value                make a move with values for all variables, in declaration order
+moves                       list the legal moves
+why                         show why the last move was refused, or which rules limit the next one
+why not name = value        show which rules forbid this move
+state                       show the values of the last steps, and when each goal was last met
+undo [N]                    take back the last step, or the last N steps
+reset                       take back all steps
+random [N]                  make a random legal move, or N of them
+save FILE                   write the moves to a file that `replay` and --script read
+save test FILE              also write `expect` lines: replaying fails if a value differs
+replay FILE                 run the commands in a file
+expect name = value         fail unless the last step has these values
+help                        show this text
+quit                        end the session
 # ...                       a comment
 ";
 
-/// Parses a line.
+/// Parses an input line.
 pub(super) fn parse(line: &str) -> Result<Command, String> {
     let line = without_comment(line).trim();
     let (word, rest) = match line.split_once(char::is_whitespace) {
         Some((word, rest)) => (word, rest.trim()),
         None => (line, ""),
     };
-    // A variable may have the same name as a command.
+    // A variable can have the same name as a command.
     if !WORDS.contains(&word) || rest.starts_with('=') {
         return match line {
             "" => Ok(Command::Nothing),
@@ -90,19 +90,21 @@ pub(super) fn parse(line: &str) -> Result<Command, String> {
     }
     let alone = |command: Command| match rest {
         "" => Ok(command),
-        rest => Err(format!("`{word}` stands alone; `{rest}` is too much")),
+        rest => Err(format!(
+            "unexpected `{rest}` after `{word}`: write `{word}` alone"
+        )),
     };
     let count = || match rest {
         "" => Ok(1),
         rest => match rest.parse::<usize>() {
             Ok(count) if count > 0 => Ok(count),
             _ => Err(format!(
-                "`{word} {rest}`: write how often, as in `{word} 3`"
+                "`{rest}` is not a number of steps: write for example `{word} 3`"
             )),
         },
     };
     let file = |name: &str| match name {
-        "" => Err(format!("`{word}` needs the name of a file")),
+        "" => Err(format!("`{word}` needs a file name")),
         name => Ok(name.to_owned()),
     };
     match word {
@@ -135,7 +137,7 @@ pub(super) fn parse(line: &str) -> Result<Command, String> {
     }
 }
 
-/// Removes a comment: `#` starts one at the beginning of a line and after a space.
+/// Removes a comment, which `#` starts at the beginning of a line and after a space.
 fn without_comment(line: &str) -> &str {
     let mut blank = true;
     for (at, c) in line.char_indices() {
@@ -156,7 +158,7 @@ fn parts(text: &str) -> Result<Vec<Part>, String> {
     };
     let read = |piece: &str| match piece.split_once('=') {
         None if named => Err(format!(
-            "`{}` has no name: write `name = value` for all values, or for none",
+            "`{}` has no name: write either `name = value` for all values, or only values",
             piece.trim()
         )),
         None => Ok(Part {
@@ -233,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told() {
+    fn mistakes_are_reported() {
         for line in [
             "moves now",
             "undo x",

@@ -1,24 +1,24 @@
-//! What the rules of a side demand of the upcoming step, and which moves they allow.
+//! The legal moves of a side in the upcoming step.
 //!
 //! Evaluates the specification's own formulas, never a controller. Known values of the step are
-//! substituted into them. Moves are then searched variable by variable; a branch is cut as soon as
-//! interval arithmetic shows that a formula can only be false. The search is bounded by a number of
-//! tries, beyond which the result is reported as unknown.
+//! substituted into the formulas. Moves are then searched variable by variable; a branch is cut as
+//! soon as interval arithmetic shows that a formula is false. The search gives up after a maximum
+//! number of tries.
 
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Owner, Specification, Time, VarId};
 use std::ops::ControlFlow;
 
-/// Maximum number of values tried for one answer.
-const MOST_TRIES: u32 = 100_000;
+/// Maximum number of values tried in one search.
+const MAX_TRIES: u32 = 100_000;
 
-/// A rule in the upcoming step.
+/// A rule with known values substituted.
 #[derive(Debug, Clone)]
 pub(super) struct Rule<'a> {
     /// The original rule.
     pub formula: &'a Formula,
-    /// What remains of it: a formula about next values that are not known yet.
-    pub left: Expr,
+    /// The remaining formula about next values that are not known yet.
+    pub residual: Expr,
 }
 
 /// Moves of a side in the upcoming step.
@@ -27,10 +27,9 @@ pub(super) struct Moves<'a> {
     specification: &'a Specification,
     /// Rules that a move must satisfy.
     pub rules: Vec<Rule<'a>>,
-    /// Conditions for leaving the step. A move that violates them is legal, but no step can follow
-    /// it.
+    /// Rules for leaving the step. A move that violates them is legal, but no step can follow it.
     pub leaving: Vec<Rule<'a>>,
-    /// Variables without a known value, each with the value to try first.
+    /// Variables whose values are not known yet, each with the value to try first.
     open: Vec<(VarId, i64)>,
 }
 
@@ -45,8 +44,8 @@ pub(super) type Values = Vec<(VarId, i64)>;
 type Visit<'v> = dyn FnMut(&[(VarId, i64)]) -> ControlFlow<()> + 'v;
 
 impl<'a> Moves<'a> {
-    /// The moves of `side` after a step, or in step 0, given the values of the step that are known
-    /// already.
+    /// The moves of `side` after the step `before`, or in step 0, given the known values of the
+    /// upcoming step.
     pub fn new(
         specification: &'a Specification,
         side: Owner,
@@ -57,7 +56,7 @@ impl<'a> Moves<'a> {
             Owner::Environment => &specification.assumptions,
             Owner::System => &specification.guarantees,
         };
-        let to_come = |v: VarId| match known[v.index()] {
+        let upcoming = |v: VarId| match known[v.index()] {
             Some(value) => Expr::Const(value),
             None => Expr::next(v),
         };
@@ -65,19 +64,19 @@ impl<'a> Moves<'a> {
         // one.
         let within = |f: &'a Formula| Rule {
             formula: f,
-            left: f.expr.substitute(&mut |v, _| to_come(v)).simplify(),
+            residual: f.expr.substitute(&mut |v, _| upcoming(v)).simplify(),
         };
         let mut rules: Vec<Rule<'a>> = Vec::new();
         if let Some(before) = before {
             rules.extend(formulas.invariants.iter().map(within));
             rules.extend(formulas.safety.iter().map(|f| {
-                let left = f.expr.substitute(&mut |v, time| match time {
+                let residual = f.expr.substitute(&mut |v, time| match time {
                     Time::Now => Expr::Const(before[v.index()]),
-                    Time::Next => to_come(v),
+                    Time::Next => upcoming(v),
                 });
                 Rule {
                     formula: f,
-                    left: left.simplify(),
+                    residual: residual.simplify(),
                 }
             }));
         } else {
@@ -85,14 +84,14 @@ impl<'a> Moves<'a> {
             rules.extend(formulas.invariants.iter().map(within));
         }
         let leaving = formulas.safety.iter().flat_map(|f| {
-            let lasting = lasting(&f.expr).into_iter();
-            lasting.map(move |conjunct| Rule {
+            let conditions = conditions_of_leaving(&f.expr).into_iter();
+            conditions.map(move |conjunct| Rule {
                 formula: f,
-                left: conjunct.substitute(&mut |v, _| to_come(v)).simplify(),
+                residual: conjunct.substitute(&mut |v, _| upcoming(v)).simplify(),
             })
         });
-        let leaving: Vec<Rule<'a>> = leaving.filter(|r| r.left != Expr::TRUE).collect();
-        // Variables of the side come first: the other side's later values only have to be possible.
+        let leaving: Vec<Rule<'a>> = leaving.filter(|r| r.residual != Expr::TRUE).collect();
+        // The side's own variables come first; for the other side's, any possible value suffices.
         let all = (0..specification.variables.len() as u32).map(VarId);
         let (own, other): (Vec<VarId>, Vec<VarId>) =
             all.partition(|v| specification.variable(*v).owner == side);
@@ -112,17 +111,17 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// Whether a variable's value matters to any rule, including those for leaving the step.
+    /// Whether any rule, including those for leaving the step, depends on a variable's value.
     pub fn matters(&self, variable: VarId) -> bool {
         let mut rules = self.rules.iter().chain(&self.leaving);
-        rules.any(|r| mentions(&r.left, variable))
+        rules.any(|r| mentions(&r.residual, variable))
     }
 
-    /// The rules because of which no step can follow a move with these values.
-    pub fn last_by(&self, values: &[(VarId, i64)]) -> Vec<&Rule<'a>> {
+    /// The rules for leaving the step that a move with these values violates.
+    pub fn violated_on_leaving(&self, values: &[(VarId, i64)]) -> Vec<&Rule<'a>> {
         let domain = |v: VarId| Interval::of(&self.specification.variable(v).domain);
-        let left = left_by(self.leaving.iter(), values);
-        let broken = left
+        let residuals = residuals(self.leaving.iter(), values);
+        let broken = residuals
             .iter()
             .map(|e| interval(e, &domain).unwrap_or(Interval::BOOL).high == 0);
         let rules = self.leaving.iter().zip(broken);
@@ -131,9 +130,12 @@ impl<'a> Moves<'a> {
             .collect()
     }
 
-    /// A legal move with these values that a step can follow, as far as the rules of this step
-    /// alone show; otherwise any legal move.
-    pub fn find_lasting(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, EnumerationLimit> {
+    /// A legal move with these values that violates no rule for leaving the step; if there is none,
+    /// any legal move.
+    pub fn find_with_successor(
+        &self,
+        fixed: &[(VarId, i64)],
+    ) -> Result<Option<Values>, EnumerationLimit> {
         let all = self.rules.iter().chain(&self.leaving);
         match self.find_under(all, fixed) {
             Ok(Some(values)) => Ok(Some(values)),
@@ -141,19 +143,20 @@ impl<'a> Moves<'a> {
         }
     }
 
-    /// Sets the values to try first.
+    /// Sets the values that a search tries first.
     pub fn prefer(&mut self, values: impl Fn(VarId) -> i64) {
         for (variable, first) in &mut self.open {
             *first = values(*variable);
         }
     }
 
-    /// A legal move with these values, as values of all open variables.
+    /// A legal move with the values `fixed`, as values of all open variables; `None` if there is
+    /// none.
     pub fn find(&self, fixed: &[(VarId, i64)]) -> Result<Option<Values>, EnumerationLimit> {
         self.find_under(self.rules.iter(), fixed)
     }
 
-    /// Like `find`, but only some rules apply.
+    /// Like [`Moves::find`], but only the given rules apply.
     pub fn find_under<'r>(
         &self,
         rules: impl Iterator<Item = &'r Rule<'a>>,
@@ -164,7 +167,7 @@ impl<'a> Moves<'a> {
     {
         let mut found = None;
         let mut search = Search::new(self, false);
-        let _ = search.from(left_by(rules, fixed), &self.rest(fixed), &mut |values| {
+        let _ = search.run(residuals(rules, fixed), &self.rest(fixed), &mut |values| {
             found = Some([fixed, values].concat());
             ControlFlow::Break(())
         })?;
@@ -176,8 +179,8 @@ impl<'a> Moves<'a> {
         let open = self.open.iter().copied();
         let matter: Values = open.filter(|(v, _)| self.matters(*v)).collect();
         let mut search = Search::new(self, true);
-        let left = left_by(self.rules.iter(), &[]);
-        search.from(left, &matter, visit).map(|_| ())
+        let left = residuals(self.rules.iter(), &[]);
+        search.run(left, &matter, visit).map(|_| ())
     }
 
     fn rest(&self, fixed: &[(VarId, i64)]) -> Values {
@@ -190,24 +193,24 @@ impl<'a> Moves<'a> {
     }
 }
 
-/// What remains of rules once these values are known.
-fn left_by<'a: 'r, 'r>(
+/// The remaining formulas of rules with these values substituted.
+fn residuals<'a: 'r, 'r>(
     rules: impl Iterator<Item = &'r Rule<'a>>,
     fixed: &[(VarId, i64)],
 ) -> Vec<Expr> {
     let fix = |left: &Expr| {
         let fixed = fixed.iter();
         fixed.fold(left.clone(), |left, (v, value)| {
-            put(&left, *v, *value).unwrap_or(left)
+            substitute(&left, *v, *value).unwrap_or(left)
         })
     };
-    rules.map(|r| fix(&r.left)).collect()
+    rules.map(|r| fix(&r.residual)).collect()
 }
 
 /// A depth-first search.
 struct Search<'a> {
     specification: &'a Specification,
-    /// Whether to also try values that no longer make a difference.
+    /// Whether to also try all values of variables on which no remaining formula depends.
     every: bool,
     values: Values,
     tries: u32,
@@ -223,7 +226,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn from(
+    fn run(
         &mut self,
         mut left: Vec<Expr>,
         open: &[(VarId, i64)],
@@ -244,13 +247,13 @@ impl<'a> Search<'a> {
         let others = (first + 1..=high).chain(low..*first).filter(|_| matters);
         for value in std::iter::once(*first).chain(others) {
             self.tries += 1;
-            if self.tries > MOST_TRIES {
+            if self.tries > MAX_TRIES {
                 return Err(EnumerationLimit);
             }
-            let with = |e: &Expr| put(e, *variable, value).unwrap_or_else(|| e.clone());
+            let with = |e: &Expr| substitute(e, *variable, value).unwrap_or_else(|| e.clone());
             let left: Vec<Expr> = left.iter().map(with).collect();
             self.values.push((*variable, value));
-            let flow = self.from(left, rest, visit)?;
+            let flow = self.run(left, rest, visit)?;
             self.values.pop();
             if flow.is_break() {
                 return Ok(flow);
@@ -260,18 +263,20 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Conjuncts of a step rule that mention only the step being left. The recursion is as deep as the
-/// formula.
-fn lasting(expr: &Expr) -> Vec<&Expr> {
+/// Conjuncts of a safety formula that mention only the step being left. The recursion is as deep as
+/// the formula.
+fn conditions_of_leaving(expr: &Expr) -> Vec<&Expr> {
     match expr {
-        Expr::Binary(BinaryOp::And, a, b) => [lasting(a), lasting(b)].concat(),
+        Expr::Binary(BinaryOp::And, a, b) => {
+            [conditions_of_leaving(a), conditions_of_leaving(b)].concat()
+        }
         expr if expr.mentions_next() => Vec::new(),
         expr => vec![expr],
     }
 }
 
-/// The formula with a next value substituted; `None` if it does not occur in it.
-fn put(left: &Expr, variable: VarId, value: i64) -> Option<Expr> {
+/// The formula with a next value substituted; `None` if the formula does not mention the variable.
+fn substitute(left: &Expr, variable: VarId, value: i64) -> Option<Expr> {
     mentions(left, variable).then(|| {
         let known = left.substitute(&mut |v, time| {
             if v == variable {
@@ -348,7 +353,7 @@ mod tests {
 
     /// The search agrees with direct evaluation, from every step.
     #[test]
-    fn moves_are_those_that_keep_every_rule() {
+    fn legal_moves_keep_every_rule() {
         let specification = specification();
         let side = &specification.assumptions;
         let mut steps: Vec<Option<Vec<i64>>> = vec![None];
@@ -396,7 +401,7 @@ mod tests {
         }
     }
     #[test]
-    fn numbers_far_outside_a_domain_are_no_values_of_it() {
+    fn numbers_far_outside_a_domain_are_never_found() {
         for number in [4, 1 << 31, (1 << 31) + 1, 1 << 40] {
             let mut specification = specification();
             let [a, b] = [0, 1].map(VarId);

@@ -1,5 +1,5 @@
-//! The other player: the controller of a realizable contract, or the counterstrategy of one that is
-//! not.
+//! The other player: the controller of a realizable contract, or the counterstrategy of an
+//! unrealizable one.
 
 use linewright_core::gr1::{Owner, Timing};
 use linewright_solver::mealy::functions::State;
@@ -8,15 +8,16 @@ use linewright_solver::mealy::{Controller, Machine};
 /// The machine that plays against the person.
 #[derive(Debug, Clone)]
 pub enum Opponent {
-    /// The person is the plant.
+    /// A controller; the person plays the plant.
     Controller(Controller),
-    /// The person is the machine. Inputs and outputs are swapped.
+    /// A counterstrategy; the person plays the machine. Its inputs are the contract's outputs, and
+    /// vice versa.
     Counterstrategy(Machine),
 }
 
 /// Position of the opponent between two steps.
 #[derive(Debug, Clone)]
-pub(super) enum Place {
+pub(super) enum Position {
     /// State of the machine; `None` before step 0.
     Machine(Option<usize>),
     /// State of the functions.
@@ -33,7 +34,7 @@ impl Opponent {
     }
 
     /// Whether the opponent moves first in a step.
-    pub(super) fn begins(&self) -> bool {
+    pub(super) fn moves_first(&self) -> bool {
         let timing = match self {
             Self::Controller(controller) => controller.timing(),
             Self::Counterstrategy(machine) => machine.timing,
@@ -41,39 +42,43 @@ impl Opponent {
         timing == Timing::Moore
     }
 
-    pub(super) fn start(&self) -> Place {
+    pub(super) fn start(&self) -> Position {
         match self {
             Self::Controller(Controller::Functions(functions)) => {
-                Place::Functions(functions.start())
+                Position::Functions(functions.initial_state())
             }
-            _ => Place::Machine(None),
+            _ => Position::Machine(None),
         }
     }
 
     /// The opponent's values for the upcoming step, if it moves first; `None` if the person has no
-    /// way to go on.
-    pub(super) fn given(&self, place: &Place) -> Option<Vec<i64>> {
-        if let (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) =
-            (self, place)
+    /// legal move left.
+    pub(super) fn first_values(&self, position: &Position) -> Option<Vec<i64>> {
+        if let (Self::Controller(Controller::Functions(functions)), Position::Functions(state)) =
+            (self, position)
         {
             return Some(functions.moore_output(state));
         }
-        let first = self.machine()?.transitions(state_of(place)).first()?;
+        let first = self.machine()?.transitions(state_of(position)).first()?;
         Some(first.output.clone())
     }
 
     /// The opponent's values in a step with the person's values `moved`, and its next position.
-    /// `None` if they break a rule.
-    pub(super) fn answer(&self, place: &Place, moved: &[i64]) -> Option<(Vec<i64>, Place)> {
-        if let (Self::Controller(Controller::Functions(functions)), Place::Functions(state)) =
-            (self, place)
+    /// `None` if `moved` breaks a rule.
+    pub(super) fn answer(
+        &self,
+        position: &Position,
+        moved: &[i64],
+    ) -> Option<(Vec<i64>, Position)> {
+        if let (Self::Controller(Controller::Functions(functions)), Position::Functions(state)) =
+            (self, position)
         {
             let mut state = state.clone();
             let values = functions.step(&mut state, moved).ok()?;
-            return Some((values, Place::Functions(state)));
+            return Some((values, Position::Functions(state)));
         }
-        let taken = self.machine()?.step(state_of(place), moved)?;
-        Some((taken.output.clone(), Place::Machine(Some(taken.to))))
+        let taken = self.machine()?.step(state_of(position), moved)?;
+        Some((taken.output.clone(), Position::Machine(Some(taken.to))))
     }
 
     fn machine(&self) -> Option<&Machine> {
@@ -84,9 +89,9 @@ impl Opponent {
     }
 }
 
-fn state_of(place: &Place) -> Option<usize> {
-    match place {
-        Place::Machine(state) => *state,
-        Place::Functions(_) => None,
+fn state_of(position: &Position) -> Option<usize> {
+    match position {
+        Position::Machine(state) => *state,
+        Position::Functions(_) => None,
     }
 }

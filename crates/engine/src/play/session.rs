@@ -2,27 +2,28 @@
 
 use super::command::{self, Command, HELP, Part};
 use super::legal::{EnumerationLimit, Moves, Rule, Values};
-use super::opponent::{Opponent, Place};
+use super::opponent::{Opponent, Position};
 use super::show;
-use super::values::{listed, resolve, shown};
+use super::values::{listed, resolve, shown_variables};
 use super::why::{RulePrinter, Verdict, verdict, verdict_of_leaving};
 use linewright_core::gr1::{Owner, Specification, VarId};
 use linewright_core::source::SourceMap;
 use serde_json::{Value, json};
 
-/// A play.
+/// A play between a person and an opponent.
 #[derive(Debug)]
 pub struct Session<'a> {
     pub(super) specification: &'a Specification,
-    pub(super) book: RulePrinter<'a>,
+    pub(super) printer: RulePrinter<'a>,
     opponent: Opponent,
     /// Values of all variables in each step so far.
     pub(super) steps: Vec<Vec<i64>>,
-    /// Positions of the opponent before each step, and the current one.
-    places: Vec<Place>,
+    /// Positions of the opponent: before each step, and the current one.
+    positions: Vec<Position>,
     /// Values of the last refused move, until the next move.
     refused: Option<Values>,
-    chance: u64,
+    /// State of the random number generator.
+    random_state: u64,
 }
 
 /// Result of a command.
@@ -30,20 +31,20 @@ pub struct Session<'a> {
 pub struct Reply {
     /// Text for a person.
     pub text: String,
-    /// JSON for a program: one object per step made, or one for a message.
+    /// JSON for a program: one object per step made, or one object with the text.
     pub lines: Vec<Value>,
-    /// Action left to the caller.
+    /// Action that the caller has to perform.
     pub effect: Effect,
 }
 
-/// An action that the caller has to perform, since the session does not.
+/// An action that the caller has to perform, since a session uses neither files nor terminals.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Effect {
     /// Nothing.
     Nothing,
     /// Run the commands of this file.
     Replay(String),
-    /// Write a text to a file: file name, then text.
+    /// Write a text to a file: file name and text.
     Save(String, String),
     /// End the session.
     Quit,
@@ -57,18 +58,18 @@ impl<'a> Session<'a> {
         opponent: Opponent,
         seed: u64,
     ) -> Self {
-        let places = vec![opponent.start()];
+        let positions = vec![opponent.start()];
         Self {
             specification,
-            book: RulePrinter {
+            printer: RulePrinter {
                 specification,
                 sources,
             },
             opponent,
             steps: Vec::new(),
-            places,
+            positions,
             refused: None,
-            chance: seed,
+            random_state: seed,
         }
     }
 
@@ -82,9 +83,9 @@ impl<'a> Session<'a> {
         show::role(self.person())
     }
 
-    /// Introduction: the roles, and known values of the first step.
+    /// Introduction: the roles, and the opponent's values in step 0 if it moves first.
     pub fn opening(&self) -> String {
-        show::opening(self) + &self.begun()
+        show::opening(self) + &self.first_values_text()
     }
 
     /// The introduction as JSON.
@@ -92,7 +93,8 @@ impl<'a> Session<'a> {
         show::opening_object(self)
     }
 
-    /// Executes a line. An error is returned as text and changes nothing.
+    /// Executes a line of input. After an error the play is unchanged, except that a refused move
+    /// is remembered for `why`, and that `random` keeps the steps it has made.
     pub fn run(&mut self, line: &str) -> Result<Reply, String> {
         let said = |text: String| {
             Ok(Reply {
@@ -129,14 +131,17 @@ impl<'a> Session<'a> {
             Command::Random(count) => self.random(count),
             Command::Undo(count) => {
                 let left = self.steps.len().checked_sub(count).ok_or_else(|| {
-                    format!("there are only {} steps to take back", self.steps.len())
+                    format!(
+                        "cannot take back {count} steps: only {} were made",
+                        self.steps.len()
+                    )
                 })?;
                 self.back_to(left);
-                said(self.now())
+                said(self.current_step())
             }
             Command::Reset => {
                 self.back_to(0);
-                said(self.now())
+                said(self.current_step())
             }
         }
     }
@@ -144,7 +149,7 @@ impl<'a> Session<'a> {
     /// Values of the upcoming step that are known already.
     pub(super) fn known(&self) -> Vec<Option<i64>> {
         let mut known = vec![None; self.specification.variables.len()];
-        if let Some(values) = self.given() {
+        if let Some(values) = self.first_values() {
             for (variable, value) in values {
                 known[variable.index()] = Some(value);
             }
@@ -153,41 +158,46 @@ impl<'a> Session<'a> {
     }
 
     /// The opponent's values in the upcoming step, if it moves first.
-    pub(super) fn given(&self) -> Option<Values> {
-        let place = self.places.last().filter(|_| self.opponent.begins())?;
-        let values = self.opponent.given(place)?;
-        Some(self.of(show::other(self.person())).zip(values).collect())
+    pub(super) fn first_values(&self) -> Option<Values> {
+        let position = self.positions.last();
+        let position = position.filter(|_| self.opponent.moves_first())?;
+        let values = self.opponent.first_values(position)?;
+        Some(
+            self.variables_of(show::other(self.person()))
+                .zip(values)
+                .collect(),
+        )
     }
 
     /// The person's moves in the upcoming step.
-    pub(super) fn legal(&self) -> Moves<'a> {
+    pub(super) fn legal_moves(&self) -> Moves<'a> {
         let before = self.steps.last().map(Vec::as_slice);
         Moves::new(self.specification, self.person(), before, &self.known())
     }
 
-    /// Why the play is over, if it is.
+    /// Why the play is over; `None` if it is not.
     pub(super) fn over(&self) -> Option<String> {
         if let Some((last, earlier)) = self.steps.split_last() {
             let before = earlier.last().map(Vec::as_slice);
-            let broken = self.book.broken(self.person(), before, last);
+            let broken = self.printer.broken(self.person(), before, last);
             if !broken.is_empty() {
                 let known: Vec<Option<i64>> = last.iter().copied().map(Some).collect();
                 let rules: Vec<_> = broken.iter().collect();
-                let rules = self.book.rules(&rules, before, &known);
-                return Some(format!("The {} has lost. Broken is\n{rules}", self.role()));
+                let rules = self.printer.rules(&rules, before, &known);
+                return Some(format!("The {} has lost: it broke\n{rules}", self.role()));
             }
         }
-        let moves = self.legal();
+        let moves = self.legal_moves();
         match verdict(&moves, &[]) {
             Ok(Verdict::Each(rules) | Verdict::Together(rules)) => {
                 let before = self.steps.last().map(Vec::as_slice);
-                let rules = self.book.rules(&rules, before, &self.known());
+                let rules = self.printer.rules(&rules, before, &self.known());
                 let end = match self.person() {
                     Owner::System => "has lost",
-                    Owner::Environment => "cannot keep its assumptions any more",
+                    Owner::Environment => "can no longer keep the assumptions",
                 };
                 Some(format!(
-                    "The {} {end}: no move is left that keeps\n{rules}",
+                    "The {} {end}: no move can keep\n{rules}",
                     self.role()
                 ))
             }
@@ -195,7 +205,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn of(&self, side: Owner) -> impl Iterator<Item = VarId> + use<'a> {
+    fn variables_of(&self, side: Owner) -> impl Iterator<Item = VarId> + use<'a> {
         let specification = self.specification;
         let all = (0..specification.variables.len() as u32).map(VarId);
         all.filter(move |v| specification.variable(*v).owner == side)
@@ -203,9 +213,9 @@ impl<'a> Session<'a> {
 
     fn step(&mut self, fixed: &[(VarId, i64)]) -> Result<Reply, String> {
         if let Some(over) = self.over() {
-            return Err(format!("{over}`undo` takes a step back"));
+            return Err(format!("{over}to go back, enter `undo`"));
         }
-        let found = self.legal().find_lasting(fixed);
+        let found = self.legal_moves().find_with_successor(fixed);
         match found {
             Ok(Some(values)) => self.make(&values),
             Ok(None) => {
@@ -213,9 +223,9 @@ impl<'a> Session<'a> {
                 self.refused = Some(fixed.to_vec());
                 Err(format!("this move is not legal; {why}"))
             }
-            Err(EnumerationLimit) => {
-                Err("it takes too long to complete this move: give more of its values".to_owned())
-            }
+            Err(EnumerationLimit) => Err(
+                "completing this move takes too long: give values for more variables".to_owned(),
+            ),
         }
     }
 
@@ -227,31 +237,31 @@ impl<'a> Session<'a> {
                 .find(|(own, _)| *own == v)
                 .map(|(_, value)| *value)
         };
-        let moved: Vec<i64> = self.of(self.person()).filter_map(of).collect();
+        let moved: Vec<i64> = self.variables_of(self.person()).filter_map(of).collect();
         let answer = self
-            .places
+            .positions
             .last()
             .and_then(|p| self.opponent.answer(p, &moved));
-        let Some((answer, place)) = answer else {
+        let Some((answer, position)) = answer else {
             return Err(
-                "the other player has no answer to this legal move. This is a fault of linewright: please report it \
-                 together with the contract"
+                "the opponent has no answer to this legal move; this is a fault of linewright: please report it \
+                 with the contract"
                     .to_owned(),
             );
         };
         let mut step = vec![0; self.specification.variables.len()];
-        let own = self.of(self.person()).zip(moved);
-        let others = self.of(show::other(self.person())).zip(answer);
+        let own = self.variables_of(self.person()).zip(moved);
+        let others = self.variables_of(show::other(self.person())).zip(answer);
         for (variable, value) in own.chain(others) {
             step[variable.index()] = value;
         }
-        let began = self.opponent.begins();
+        let opponent_first = self.opponent.moves_first();
         self.steps.push(step);
-        self.places.push(place);
+        self.positions.push(position);
         self.refused = None;
         let over = self.over();
-        let mut text = show::step(self, began);
-        text += &self.begun();
+        let mut text = show::step(self, opponent_first);
+        text += &self.first_values_text();
         text += over.as_deref().unwrap_or_default();
         Ok(Reply {
             text,
@@ -260,26 +270,26 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Known values of the upcoming step.
-    fn begun(&self) -> String {
-        let given = self.given().unwrap_or_default();
+    /// Text with the opponent's values in the upcoming step; empty if it does not move first.
+    fn first_values_text(&self) -> String {
+        let given = self.first_values().unwrap_or_default();
         if given.is_empty() {
             return String::new();
         }
-        show::begun(self, &given)
+        show::first_values(self, &given)
     }
 
-    /// Position after steps were taken back.
-    fn now(&self) -> String {
+    /// Text that shows the current step after steps were taken back.
+    fn current_step(&self) -> String {
         match self.steps.len() {
-            0 => format!("before step 0\n{}", self.begun()),
-            made => format!("after step {}\n{}", made - 1, self.begun()),
+            0 => format!("before step 0\n{}", self.first_values_text()),
+            made => format!("after step {}\n{}", made - 1, self.first_values_text()),
         }
     }
 
     fn back_to(&mut self, steps: usize) {
         self.steps.truncate(steps);
-        self.places.truncate(steps + 1);
+        self.positions.truncate(steps + 1);
         self.refused = None;
     }
 
@@ -297,17 +307,17 @@ impl<'a> Session<'a> {
                 // The previous step already reported it.
                 break;
             }
-            let mut moves = self.legal();
+            let mut moves = self.legal_moves();
             let variables = &self.specification.variables;
             let chosen: Vec<i64> = variables
                 .iter()
-                .map(|v| v.domain.low() + (draw(&mut self.chance) % v.domain.size()) as i64)
+                .map(|v| v.domain.low() + (draw(&mut self.random_state) % v.domain.size()) as i64)
                 .collect();
             moves.prefer(|v| chosen[v.index()]);
-            let values = match moves.find_lasting(&[]) {
+            let values = match moves.find_with_successor(&[]) {
                 Ok(Some(values)) => values,
                 Ok(None) => return Err("there is no legal move".to_owned()),
-                Err(EnumerationLimit) => return Err("it takes too long to find a move".to_owned()),
+                Err(EnumerationLimit) => return Err("finding a move takes too long".to_owned()),
             };
             let reply = self.make(&values)?;
             all.text += &reply.text;
@@ -320,8 +330,8 @@ impl<'a> Session<'a> {
         if let Some(refused) = &self.refused {
             return self.why_not(refused);
         }
-        let moves = self.legal();
-        let limits = |r: &&Rule<'_>| r.left != linewright_core::gr1::Expr::TRUE;
+        let moves = self.legal_moves();
+        let limits = |r: &&Rule<'_>| r.residual != linewright_core::gr1::Expr::TRUE;
         let rules: Vec<_> = moves.rules.iter().filter(limits).collect();
         let leaving: Vec<_> = moves.leaving.iter().collect();
         if rules.is_empty() && leaving.is_empty() {
@@ -330,32 +340,32 @@ impl<'a> Session<'a> {
         let mut text = String::new();
         if !rules.is_empty() {
             let before = self.steps.last().map(Vec::as_slice);
-            let rules = self.book.rules(&rules, before, &self.known());
+            let rules = self.printer.rules(&rules, before, &self.known());
             text = format!("these rules limit this move:\n{rules}");
         }
         if !leaving.is_empty() {
-            let rules = self.book.leaving(&leaving, &self.known());
-            text = text + "no step can follow a move that breaks one of these:\n" + &rules;
+            let rules = self.printer.leaving(&leaving, &self.known());
+            text = text + "no step can follow a move that breaks one of these rules:\n" + &rules;
         }
         text
     }
 
     fn why_not(&self, fixed: &[(VarId, i64)]) -> String {
-        let moves = self.legal();
+        let moves = self.legal_moves();
         let before = self.steps.last().map(Vec::as_slice);
         let known = self.known();
-        let rules = |rules: &[&Rule<'_>]| self.book.rules(rules, before, &known);
+        let rules = |rules: &[&Rule<'_>]| self.printer.rules(rules, before, &known);
         match verdict(&moves, fixed) {
             Ok(Verdict::Legal(values)) => {
-                // Prefers a legal move after which the play can go on.
+                // Prefers a legal move after which the play can continue.
                 let values = match verdict_of_leaving(&moves, fixed) {
                     Ok(Verdict::Each(rules) | Verdict::Together(rules)) => {
-                        return self.last(&moves, fixed, &rules);
+                        return self.explain_last_move(&moves, fixed, &rules);
                     }
                     Ok(Verdict::Legal(values)) => values,
                     Err(EnumerationLimit) => values,
                 };
-                let own = shown(self.specification, self.person());
+                let own = shown_variables(self.specification, self.person());
                 let values: Values = values
                     .into_iter()
                     .filter(|(v, _)| own.contains(v))
@@ -364,19 +374,26 @@ impl<'a> Session<'a> {
                 format!("this move is legal: {values}\n")
             }
             Ok(Verdict::Each(found)) => match found.as_slice() {
-                [only] => format!("this forbids it:\n{}", rules(&[only])),
-                found => format!("each of these forbids it:\n{}", rules(found)),
+                [only] => format!("this rule forbids it:\n{}", rules(&[only])),
+                found => format!("each of these rules forbids it:\n{}", rules(found)),
             },
             Ok(Verdict::Together(found)) => {
-                format!("these forbid it together:\n{}", rules(&found))
+                format!("these rules together forbid it:\n{}", rules(&found))
             }
-            Err(EnumerationLimit) => "it takes too long to find out: give more values\n".to_owned(),
+            Err(EnumerationLimit) => {
+                "deciding this takes too long: give values for more variables\n".to_owned()
+            }
         }
     }
 
-    /// Message that a legal move is the last one because of these rules, some of which apply on
-    /// leaving the step.
-    fn last(&self, moves: &Moves<'_>, fixed: &[(VarId, i64)], rules: &[&Rule<'_>]) -> String {
+    /// Message that no step can follow a legal move because of these rules, some of which are rules
+    /// for leaving the step.
+    fn explain_last_move(
+        &self,
+        moves: &Moves<'_>,
+        fixed: &[(VarId, i64)],
+        rules: &[&Rule<'_>],
+    ) -> String {
         let mut known = self.known();
         for (variable, value) in fixed {
             known[variable.index()] = Some(*value);
@@ -386,15 +403,15 @@ impl<'a> Session<'a> {
             rules.iter().copied().partition(is_leaving);
         let before = self.steps.last().map(Vec::as_slice);
         format!(
-            "this move is legal, and {}: no step can follow it that keeps\n{}{}",
-            self.end_of_last_move(),
-            self.book.leaving(&leaving, &known),
-            self.book.rules(&within, before, &known)
+            "this move is legal, but {}: no step after it can keep\n{}{}",
+            self.consequence_of_last_move(),
+            self.printer.leaving(&leaving, &known),
+            self.printer.rules(&within, before, &known)
         )
     }
 
     /// Consequence of a move that no step can follow.
-    pub(super) fn end_of_last_move(&self) -> &'static str {
+    pub(super) fn consequence_of_last_move(&self) -> &'static str {
         match self.person() {
             Owner::System => "loses",
             Owner::Environment => "gives up the assumptions",
@@ -404,7 +421,7 @@ impl<'a> Session<'a> {
     fn expect(&self, parts: &[Part]) -> Result<(), String> {
         let wanted = resolve(self.specification, None, parts)?;
         let Some(step) = self.steps.last() else {
-            return Err("there is no step yet whose values could be expected".to_owned());
+            return Err("`expect` needs a step: make a move first".to_owned());
         };
         let is = |v: &VarId| (*v, step[v.index()]);
         let (mut expected, mut found) = (Values::new(), Values::new());
@@ -418,17 +435,17 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         Err(format!(
-            "expected {} in step {}, but there {}",
+            "expected {} in step {}, but found {}",
             listed(self.specification, &expected),
             self.steps.len() - 1,
             listed(self.specification, &found)
         ))
     }
 
-    /// The moves so far as a script.
+    /// The moves so far as a script; with `test`, also the opponent's values as expectations.
     fn script(&self, test: bool) -> String {
-        let own: Vec<VarId> = self.of(self.person()).collect();
-        let others = shown(self.specification, show::other(self.person()));
+        let own: Vec<VarId> = self.variables_of(self.person()).collect();
+        let others = shown_variables(self.specification, show::other(self.person()));
         let mut text = format!("# {} as the {}\n", self.specification.name, self.role());
         for step in &self.steps {
             let values = |list: &[VarId]| {

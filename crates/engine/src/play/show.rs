@@ -2,27 +2,27 @@
 
 use super::legal::Values;
 use super::session::Session;
-use super::values::{listed, shown};
+use super::values::{listed, named_internals, shown_variables};
 use linewright_core::gr1::{Domain, Formula, Owner, VarId, eval};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
 
-/// The JSON Schema of a line.
+/// The JSON Schema of an output line.
 pub const LINE_SCHEMA: &str = include_str!("step.schema.json");
 
-/// The schema of a line.
+/// Name of the schema, in every output line.
 pub(super) const SCHEMA: &str = "linewright/step/1";
 
 /// Maximum number of steps shown by `state`.
-const COLUMNS: usize = 8;
+const MAX_STEPS: usize = 8;
 
 /// Maximum number of moves that `moves` lists one by one; beyond it, the values of each variable
 /// are listed.
-const LISTED: usize = 12;
+const MAX_LISTED_MOVES: usize = 12;
 
-/// Maximum domain size of which `moves` tries every value.
-const TRIED: u64 = 400;
+/// Maximum size of a domain whose values `moves` tries one by one.
+const MAX_TRIED_VALUES: u64 = 400;
 
 pub(super) fn role(side: Owner) -> &'static str {
     match side {
@@ -38,23 +38,25 @@ pub(super) fn other(side: Owner) -> Owner {
     }
 }
 
-/// Introduction with the roles.
+/// Introduces the roles and the variables of both sides.
 pub(super) fn opening(session: &Session<'_>) -> String {
     let name = &session.specification.name;
     let mut text = match session.person() {
         Owner::Environment => {
-            format!("`{name}` is realizable: you are the plant, its controller answers.\n")
+            format!("`{name}` is realizable: you are the plant, and its controller answers.\n")
         }
-        Owner::System => format!(
-            "`{name}` is unrealizable: you are the machine, and the plant knows how to beat you.\n"
-        ),
+        Owner::System => {
+            format!("`{name}` is unrealizable: you are the machine, and the plant plays to win.\n")
+        }
     };
     let person = session.person();
-    for (who, side) in [("You give", person), ("It gives", other(person))] {
-        let variables = shown(session.specification, side).into_iter().map(|v| {
-            let variable = session.specification.variable(v);
-            format!("{}: {}", variable.name, variable.describe())
-        });
+    for (who, side) in [("You set", person), ("It sets", other(person))] {
+        let variables = shown_variables(session.specification, side)
+            .into_iter()
+            .map(|v| {
+                let variable = session.specification.variable(v);
+                format!("{}: {}", variable.name, variable.describe())
+            });
         let variables: Vec<String> = variables.collect();
         if variables.is_empty() {
             let _ = writeln!(text, "{who} nothing.");
@@ -65,9 +67,9 @@ pub(super) fn opening(session: &Session<'_>) -> String {
     text + "`help` lists the commands.\n"
 }
 
-/// One side's values in a step: `  plant    command = turn`.
+/// Formats one side's values in a step: `  plant    command = turn`.
 fn line(session: &Session<'_>, side: Owner, values: impl Fn(VarId) -> Option<i64>) -> String {
-    let variables = shown(session.specification, side).into_iter();
+    let variables = shown_variables(session.specification, side).into_iter();
     let values: Values = variables.filter_map(|v| Some((v, values(v)?))).collect();
     if values.is_empty() {
         return String::new();
@@ -79,32 +81,32 @@ fn line(session: &Session<'_>, side: Owner, values: impl Fn(VarId) -> Option<i64
     )
 }
 
-/// Shows the step that was just made. If the opponent moved first, its values were already shown.
-pub(super) fn step(session: &Session<'_>, began: bool) -> String {
+/// Shows the last step. If the opponent moved first, its values were already shown.
+pub(super) fn step(session: &Session<'_>, opponent_first: bool) -> String {
     let Some(step) = session.steps.last() else {
         return String::new();
     };
     let person = session.person();
     let line = |side| line(session, side, |v| Some(step[v.index()]));
-    if began {
+    if opponent_first {
         return line(person);
     }
     let number = session.steps.len() - 1;
     format!("step {number}\n{}{}", line(person), line(other(person)))
 }
 
-/// Shows the values that a step begins with.
-pub(super) fn begun(session: &Session<'_>, given: &[(VarId, i64)]) -> String {
+/// Shows the opponent's values in the upcoming step, in which it moves first.
+pub(super) fn first_values(session: &Session<'_>, given: &[(VarId, i64)]) -> String {
     let of = |v: VarId| given.iter().find(|(g, _)| *g == v).map(|(_, value)| *value);
     let line = line(session, other(session.person()), of);
     format!("step {}\n{line}", session.steps.len())
 }
 
-/// The last step as JSON, with the values that the next one begins with.
+/// The last step as JSON, with the opponent's values in the upcoming step if it moves first.
 pub(super) fn step_object(session: &Session<'_>, over: Option<&str>) -> Value {
     let step = session.steps.last().map_or(&[][..], Vec::as_slice);
     let side = |side: Owner| {
-        let variables = shown(session.specification, side).into_iter();
+        let variables = shown_variables(session.specification, side).into_iter();
         let values: Values = variables.map(|v| (v, step[v.index()])).collect();
         object(session, &values)
     };
@@ -114,7 +116,7 @@ pub(super) fn step_object(session: &Session<'_>, over: Option<&str>) -> Value {
         "plant": side(Owner::Environment),
         "machine": side(Owner::System),
     });
-    if let Some(given) = session.given() {
+    if let Some(given) = session.first_values() {
         line["next"] = object(session, &given);
     }
     if let Some(over) = over {
@@ -140,14 +142,14 @@ fn object(session: &Session<'_>, values: &[(VarId, i64)]) -> Value {
     Value::Object(object)
 }
 
-/// The known values of the first step as JSON.
+/// The introduction as JSON, with the opponent's values in step 0 if it moves first.
 pub(super) fn opening_object(session: &Session<'_>) -> Value {
     let mut line = json!({
         "schema": SCHEMA,
         "contract": session.specification.name,
         "you": session.role(),
     });
-    if let Some(given) = session.given() {
+    if let Some(given) = session.first_values() {
         line["next"] = object(session, &given);
     }
     line
@@ -156,8 +158,8 @@ pub(super) fn opening_object(session: &Session<'_>) -> Value {
 /// The values of the last steps as a table, and when each goal was last met.
 pub(super) fn state(session: &Session<'_>) -> String {
     let made = session.steps.len();
-    let first = made.saturating_sub(COLUMNS);
-    let given = session.given().unwrap_or_default();
+    let first = made.saturating_sub(MAX_STEPS);
+    let given = session.first_values().unwrap_or_default();
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mut head = vec!["step".to_owned()];
     head.extend((first..made).map(|s| s.to_string()));
@@ -165,28 +167,29 @@ pub(super) fn state(session: &Session<'_>) -> String {
         head.push(made.to_string());
     }
     rows.push(head);
-    for side in [Owner::Environment, Owner::System] {
-        for v in shown(session.specification, side) {
-            let variable = session.specification.variable(v);
-            let cell = |value: i64| variable.domain.show(value);
-            let mut row = vec![variable.name.clone()];
-            row.extend(session.steps[first..].iter().map(|s| cell(s[v.index()])));
-            if !given.is_empty() {
-                let value = given.iter().find(|(g, _)| *g == v);
-                row.push(value.map_or("?".to_owned(), |(_, value)| cell(*value)));
-            }
-            rows.push(row);
+    let [inputs, outputs] = [Owner::Environment, Owner::System]
+        .map(|side| shown_variables(session.specification, side));
+    let internal = named_internals(session.specification);
+    for v in inputs.into_iter().chain(outputs).chain(internal) {
+        let variable = session.specification.variable(v);
+        let cell = |value: i64| variable.domain.show(value);
+        let mut row = vec![variable.name.clone()];
+        row.extend(session.steps[first..].iter().map(|s| cell(s[v.index()])));
+        if !given.is_empty() {
+            let value = given.iter().find(|(g, _)| *g == v);
+            row.push(value.map_or("?".to_owned(), |(_, value)| cell(*value)));
         }
+        rows.push(row);
     }
     let mut text = if made == 0 && given.is_empty() {
-        "no step was made yet\n".to_owned()
+        "no steps yet\n".to_owned()
     } else {
         aligned(&rows)
     };
     let specification = session.specification;
     let goals = specification.assumptions.justice.iter();
     for goal in goals.chain(&specification.guarantees.justice) {
-        let title = session.book.title(goal);
+        let title = session.printer.title(goal);
         let _ = match last_met(session, goal) {
             Some(step) => writeln!(text, "{title}\n  last met in step {step}"),
             None => writeln!(text, "{title}\n  not met yet"),
@@ -226,14 +229,14 @@ fn aligned(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// The legal moves: one by one, or variable by variable if there are many.
+/// Lists the legal moves one by one, or the values of each variable if there are many moves.
 pub(super) fn moves(session: &Session<'_>) -> String {
     if let Some(over) = session.over() {
         return over;
     }
     let specification = session.specification;
-    let moves = session.legal();
-    let own = shown(specification, session.person());
+    let moves = session.legal_moves();
+    let own = shown_variables(specification, session.person());
     let (bound, free): (Vec<VarId>, Vec<VarId>) = own.into_iter().partition(|v| moves.matters(*v));
     let mut listing: Vec<Values> = Vec::new();
     let ended = moves.each(&mut |values| {
@@ -245,7 +248,7 @@ pub(super) fn moves(session: &Session<'_>) -> String {
         if !listing.contains(&values) {
             listing.push(values);
         }
-        if listing.len() > LISTED {
+        if listing.len() > MAX_LISTED_MOVES {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -259,12 +262,12 @@ pub(super) fn moves(session: &Session<'_>) -> String {
     let number = session.steps.len();
     let mut text = String::new();
     let mut last = String::new();
-    if ended.is_ok() && listing.len() <= LISTED {
+    if ended.is_ok() && listing.len() <= MAX_LISTED_MOVES {
         if !bound.is_empty() {
             let _ = writeln!(text, "legal in step {number}:");
             for values in &listing {
-                let by = moves.last_by(values);
-                let mark = if by.is_empty() {
+                let violated = moves.violated_on_leaving(values);
+                let mark = if violated.is_empty() {
                     ""
                 } else {
                     let mut known = session.known();
@@ -273,9 +276,9 @@ pub(super) fn moves(session: &Session<'_>) -> String {
                     }
                     let _ = write!(
                         last,
-                        "no step can follow {} that keeps\n{}",
+                        "no step after {} can keep\n{}",
                         listed(specification, values),
-                        session.book.leaving(&by, &known)
+                        session.printer.leaving(&violated, &known)
                     );
                     match session.person() {
                         Owner::System => "  (loses)",
@@ -291,13 +294,13 @@ pub(super) fn moves(session: &Session<'_>) -> String {
             let _ = write!(
                 last,
                 "a move that breaks one of these {}, since no step can follow it:\n{}",
-                session.end_of_last_move(),
-                session.book.leaving(&rules, &session.known())
+                session.consequence_of_last_move(),
+                session.printer.leaving(&rules, &session.known())
             );
         }
         let _ = writeln!(
             text,
-            "legal in step {number} are these values, though not all of them together:"
+            "these values are legal in step {number}, but not in every combination:"
         );
         for v in &bound {
             let variable = specification.variable(*v);
@@ -307,7 +310,7 @@ pub(super) fn moves(session: &Session<'_>) -> String {
     let _ = match (free.is_empty(), bound.is_empty()) {
         (true, true) => writeln!(
             text,
-            "there is nothing to give: `random` makes the next step"
+            "you have no variables to set: `random` makes the next step"
         ),
         (true, false) => Ok(()),
         (false, true) => writeln!(
@@ -320,17 +323,17 @@ pub(super) fn moves(session: &Session<'_>) -> String {
     text + &last
 }
 
-/// The values that a variable can have in some legal move, as ranges.
+/// Formats the values that a variable has in any legal move, as ranges.
 fn values_of(session: &Session<'_>, v: VarId) -> String {
     let variable = session.specification.variable(v);
     let domain = &variable.domain;
-    let moves = session.legal();
-    if domain.size() > TRIED {
-        return format!("{} (too many to look at each)", variable.describe());
+    let moves = session.legal_moves();
+    if domain.size() > MAX_TRIED_VALUES {
+        return format!("{} (too many to try each)", variable.describe());
     }
     let mut ranges: Vec<(i64, i64)> = Vec::new();
     for value in domain.low()..=domain.high() {
-        // A value is kept if its check takes too long.
+        // A value whose check takes too long is listed.
         if matches!(moves.find(&[(v, value)]), Ok(None)) {
             continue;
         }

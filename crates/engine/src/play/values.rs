@@ -1,12 +1,12 @@
-//! Parses and prints names and values; suggests similar ones.
+//! Parses and formats names and values; suggests similar ones.
 
 use super::command::{Part, WORDS};
 use super::legal::Values;
 use linewright_core::diagnostics::nearest;
 use linewright_core::gr1::{Domain, Owner, Specification, VarId, Variable};
 
-/// The variables of a side, without the machine's internal ones.
-pub(super) fn shown(specification: &Specification, side: Owner) -> Vec<VarId> {
+/// The variables of a side, without internal ones.
+pub(super) fn shown_variables(specification: &Specification, side: Owner) -> Vec<VarId> {
     let all = (0..specification.variables.len() as u32).map(VarId);
     all.filter(|v| {
         let variable = specification.variable(*v);
@@ -15,7 +15,14 @@ pub(super) fn shown(specification: &Specification, side: Owner) -> Vec<VarId> {
     .collect()
 }
 
-/// Resolves the values of a move of `side`, or of either side if that is `None`.
+/// The internal variables that the file declares, such as monitors and counters.
+pub(super) fn named_internals(specification: &Specification) -> Vec<VarId> {
+    let all = (0..specification.variables.len() as u32).map(VarId);
+    all.filter(|v| specification.variable(*v).internal && !specification.is_auxiliary(*v))
+        .collect()
+}
+
+/// Resolves the values of a move of `side`; with `None`, of variables of either side, by name only.
 pub(super) fn resolve(
     specification: &Specification,
     side: Option<Owner>,
@@ -26,7 +33,7 @@ pub(super) fn resolve(
         let Some(side) = side else {
             return Err("write `name = value`".to_owned());
         };
-        let variables = shown(specification, side);
+        let variables = shown_variables(specification, side);
         if variables.len() != parts.len() {
             let names: Vec<&str> = variables
                 .iter()
@@ -64,8 +71,7 @@ pub(super) fn resolve(
     Ok(values)
 }
 
-/// Error for a single word where the move needs another number of values: it is a misspelled
-/// command, or values are missing.
+/// Error for a single word that is neither a command nor a complete move.
 fn unknown_word(word: &str, names: &[&str]) -> String {
     let meant = match nearest(word, WORDS.into_iter()) {
         Some(command) => format!("did you mean `{command}`?"),
@@ -86,20 +92,20 @@ fn variable(
     match specification.variables.iter().position(|v| v.name == name) {
         Some(index) if own(&specification.variables[index]) => Ok(VarId(index as u32)),
         Some(index) => {
-            let giver = match specification.variables[index].owner {
+            let owner = match specification.variables[index].owner {
                 Owner::Environment => "the plant",
                 Owner::System => "the machine",
             };
-            Err(format!("`{name}` is given by {giver}, not by you"))
+            Err(format!("`{name}` is set by {owner}, not by you"))
         }
         None => {
             let all = specification.variables.iter();
             let names: Vec<&str> = all.filter(|v| own(v)).map(|v| v.name.as_str()).collect();
             let instead = match nearest(name, names.iter().copied()) {
                 Some(meant) => format!("did you mean `{meant}`?"),
-                None => format!("there are {}", names.join(", ")),
+                None => format!("the variables are {}", names.join(", ")),
             };
-            Err(format!("there is no `{name}`: {instead}"))
+            Err(format!("there is no variable `{name}`: {instead}"))
         }
     }
 }
@@ -111,16 +117,16 @@ fn value(variable: &Variable, text: &str) -> Result<i64, String> {
         Domain::Bool => match text {
             "true" | "1" => Ok(1),
             "false" | "0" => Ok(0),
-            _ => Err(format!("`{name}` is true or false, not `{text}`")),
+            _ => Err(format!("`{name}` can be true or false, not `{text}`")),
         },
         Domain::Range { low, high } => {
             let number = text.strip_suffix(&variable.unit).unwrap_or(text).trim();
             match number.parse::<i64>() {
                 Ok(value) if (*low..=*high).contains(&value) => Ok(value),
                 Ok(_) => Err(format!(
-                    "`{name}` has no value {text}: it is one of {domain}"
+                    "`{name}` has no value {text}: its values are {domain}"
                 )),
-                Err(_) => Err(format!("`{name}` is a number of {domain}, not `{text}`")),
+                Err(_) => Err(format!("`{name}` needs a number in {domain}, not `{text}`")),
             }
         }
         Domain::Enum { labels, .. } => match labels.iter().position(|l| l == text) {
@@ -129,13 +135,13 @@ fn value(variable: &Variable, text: &str) -> Result<i64, String> {
                 Some(meant) => {
                     format!("`{name}` has no value `{text}`: did you mean `{meant}`?")
                 }
-                None => format!("`{name}` has no value `{text}`: it is one of {domain}"),
+                None => format!("`{name}` has no value `{text}`: its values are {domain}"),
             }),
         },
     }
 }
 
-/// `a = 1, b = true`
+/// Formats values: `a = 1, b = true`.
 pub(super) fn listed(specification: &Specification, values: &[(VarId, i64)]) -> String {
     let texts: Vec<String> = values
         .iter()

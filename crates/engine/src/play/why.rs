@@ -1,4 +1,4 @@
-//! Finds the rules that forbid a move, in the words of the contract.
+//! Finds the rules that forbid a move, and formats them as written in the contract.
 
 use super::legal::{EnumerationLimit, Moves, Rule, Values};
 use super::values::listed;
@@ -17,29 +17,30 @@ pub(super) struct RulePrinter<'a> {
 pub(super) enum Verdict<'a, 'm> {
     /// Legal, for instance with these values.
     Legal(Values),
-    /// Each of these rules alone forbids it.
+    /// Each of these rules alone forbids the move.
     Each(Vec<&'m Rule<'a>>),
-    /// No single rule forbids it, but all of these together do, and no subset of them.
+    /// Only all of these rules together forbid the move; no proper subset does.
     Together(Vec<&'m Rule<'a>>),
 }
 
-/// Explains why a move with these values is not legal, if so.
+/// Decides whether a move with these values is legal, and if not, which rules forbid it.
 pub(super) fn verdict<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
 ) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
-    among(moves, moves.rules.iter(), fixed)
+    verdict_under(moves, moves.rules.iter(), fixed)
 }
 
-/// Like `verdict`, with the rules that apply on leaving the step: why no step can follow.
+/// Like [`verdict`], but also with the rules for leaving the step: decides whether a step can
+/// follow.
 pub(super) fn verdict_of_leaving<'a, 'm>(
     moves: &'m Moves<'a>,
     fixed: &[(VarId, i64)],
 ) -> Result<Verdict<'a, 'm>, EnumerationLimit> {
-    among(moves, moves.rules.iter().chain(&moves.leaving), fixed)
+    verdict_under(moves, moves.rules.iter().chain(&moves.leaving), fixed)
 }
 
-fn among<'a, 'm>(
+fn verdict_under<'a, 'm>(
     moves: &'m Moves<'a>,
     rules: impl Iterator<Item = &'m Rule<'a>>,
     fixed: &[(VarId, i64)],
@@ -47,7 +48,7 @@ fn among<'a, 'm>(
     let possible = |rules: &[&'m Rule<'a>]| -> Result<Option<Values>, EnumerationLimit> {
         moves.find_under(rules.iter().copied(), fixed)
     };
-    let all: Vec<&Rule<'a>> = rules.filter(|r| r.left != Expr::TRUE).collect();
+    let all: Vec<&Rule<'a>> = rules.filter(|r| r.residual != Expr::TRUE).collect();
     if let Some(values) = possible(&all)? {
         return Ok(Verdict::Legal(values));
     }
@@ -92,7 +93,7 @@ impl<'a> RulePrinter<'a> {
         texts.concat()
     }
 
-    /// Like `rules`, for rules that apply on leaving the upcoming step.
+    /// Like [`RulePrinter::rules`], for rules that apply on leaving the upcoming step.
     pub fn leaving(&self, rules: &[&Rule<'_>], known: &[Option<i64>]) -> String {
         let mut texts: Vec<String> = Vec::new();
         for rule in rules {
@@ -110,11 +111,12 @@ impl<'a> RulePrinter<'a> {
         texts.concat()
     }
 
-    /// `  assume held: always (a -> next a)`, followed by its place and the relevant values.
+    /// Formats a rule, `  assume held: always (a -> next a)`, with its place and relevant values.
     fn rule(&self, formula: &Formula, before: Option<&[i64]>, known: &[Option<i64>]) -> String {
         let mut now = Values::new();
         let mut given = Values::new();
-        let follows = formula.expr.mentions_next();
+        // A safety formula without next values binds the step that is left.
+        let follows = formula.expr.mentions_next() || self.is_safety(formula);
         formula.expr.for_each_var(&mut |v, time| {
             let now_is_before = follows && time == Time::Now;
             let (list, value) = match before {
@@ -127,9 +129,15 @@ impl<'a> RulePrinter<'a> {
         self.lines(formula, &[("before", now), ("now", given)])
     }
 
-    fn lines(&self, formula: &Formula, looked_at: &[(&str, Values)]) -> String {
+    fn is_safety(&self, formula: &Formula) -> bool {
+        let s = self.specification;
+        let mut safety = s.assumptions.safety.iter().chain(&s.guarantees.safety);
+        safety.any(|f| std::ptr::eq(f, formula))
+    }
+
+    fn lines(&self, formula: &Formula, relevant: &[(&str, Values)]) -> String {
         let mut line = format!("  {}\n    {}", self.title(formula), self.place(formula));
-        for (word, values) in looked_at {
+        for (word, values) in relevant {
             if !values.is_empty() {
                 line = format!("{line}; {word} {}", listed(self.specification, values));
             }
@@ -137,8 +145,8 @@ impl<'a> RulePrinter<'a> {
         line + "\n"
     }
 
-    /// A rule as its author wrote it, `assume held: always (a -> next a)`; if the source is not
-    /// available, its name and formula.
+    /// A rule as written in the source, `assume held: always (a -> next a)`; if the source does not
+    /// begin like this, the rule's name and formula.
     pub fn title(&self, formula: &Formula) -> String {
         let file = self.sources.file(formula.span.file);
         let (start, end) = (
@@ -162,7 +170,7 @@ impl<'a> RulePrinter<'a> {
         } else {
             "guarantee"
         };
-        // A rule without a name is identified by its position: `guarantee 3`.
+        // The generated name of an unnamed rule contains its side: `guarantee 3`.
         if name.contains(' ') {
             format!("{name}: {}", formula.text)
         } else {
@@ -180,6 +188,6 @@ impl<'a> RulePrinter<'a> {
         let known: Vec<Option<i64>> = step.iter().copied().map(Some).collect();
         let moves = Moves::new(self.specification, side, before, &known);
         let rules = moves.rules.into_iter();
-        rules.filter(|r| r.left == Expr::FALSE).collect()
+        rules.filter(|r| r.residual == Expr::FALSE).collect()
     }
 }

@@ -1,7 +1,7 @@
-//! Arrays: elements by numbers and by variables, and what is said of all elements.
+//! Arrays: elements with constant or variable indices, and functions of all elements.
 //!
-//! `a[i]` is a choice between the elements that `i` can name. All of them have to be there: an
-//! index that could leave its array is a mistake, as it is in Spectra.
+//! `a[i]` becomes a choice between the elements that `i` can select. As in Spectra, an index that
+//! can be outside the array is an error.
 
 use super::reader::{Binding, Reader};
 use super::scope::{Cells, Symbol};
@@ -14,7 +14,7 @@ use linewright_core::source::Span;
 use std::rc::Rc;
 
 impl Reader {
-    /// `a[1][i]`
+    /// The value of a variable or of an array element such as `a[1][i]`.
     pub fn element(
         &mut self,
         cells: &Cells,
@@ -26,14 +26,14 @@ impl Reader {
             self.no_indices(name, indices, span)?;
             return Some(self.mention(cells.first, span));
         }
-        self.dimensions(name, &cells.sizes, indices, span)?;
+        self.check_dimensions(name, &cells.sizes, indices, span)?;
         let indices = self.indices(&cells.sizes, indices)?;
         self.choose(&cells.sizes, &indices, 0, &mut |reader, place| {
             Some(reader.mention(VarId(cells.first.0 + place as u32), span))
         })
     }
 
-    /// The element of a define that is an array.
+    /// The value of an element of an array define.
     pub fn defined_element(
         &mut self,
         define: &Rc<Define>,
@@ -44,7 +44,7 @@ impl Reader {
         let sizes: Option<Vec<i64>> = define.sizes.iter().map(|n| self.number(n)).collect();
         let sizes = sizes?;
         let elements = self.elements(define, &sizes)?;
-        self.dimensions(&name.text, &sizes, indices, span)?;
+        self.check_dimensions(&name.text, &sizes, indices, span)?;
         let indices = self.indices(&sizes, indices)?;
         self.choose(&sizes, &indices, 0, &mut |reader, place| {
             let node = elements.get(place)?;
@@ -52,7 +52,7 @@ impl Reader {
         })
     }
 
-    /// The elements of a define, the last index fastest, if there are as many as it says.
+    /// The elements of an array define in row-major order; reports a wrong number of elements.
     fn elements<'d>(&mut self, define: &'d Define, sizes: &[i64]) -> Option<Vec<&'d Node>> {
         let mut level = vec![&define.value];
         for size in sizes {
@@ -62,11 +62,11 @@ impl Reader {
                     Elements::Many(found, _) if found.len() as i64 == *size => next.extend(found),
                     Elements::Many(found, span) => {
                         let count = found.len();
-                        self.count(define, *span, *size, count);
+                        self.report_count(define, *span, *size, count);
                         return None;
                     }
                     Elements::One(node) => {
-                        self.count(define, node.span, *size, 1);
+                        self.report_count(define, node.span, *size, 1);
                         return None;
                     }
                 }
@@ -81,24 +81,24 @@ impl Reader {
             })
             .collect();
         if found.is_none() {
-            self.count(define, define.name.span, 1, 2);
+            self.report_count(define, define.name.span, 1, 2);
         }
         found
     }
 
-    fn count(&mut self, define: &Define, span: Span, wanted: i64, found: usize) {
+    fn report_count(&mut self, define: &Define, span: Span, wanted: i64, found: usize) {
         self.error(
             codes::INDEX_RANGE,
             span,
             format!(
-                "`{}` should have {wanted} elements here and has {found}",
+                "`{}` needs {wanted} elements here, but has {found}",
                 define.name.text
             ),
-            "write as many elements as the brackets behind the name say, in braces for each dimension",
+            "write as many elements as the brackets after the name state, in braces for each dimension",
         );
     }
 
-    fn dimensions(
+    fn check_dimensions(
         &mut self,
         name: &str,
         sizes: &[i64],
@@ -112,16 +112,16 @@ impl Reader {
             codes::TYPE_MISMATCH,
             span,
             format!(
-                "`{name}` is an array of {} dimensions and has {} indices here",
+                "`{name}` is an array of {} dimensions, but has {} indices here",
                 sizes.len(),
                 indices.len()
             ),
-            "write one index for each dimension, or say `.all`, `.any`, `.sum`, `.prod`, `.min` or `.max` of the whole array",
+            "write one index for each dimension, or apply `.all`, `.any`, `.sum`, `.prod`, `.min` or `.max` to the whole array",
         );
         None
     }
 
-    /// The values of indices, each within its array.
+    /// The values of the indices, with their ranges; reports an index outside the array.
     fn indices(&mut self, sizes: &[i64], nodes: &[Node]) -> Option<Vec<(Value, i64, i64)>> {
         let mut found = Vec::new();
         for (node, size) in nodes.iter().zip(sizes) {
@@ -133,7 +133,7 @@ impl Reader {
                     format!("the index {} is outside the array", range.low)
                 } else {
                     format!(
-                        "this index can be {} to {}, and the array ends at {}",
+                        "this index can be {} to {}, but the array ends at {}",
                         range.low,
                         range.high,
                         size - 1
@@ -143,7 +143,7 @@ impl Reader {
                     codes::INDEX_RANGE,
                     node.span,
                     message,
-                    format!("indices of this array are 0 to {}", size - 1),
+                    format!("use an index from 0 to {}", size - 1),
                 );
                 return None;
             }
@@ -152,7 +152,10 @@ impl Reader {
         Some(found)
     }
 
-    /// The element that indices name; `place` counts the dimensions before.
+    /// The element that the indices select, as a chain of conditionals.
+    ///
+    /// `place` is the row-major position from the dimensions before; `element` returns the element
+    /// at a position.
     fn choose(
         &mut self,
         sizes: &[i64],
@@ -169,13 +172,13 @@ impl Reader {
             let other = self.choose(sizes, rest, place + number as usize, element)?;
             let is = Value::binary(BinaryOp::Eq, index.clone(), Value::int(number));
             found = Value::choose(is, other, found);
-            found = self.sized(found, self.origin.span)?;
+            found = self.check_size(found, self.origin.span)?;
         }
         Some(found)
     }
 
-    /// `a.all`, `a.any`, `a.sum`, `a.prod`, `a.min`, `a.max`: of all elements; a variable that is
-    /// no array has one.
+    /// The value of `a.all`, `a.any`, `a.sum`, `a.prod`, `a.min` or `a.max`; a variable that is not
+    /// an array counts as one element.
     pub fn function(&mut self, name: &Name, indices: &[Node], function: &Name) -> Option<Value> {
         let cells = match (self.bound(&name.text), self.symbol(&name.text, name.span)) {
             (Some(Binding::Cells(cells)), _) | (None, Some((Symbol::Variable(cells), _))) => {
@@ -206,8 +209,8 @@ impl Reader {
         Some(Value::chain(op, values))
     }
 
-    /// An argument that is a whole array.
-    pub fn whole(&mut self, node: &Node) -> Option<Binding> {
+    /// The binding of an argument that is a whole array.
+    pub fn whole_array(&mut self, node: &Node) -> Option<Binding> {
         let super::syntax::Shape::Name(name, indices) = &node.shape else {
             return None;
         };
@@ -229,7 +232,7 @@ impl Reader {
     }
 }
 
-/// A value of a domain as a constant.
+/// The constant with a value of a domain.
 pub(super) fn constant(domain: &linewright_core::gr1::Domain, value: i64) -> Value {
     Value::leaf(Expr::Const(value), super::types::kind_of(domain))
 }

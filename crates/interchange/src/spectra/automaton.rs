@@ -1,9 +1,8 @@
-//! Automata over the steps of a run as state of the machine: what triggers and published patterns
-//! come to.
+//! Encodes automata over the steps of a run in variables, for triggers and published patterns.
 //!
 //! An [`Automaton`] reads truth values in each step. Its state is an internal variable of the
-//! machine: the value in step t comes from the steps before t, so the machine has no choice in it.
-//! That an accepting state is visited again and again is assumed or guaranteed.
+//! system. The steps before step t determine its value in step t, so the system has no choice. The
+//! justice assumption or guarantee is that an accepting state is visited infinitely often.
 
 use super::reader::Reader;
 use super::value::{Kind, Value};
@@ -12,7 +11,7 @@ use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Formula, Owner};
 use linewright_core::source::Span;
 
-/// The state that comes next, where conditions are these values.
+/// The next state, with `atoms` as the values of the conditions.
 fn value(decision: &Decision, atoms: &[Value]) -> Value {
     match decision {
         Decision::To(state) => Value::int(*state as i64),
@@ -23,8 +22,9 @@ fn value(decision: &Decision, atoms: &[Value]) -> Value {
 }
 
 impl Reader {
-    /// Adds an automaton's state, and that it is accepted.
-    pub fn follow(
+    /// Adds an automaton's state variable, its transitions, and the justice of its accepting
+    /// states.
+    pub fn add_automaton(
         &mut self,
         automaton: &Automaton,
         stem: &str,
@@ -50,8 +50,8 @@ impl Reader {
         for s in (0..count - 1).rev() {
             update = Value::choose(is(s), value(&automaton.steps[s], atoms), update);
         }
-        let update = self.sized(update, span)?;
-        self.finished(&update.expr, update.size, span)?;
+        let update = self.check_size(update, span)?;
+        self.check_finished(&update.expr, update.size, span)?;
         let accepted: Vec<Value> = (0..count)
             .filter(|s| automaton.accepting[*s])
             .map(is)
@@ -70,7 +70,7 @@ impl Reader {
         Some(())
     }
 
-    /// A formula of the statement at hand.
+    /// A formula with the origin of the current statement.
     pub fn formula(&self, expr: Expr) -> Formula {
         Formula {
             defines: false,
@@ -82,12 +82,12 @@ impl Reader {
         }
     }
 
-    /// An automaton would have too many states or inputs.
+    /// Reports an automaton with too many states or conditions.
     pub fn too_many_states(&mut self, span: Span) {
         self.error(
             codes::TOO_LARGE,
             span,
-            format!("this comes to an automaton of more than {MAX_STATES} states, or of more than {MAX_CONDITIONS} conditions in one step"),
+            format!("this needs an automaton with more than {MAX_STATES} states, or with more than {MAX_CONDITIONS} conditions in one step"),
             "use fewer repetitions and complements, and fewer different conditions",
         );
     }

@@ -1,7 +1,7 @@
-//! Comparisons: what is equal, and the order of enumerations.
+//! Comparisons: equality, and the order of enumerations.
 //!
-//! Values of enumerations are equal where their names are. Two variables of enumerations can be
-//! compared by size, which goes by the places of their values, as in Spectra's tool.
+//! Values of enumerations are equal if their names are. As in Spectra's tool, two variables of
+//! enumerations can be compared by size, in the order in which their values are declared.
 
 use super::reader::Reader;
 use super::syntax::Node;
@@ -11,7 +11,7 @@ use linewright_core::gr1::BinaryOp;
 use linewright_core::source::Span;
 
 impl Reader {
-    /// `=`, `!=`, `<->`, `xor` and what appears between them.
+    /// The value of a chain of `=`, `!=`, `<->`, `xor` and `|`.
     pub fn equations(
         &mut self,
         values: Vec<Value>,
@@ -38,7 +38,7 @@ impl Reader {
         Some(left)
     }
 
-    /// `a = b`. Values of enumerations are compared by their names.
+    /// The value of `a = b`; values of enumerations are compared by name.
     pub fn equal(&mut self, a: Value, b: Value, span: Span) -> Option<Value> {
         let found = match (&a.kind, &b.kind) {
             (Kind::Bool, Kind::Bool) | (Kind::Int, Kind::Int) => {
@@ -63,12 +63,12 @@ impl Reader {
             | (Kind::Label(label), Kind::Labels(labels)) => {
                 let Some(index) = labels.iter().position(|l| l == label) else {
                     let described = Kind::Labels(labels.clone()).describe();
-                    let message = format!("`{label}` is compared with what is {described}");
+                    let message = format!("`{label}` is compared with {described}");
                     self.error(
                         codes::TYPE_MISMATCH,
                         span,
                         message,
-                        "compare it with one of its own values",
+                        "compare the variable with one of its own values",
                     );
                     return None;
                 };
@@ -94,7 +94,7 @@ impl Reader {
             _ => None,
         };
         if found.is_none() {
-            let message = "two things of different kinds are compared";
+            let message = "values of different types are compared";
             self.error(
                 codes::TYPE_MISMATCH,
                 span,
@@ -105,22 +105,27 @@ impl Reader {
         found
     }
 
-    /// `a < b`, where one of the two is a value of an enumeration.
-    pub fn by_places(&mut self, op: BinaryOp, values: Vec<Value>, span: Span) -> Option<Value> {
+    /// The value of `a < b` and similar operators, if an operand has an enumeration type.
+    pub fn compare_positions(
+        &mut self,
+        op: BinaryOp,
+        values: Vec<Value>,
+        span: Span,
+    ) -> Option<Value> {
         if !values.iter().all(|v| v.kind.is_enumeration()) {
             self.error(
                 codes::TYPE_MISMATCH,
                 span,
-                "a value of an enumeration is compared by size with what is no variable of one",
-                "write two variables of enumerations, which are compared by the places of their values, or the values that are meant: `x in {a, b}`",
+                "a comparison by size needs a variable of an enumeration on both sides",
+                "compare two variables of enumerations, which are ordered by the positions of their values, or list the values: `x in {a, b}`",
             );
             return None;
         }
         self.note(
             codes::NOTATION,
             span,
-            "values of enumerations are compared by their places: the first is the smallest",
-            "compare numbers, or say which values are meant: `x in {a, b}`",
+            "values of enumerations are compared by their positions: the first is the smallest",
+            "compare numbers, or list the values: `x in {a, b}`",
         );
         let mut values = values.into_iter();
         Some(Value::binary(op, values.next()?, values.next()?))

@@ -1,18 +1,18 @@
 //! Counters: `counter c(0..9) { c = 0; inc: p; dec: q; reset: r; overflow: keep; underflow: modulo;
 //! }`.
 //!
-//! The counter is an internal variable of the machine. From each step to the next:
+//! The counter is an internal variable of the system. In each transition:
 //!
 //! | | |
 //! |---|---|
-//! | `inc` | up by one; at the upper end `keep` stays there, `modulo` goes to the lower end, `false` forbids `inc` |
-//! | `dec` | down by one, likewise with `underflow` |
+//! | `inc` | up by one; at the upper end, `keep` stays, `modulo` moves to the lower end, `false` forbids `inc` |
+//! | `dec` | down by one; `underflow` applies at the lower end |
 //! | `reset` | to the lower end |
-//! | none of them | as it was |
+//! | none of these | unchanged |
 //!
-//! Where nothing is said of an end, it is `false`. Each is a demand of its own, as in Spectra: two
-//! of them in one step that ask for different values cannot be kept, so the machine has to prevent
-//! that.
+//! The default of `overflow` and `underflow` is `false`. As in Spectra, each section is a separate
+//! guarantee. If two sections require different values in one step, the guarantees conflict, so
+//! the system has to avoid such steps.
 
 use super::reader::Reader;
 use super::scope::Cells;
@@ -37,10 +37,10 @@ impl Reader {
         let is = |v: &Value, n: i64| Value::binary(BinaryOp::Eq, v.clone(), Value::int(n));
         let mut idle = Vec::new();
         for (nodes, by, end, other, method) in sections {
-            let Some(asked) = self.any(nodes) else {
+            let Some(condition) = self.any(nodes) else {
                 continue;
             };
-            idle.push(asked.clone().not());
+            idle.push(condition.clone().not());
             let moved = Value::binary(BinaryOp::Add, now.clone(), Value::int(by));
             let moved = Value::binary(BinaryOp::Eq, next.clone(), moved);
             let method = method.map_or(Overflow::Refuse, |(m, _)| m);
@@ -57,12 +57,12 @@ impl Reader {
                     Value::binary(BinaryOp::Or, moved, turned)
                 }
             };
-            let step = Value::binary(BinaryOp::Implies, asked, allowed);
+            let step = Value::binary(BinaryOp::Implies, condition, allowed);
             self.add(Owner::System, TemporalForm::Transition, step);
         }
-        if let Some(asked) = self.any(&counter.reset) {
-            idle.push(asked.clone().not());
-            let step = Value::binary(BinaryOp::Implies, asked, is(&next, low));
+        if let Some(condition) = self.any(&counter.reset) {
+            idle.push(condition.clone().not());
+            let step = Value::binary(BinaryOp::Implies, condition, is(&next, low));
             self.add(Owner::System, TemporalForm::Transition, step);
         }
         let still = Value::binary(BinaryOp::Eq, next, now);
@@ -71,7 +71,7 @@ impl Reader {
         self.add(Owner::System, TemporalForm::Transition, step);
     }
 
-    /// Whether one of the formulas holds; `None` if there is none or one has a mistake.
+    /// The disjunction of the valid formulas; `None` if there is none.
     fn any(&mut self, nodes: &[Node]) -> Option<Value> {
         let values: Vec<Value> = nodes.iter().filter_map(|n| self.truth(n)).collect();
         (!values.is_empty()).then(|| Value::chain(BinaryOp::Or, values))

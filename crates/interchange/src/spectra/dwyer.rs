@@ -1,26 +1,25 @@
-//! The patterns that Spectra's users import as `DwyerPatterns.spectra`.
+//! The patterns that Spectra files import from `DwyerPatterns.spectra`.
 //!
-//! Maoz and Ringert (GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015) took the
+//! Maoz and Ringert (GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015) translated the
 //! patterns of Dwyer, Avrunin and Corbett (Patterns in Property Specifications for Finite-State
-//! Verification, ICSE 1999) and gave each an automaton whose state infinitely often says that the
-//! formula holds. Names, parameters and formulas are theirs; the automata are made here, from the
-//! formulas, by [`ltl`]. As in their translation, also a pattern that a finite run can break is
-//! asked for by justice only.
+//! Verification, ICSE 1999) to automata that visit an accepting state infinitely often if the
+//! formula holds. Names, parameters and formulas here are theirs; [`ltl`] builds the automata from
+//! the formulas. As in their translation, a safety pattern is also expressed by justice only.
 
 use linewright_automata::ltl::{self, Formula, Formulas, Node};
 use linewright_automata::symbolic::Automaton;
 
-/// The published file, by its name.
+/// Name of the published file.
 pub(super) const FILE: &str = "DwyerPatterns.spectra";
 
 /// A pattern of the published file.
 #[derive(Debug, PartialEq, Eq)]
 pub struct PublishedPattern {
-    /// Its name in the file.
+    /// Name in the file.
     pub name: &'static str,
-    /// Its parameters, a letter each, in order.
+    /// One letter for each parameter, in order.
     pub parameters: &'static str,
-    /// The formula over them: `! & | -> U W X F G`.
+    /// LTL formula over the parameters, with `! & | -> U W X F G`.
     pub formula: &'static str,
 }
 
@@ -36,7 +35,7 @@ const fn published(
     }
 }
 
-/// All of them, also under the names of older files.
+/// All published patterns, including aliases from older files.
 pub static PATTERNS: [PublishedPattern; 56] = [
     published("P_is_false_globally", "p", "G !p"),
     published("P_is_false_before_R", "pr", "F r -> (!p U r)"),
@@ -241,7 +240,7 @@ pub static PATTERNS: [PublishedPattern; 56] = [
         "stzpqr",
         "G ((q & F r) -> ((p -> (!r U (s & !r & !z & X ((!r & !z) U t)))) U r))",
     ),
-    // As five of them were called in older files.
+    // Aliases from older files.
     published("notP_globally", "p", "G !p"),
     published("notP_beforeR", "pr", "F r -> (!p U r)"),
     published(
@@ -254,7 +253,8 @@ pub static PATTERNS: [PublishedPattern; 56] = [
 ];
 
 impl PublishedPattern {
-    /// The automaton over its parameters, unless it is too large; none of the table is.
+    /// The automaton over the parameters; `None` if it is too large, which no pattern of the table
+    /// is.
     pub(super) fn automaton(&self) -> Option<Automaton> {
         let mut reader = Letters {
             parameters: self.parameters,
@@ -266,7 +266,7 @@ impl PublishedPattern {
     }
 }
 
-/// Reads a formula of the table above; `None` if it is none.
+/// Recursive-descent parser for the formulas of the table; `None` for a syntax error.
 struct Letters {
     parameters: &'static str,
     rest: &'static [u8],

@@ -1,5 +1,5 @@
-//! Formulas: names are looked up, operators are applied, kinds are checked. What has its own rules
-//! has its own file.
+//! Evaluates formulas: resolves names, applies operators and checks types. Constructs with their
+//! own rules have their own modules.
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;
@@ -12,15 +12,15 @@ use linewright_core::source::Span;
 use std::rc::Rc;
 
 impl Reader {
-    /// The value of a formula; `None` where a mistake in it was reported.
+    /// The value of a formula; `None` after an error, which is reported.
     pub fn value(&mut self, node: &Node) -> Option<Value> {
         self.down(node.span)?;
         let value = self.shape(node);
         self.up();
-        value.and_then(|v| self.sized(v, node.span))
+        value.and_then(|v| self.check_size(v, node.span))
     }
 
-    /// A formula that has to be true or false.
+    /// The value of a formula; reports one that is not a truth value.
     pub fn truth(&mut self, node: &Node) -> Option<Value> {
         let value = self.value(node)?;
         self.expect_kind(&value, &Kind::Bool, node.span)?;
@@ -41,7 +41,7 @@ impl Reader {
             ),
             match kind {
                 Kind::Bool => "compare it with a value: `x = 3`",
-                _ => "only numbers can be counted with",
+                _ => "use a number here",
             },
         );
         None
@@ -97,21 +97,21 @@ impl Reader {
                     codes::NOT_GR1,
                     span,
                     "a regular expression appears within a formula",
-                    "it may be all that `G` or `GF` holds: `gar G regexp(r);`; for what follows a match, write `gar trig r |=> e;`",
+                    "use it as the whole formula of `G` or `GF`: `gar G regexp(r);`; for the steps after a match, write `gar trig r |=> e;`",
                 );
                 None
             }
         }
     }
 
-    /// The same with next values for current ones.
+    /// The value with next values in place of current ones.
     fn primed(&mut self, mut value: Value, span: Span) -> Option<Value> {
         if value.expr.mentions_next() {
             self.error(
                 codes::NEXT_NESTED,
                 span,
                 "`next` is nested in `next`, perhaps through a define or a predicate",
-                "GR(1) knows this step and the next one: remember a value in a variable to look further",
+                "refer only to the current step and the next one; to look further ahead, remember a value in a variable",
             );
             return None;
         }
@@ -135,12 +135,12 @@ impl Reader {
             B::And | B::Or => Kind::Bool,
             B::Eq | B::Ne => return self.equations(values, rest, &spans),
             B::Lt | B::Le | B::Gt | B::Ge if values.iter().any(|v| v.kind.is_of_enumeration()) => {
-                return self.by_places(op, values, first.span.to(spans[spans.len() - 1]));
+                return self.compare_positions(op, values, first.span.to(spans[spans.len() - 1]));
             }
             _ => Kind::Int,
         };
         for (value, span) in values.iter().zip(&spans) {
-            // `xor` appears among `|`.
+            // `xor` and `|` can occur in the same chain.
             self.expect_kind(value, &kind, *span)?;
         }
         if matches!(op, B::And | B::Or | B::Add) && rest.iter().all(|(o, _)| *o == op) {
@@ -152,7 +152,7 @@ impl Reader {
         Some(operands.fold(first, |a, (op, b)| Value::binary(op, a, b)))
     }
 
-    /// A name with its indices.
+    /// The value of a name with its indices.
     fn name(&mut self, name: &str, indices: &[Node], span: Span) -> Option<Value> {
         match self.bound(name).cloned() {
             Some(Binding::Value(value)) => {
@@ -174,7 +174,7 @@ impl Reader {
                     codes::TYPE_MISMATCH,
                     span,
                     format!("`{name}` has no value: it is a pattern or a regular expression"),
-                    "a pattern stands alone: `gar p(a, b);`; a regular expression in `regexp(r)` or `trig`",
+                    "write a pattern on its own, `gar p(a, b);`, and a regular expression in `regexp(r)` or `trig`",
                 );
                 None
             }
@@ -197,12 +197,12 @@ impl Reader {
             codes::TYPE_MISMATCH,
             span,
             format!("`{name}` is not an array"),
-            "leave the index out",
+            "remove the index",
         );
         None
     }
 
-    /// The value of a define, or of an element of one that is an array.
+    /// The value of a define or of an element of an array define.
     fn defined(&mut self, define: &Rc<Define>, indices: &[Node], span: Span) -> Option<Value> {
         let name = &define.name;
         if let Elements::One(node) = &define.value {
@@ -222,7 +222,7 @@ impl Reader {
         self.defined_element(define, indices, span)
     }
 
-    /// Expands a definition, in which names around it are not seen; it must not use itself.
+    /// Expands a definition in an empty frame; reports a circular definition.
     pub fn expanded<T>(
         &mut self,
         name: &Name,
@@ -233,8 +233,8 @@ impl Reader {
             self.error(
                 codes::NOT_CONSTANT,
                 span,
-                format!("`{}` is defined by itself", name.text),
-                "a definition may use those that do not use it; what changes over time is a variable, a monitor or a counter",
+                format!("`{}` is defined in terms of itself", name.text),
+                "avoid the circle; for a value that changes over time, declare a variable, a monitor or a counter",
             );
             return None;
         }

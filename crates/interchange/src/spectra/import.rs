@@ -1,10 +1,11 @@
-//! `import "Rules.spectra"`: the file, and those that it imports, each read once.
+//! `import "Rules.spectra"`: reads the imported files, each once.
 //!
-//! An import brings in types, defines, predicates, patterns and regular expressions. Variables,
-//! monitors, counters, assumptions and guarantees stay behind, as in Spectra, whose scopes look for
-//! them in the file itself. So it does no harm that files import each other in a circle.
+//! An import includes types, defines, predicates, patterns and regular expressions. As in Spectra,
+//! it does not include variables, monitors, counters, assumptions and guarantees. Therefore files
+//! can import each other in a circle.
 //!
-//! The file of the published patterns is there also where it is not: see [`dwyer`](super::dwyer).
+//! The published patterns can be imported even if their file does not exist; see
+//! [`dwyer`](super::dwyer).
 
 use super::dwyer;
 use super::parser;
@@ -17,12 +18,12 @@ use std::sync::Arc;
 
 /// Maximum number of imported files, including indirect imports.
 const MAX_FILES: usize = 64;
-/// Maximum number of missing imports; later ones are not searched.
+/// Maximum number of invalid imports; later imports are ignored.
 const MAX_MISSED: usize = 64;
-/// Files of the language end so.
+/// File extension of the language.
 const ENDING: &str = ".spectra";
 
-/// What an import leads to.
+/// The file that an import refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Target {
     /// A file that was read.
@@ -31,7 +32,7 @@ pub(super) enum Target {
     Published,
 }
 
-/// A file's declarations.
+/// A parsed file.
 #[derive(Debug)]
 pub(super) struct Source {
     pub file: FileId,
@@ -40,15 +41,15 @@ pub(super) struct Source {
     pub imports: Vec<(Target, Span)>,
 }
 
-/// What was found: the file itself, then those that it imports.
+/// The parsed files: the main file, then the imported ones.
 pub(super) struct Sources {
     pub files: Vec<Source>,
     pub findings: Vec<Diagnostic>,
     missed: usize,
 }
 
-/// Parses a file and all that it imports.
-pub(super) fn gather(file: FileId, text: &str, loader: &mut Loader<'_>) -> Sources {
+/// Parses a file and all its imports.
+pub(super) fn parse_with_imports(file: FileId, text: &str, loader: &mut Loader<'_>) -> Sources {
     let mut sources = Sources {
         files: Vec::new(),
         findings: Vec::new(),
@@ -71,7 +72,7 @@ pub(super) fn gather(file: FileId, text: &str, loader: &mut Loader<'_>) -> Sourc
         for (path, span) in wanted {
             let target = sources.import(&path, file, span, loader);
             let imports = &mut sources.files[at].imports;
-            // The same file again brings nothing new.
+            // A repeated import of a file has no effect.
             if let Some(target) = target
                 && imports.iter().all(|(known, _)| *known != target)
             {
@@ -80,7 +81,7 @@ pub(super) fn gather(file: FileId, text: &str, loader: &mut Loader<'_>) -> Sourc
         }
         at += 1;
     }
-    sources.left_behind();
+    sources.note_omissions();
     sources
 }
 
@@ -110,7 +111,7 @@ impl Sources {
             self.refuse(
                 span,
                 format!("`{path}` is not a Spectra file"),
-                format!("name a file that ends with `{ENDING}`"),
+                format!("name a file with the extension `{ENDING}`"),
             );
             return None;
         }
@@ -119,8 +120,8 @@ impl Sources {
             Ok(_) if self.files.len() > MAX_FILES => {
                 self.refuse(
                     span,
-                    format!("this would be more than {MAX_FILES} imported files"),
-                    "put the declarations of several into one",
+                    format!("more than {MAX_FILES} files are imported"),
+                    "combine several files into one",
                 );
                 None
             }
@@ -135,7 +136,10 @@ impl Sources {
                 self.refuse(
                     span,
                     format!("cannot import `{path}`: {why}"),
-                    format!("the path is relative to the file that imports; `{}` is there without a file", dwyer::FILE),
+                    format!(
+                        "write the path relative to the importing file; `{}` needs no file",
+                        dwyer::FILE
+                    ),
                 );
                 None
             }
@@ -148,12 +152,17 @@ impl Sources {
             .push(Diagnostic::error(codes::IMPORT_MISSING, span, message).with_help(help));
     }
 
-    /// Says of each import what of its file is not used.
-    fn left_behind(&mut self) {
-        // A file that is imported in a circle is there anyway.
+    /// Adds a note to each import whose file has declarations that the import does not include.
+    fn note_omissions(&mut self) {
+        // All declarations of the main file are used, even if a circle imports it.
         let others = self.files[1..].iter();
         let left: BTreeMap<FileId, usize> = others
-            .map(|s| (s.file, s.declarations.iter().filter(|d| stays(d)).count()))
+            .map(|s| {
+                (
+                    s.file,
+                    s.declarations.iter().filter(|d| is_omitted(d)).count(),
+                )
+            })
             .collect();
         for (target, span) in self.files.iter().flat_map(|s| &s.imports) {
             let Target::File(file) = target else {
@@ -161,22 +170,22 @@ impl Sources {
             };
             let what = match left.get(file) {
                 None | Some(0) => continue,
-                Some(1) => "is 1 declaration".to_owned(),
-                Some(count) => format!("are {count} declarations"),
+                Some(1) => "1 declaration".to_owned(),
+                Some(count) => format!("{count} declarations"),
             };
             let note = Diagnostic::note(
                 codes::OWN_TOOL,
                 *span,
-                format!("in this file there {what} that an import does not bring in"),
+                format!("this import does not include {what} of the file"),
             )
-            .with_help("types, defines, predicates, patterns and regular expressions are imported; declare variables, monitors and counters, and write assumptions and guarantees, in this file");
+            .with_help("imports include types, defines, predicates, patterns and regular expressions; declare variables, monitors and counters, and write assumptions and guarantees, in the importing file");
             self.findings.push(note);
         }
     }
 }
 
-/// The name of what has a state: a variable, a monitor or a counter.
-pub(super) fn state(declaration: &Declaration) -> Option<&Name> {
+/// The name of a variable, a monitor or a counter.
+pub(super) fn state_name(declaration: &Declaration) -> Option<&Name> {
     match declaration {
         Declaration::Variable(_, variable) => Some(&variable.name),
         Declaration::Monitor(monitor) => Some(&monitor.variable.name),
@@ -185,7 +194,7 @@ pub(super) fn state(declaration: &Declaration) -> Option<&Name> {
     }
 }
 
-/// Whether an import leaves this in its file.
-fn stays(declaration: &Declaration) -> bool {
-    state(declaration).is_some() || matches!(declaration, Declaration::Statement(_))
+/// Whether an import of the file does not include this declaration.
+fn is_omitted(declaration: &Declaration) -> bool {
+    state_name(declaration).is_some() || matches!(declaration, Declaration::Statement(_))
 }

@@ -1,12 +1,12 @@
-//! Initial conditions that say more than one side can keep in the first step.
+//! Initial conditions that a side cannot ensure in the first step.
 //!
-//! Spectra's type checker looks for that in a formula itself, not in the definitions that it uses.
-//! What gets through has a meaning:
+//! Spectra's type checker rejects these in a formula itself, but not in the definitions that it
+//! uses. Such conditions have this meaning:
 //!
 //! | | |
 //! |---|---|
-//! | `asm` of what the machine chooses | the environment keeps what it can: some values of the machine would do |
-//! | `next` | the formula holds in the first step, which refers to the second |
+//! | `asm` about values that the system chooses | some values of the system's variables satisfy the formula |
+//! | `next` | the formula holds for the transition from the first step to the second |
 
 use super::reader::Reader;
 use super::value::{Kind, Value};
@@ -19,24 +19,25 @@ use std::collections::BTreeSet;
 const MAX_VALUES: u64 = 1 << 12;
 
 impl Reader {
-    /// An initial condition over two steps, as a formula from each step to the next: it holds where
-    /// no step was before.
+    /// An initial condition over two steps as a transition formula that applies to the first step
+    /// only.
     pub fn first_transition(&mut self, expr: Expr) -> Expr {
         let origin = self.origin.clone();
         let finding = Diagnostic::warning(
             codes::NOTATION,
             origin.span,
-            "an initial condition refers to the next step: it is kept from the first step to the second, and no longer",
+            "an initial condition refers to the next step: it applies only to the transition from the first step to the second",
         )
-        .with_help("write `G` before it if it is meant of all steps; else describe the first step alone");
+        .with_help("write `G` before it if it applies to all steps; otherwise describe only the first step");
         self.findings.push(finding);
         self.monitors.previous(&Expr::TRUE, &origin).or(expr)
     }
 
-    /// What an initial assumption leaves to the environment, if the machine's variables are in it
-    /// through definitions, monitors and counters only; nothing where it refers to them itself, or
-    /// would become too large.
-    pub fn left_to_environment(&mut self, expr: &Expr) -> Option<Expr> {
+    /// An initial assumption with the system's variables eliminated: some values satisfy it.
+    ///
+    /// `None` if the assumption itself refers to a variable of the system that is not a monitor or
+    /// counter, or if the result is too large.
+    pub fn without_outputs(&mut self, expr: &Expr) -> Option<Expr> {
         let mut outputs = BTreeSet::new();
         expr.for_each_var(&mut |v, time| {
             let output = self.monitors.get(v).is_none() && self.variable(v).owner == Owner::System;
@@ -45,9 +46,9 @@ impl Reader {
             }
         });
         let around = self.origin.span;
-        let said = |v: VarId, span: Span| outputs.contains(&v) && around.holds(span);
+        let is_direct = |v: VarId, span: Span| outputs.contains(&v) && around.contains(span);
         let mut mentions = self.mentions.iter();
-        if mentions.any(|(v, span)| said(*v, *span) && !self.watchers.contains(v)) {
+        if mentions.any(|(v, span)| is_direct(*v, *span) && !self.watchers.contains(v)) {
             return None;
         }
         let first = *outputs.first()?;
@@ -59,13 +60,13 @@ impl Reader {
         self.note(
             codes::OWN_TOOL,
             around,
-            format!("this assumption refers to `{name}`, which the system chooses after the environment: what is assumed is that some values of the system's variables would keep it, as in Spectra's tool"),
-            "refer to the environment's variables only; what the system begins with is a guarantee",
+            format!("this assumption refers to `{name}`, which the system chooses after the environment: as in Spectra's tool, the assumption only requires that some values of the system's variables satisfy it"),
+            "refer only to the environment's variables, and write guarantees about the system's initial values",
         );
         Some(left)
     }
 
-    /// Whether an expression is true for some value of a variable.
+    /// An expression that is true if `expr` is true for some value of `v`.
     fn for_some_value(&mut self, expr: &Expr, v: VarId) -> Option<Expr> {
         let domain = self.variable(v).domain.clone();
         let size = Value::of(expr.clone(), Kind::Bool).size;
@@ -90,6 +91,6 @@ impl Reader {
             }
         }
         let found = Value::chain(BinaryOp::Or, cases);
-        Some(self.sized(found, self.origin.span)?.expr)
+        Some(self.check_size(found, self.origin.span)?.expr)
     }
 }

@@ -1,8 +1,8 @@
-//! What the names of each file stand for.
+//! Resolves the names of each file.
 //!
-//! A file sees what it declares itself and what the files that it imports declare, not what those
-//! import. A definition is read with the names of its own file, wherever it is used: each name
-//! carries its place, and its place tells the file.
+//! Visible in a file are its own declarations and the definitions of the files that it imports,
+//! but not of their imports. Names in a definition are always resolved in the file of the
+//! definition: each name has a location, which includes the file.
 
 use super::import::Target;
 use super::reader::Reader;
@@ -23,8 +23,7 @@ impl Reader {
         scopes.flatten()
     }
 
-    /// What a name means in the file in which it is used: its own meaning, or the first one that is
-    /// imported.
+    /// The meaning of a name at a location: the file's own declaration, or the first imported one.
     pub fn symbol(&self, name: &str, at: Span) -> Option<&(Symbol, Span)> {
         let own = self.scopes.get(&at.file)?.symbols.get(name);
         own.or_else(|| {
@@ -34,23 +33,24 @@ impl Reader {
         })
     }
 
-    /// What a type's name means in the file in which it is used.
+    /// The type with a name at a location: the file's own declaration, or the first imported one.
     pub fn declared_type(&self, name: &str, at: Span) -> Option<&Rc<TypeName>> {
         let own = self.scopes.get(&at.file)?.types.get(name);
         let found = own.or_else(|| self.imported(at).find_map(|scope| scope.types.get(name)));
         found.map(|(of, _)| of)
     }
 
-    /// The variable, monitor or counter of that name that an import leaves in its file.
-    pub fn left_behind(&self, name: &str, at: Span) -> Option<Span> {
+    /// The location of a variable, monitor or counter with this name that is not visible at `at`,
+    /// because imports do not include it.
+    pub fn not_imported(&self, name: &str, at: Span) -> Option<Span> {
         let own = self.scopes.get(&at.file).filter(|_| at.file != self.root);
         let scopes = own.into_iter().chain(self.imported(at));
-        let mut found = scopes.filter_map(|scope| scope.behind.get(name));
+        let mut found = scopes.filter_map(|scope| scope.not_exported.get(name));
         found.next().copied()
     }
 
-    /// The names that a file sees.
-    pub fn seen(&self, at: Span) -> impl Iterator<Item = &str> {
+    /// The names of the file and of its imports.
+    pub fn visible_names(&self, at: Span) -> impl Iterator<Item = &str> {
         let scopes = self
             .scopes
             .get(&at.file)
@@ -59,8 +59,8 @@ impl Reader {
         scopes.flat_map(|scope| scope.symbols.keys().map(String::as_str))
     }
 
-    /// The names of types that a file sees.
-    pub fn seen_types(&self, at: Span) -> impl Iterator<Item = &str> {
+    /// The names of types of the file and of its imports.
+    pub fn visible_types(&self, at: Span) -> impl Iterator<Item = &str> {
         let scopes = self
             .scopes
             .get(&at.file)
@@ -69,12 +69,12 @@ impl Reader {
         scopes.flat_map(|scope| scope.types.keys().map(String::as_str))
     }
 
-    /// Gives a name its meaning in its file, once.
+    /// Declares a name in its file; reports a second declaration.
     pub fn define(&mut self, name: &Name, symbol: Symbol) {
         let scope = self.scopes.entry(name.span.file).or_default();
         if let Some((_, first)) = scope.symbols.get(&name.text) {
             let finding = Diagnostic::error(
-                codes::NAME_DOUBLE,
+                codes::NAME_DUPLICATE,
                 name.span,
                 format!("`{}` is declared twice", name.text),
             )

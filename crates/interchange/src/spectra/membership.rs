@@ -1,4 +1,4 @@
-//! `x in {a, b}`, `x in {1, 3-5}`, `x not in {..}`: a comparison with each value.
+//! `x in {a, b}`, `x in {1, 3-5}`, `x not in {..}`: comparisons with each value.
 
 use super::reader::Reader;
 use super::syntax::{Item, Node};
@@ -22,7 +22,7 @@ impl Reader {
                         self.error(
                             codes::DOMAIN_EMPTY,
                             *span,
-                            format!("no number is at least {low} and at most {high}"),
+                            format!("the domain from {low} to {high} is empty"),
                             "write the smaller number first",
                         );
                         return None;

@@ -1,10 +1,10 @@
-//! Spectra's language (Maoz, Ringert: Spectra: a specification language for reactive systems,
-//! Software and Systems Modeling 2021), whole.
+//! Reads the whole Spectra language (Maoz, Ringert: Spectra: a specification language for reactive
+//! systems, Software and Systems Modeling 2021).
 //!
-//! Its meaning is strict GR(1) with Mealy timing. Constructs beyond variables and formulas are
-//! lowered, each by its own file:
+//! Its meaning is strict GR(1) with Mealy timing. Other constructs than variables and formulas are
+//! lowered by these modules:
 //!
-//! | construct | file |
+//! | construct | module |
 //! |---|---|
 //! | `import` | `import`, `lookup` |
 //! | `type`, arrays, `.all .any .sum .prod .min .max` | `types`, `array` |
@@ -17,11 +17,11 @@
 //! | `trig`, `regexp` | `trigger`, `regexp`, `automata::derivative` |
 //! | `ini`, `G`, `alw`, `GF` | `statement`, `initial` |
 //!
-//! What counts weights (an energy objective) or asks for the existence of runs has no place in
-//! GR(1): the former is ignored with a note, the latter refused.
+//! Weights (an energy objective) and existential guarantees are outside GR(1). The reader ignores
+//! weights with a note and refuses existential guarantees.
 //!
-//! Declarations may appear in any order, so a file is read in three passes: its words into
-//! declarations ([`parser`]), names and types, formulas. Imported files take part in the first two.
+//! Declarations can appear in any order, so a file is read in three passes: parsing ([`parser`]),
+//! names and types, and formulas. Imported files take part in the first two passes.
 
 mod array;
 mod automaton;
@@ -58,7 +58,7 @@ use scope::Symbol;
 use std::rc::Rc;
 use syntax::{Base, Declaration, Name, TypeName};
 
-/// Reads a file and what it imports.
+/// Reads a file and its imports.
 pub(super) fn read(
     name: &str,
     file: FileId,
@@ -67,15 +67,16 @@ pub(super) fn read(
 ) -> (Specification, Vec<Diagnostic>) {
     let Sources {
         files, findings, ..
-    } = import::gather(file, text, loader);
+    } = import::parse_with_imports(file, text, loader);
     let taken = files[0]
         .declarations
         .iter()
-        .filter_map(import::state)
+        .filter_map(import::state_name)
         .map(|n| n.text.clone());
     let length = files.iter().map(|s| s.text.len()).sum();
     let mut reader = Reader::new(name, file, length, taken.collect());
-    // A name whose declaration could not be read would be missed at each of its uses.
+    // After a syntax error, undeclared names are not reported: their declarations may be
+    // unreadable.
     let broken = has_errors(&findings);
     reader.findings = findings;
     let before = reader.findings.len();
@@ -84,7 +85,7 @@ pub(super) fn read(
         reader.definitions(&source.declarations);
         reader.imports(source);
     }
-    reader.declared(&files[0].declarations);
+    reader.state_declarations(&files[0].declarations);
     reader.formulas(&files[0].declarations, text);
     let mut others = reader.findings.split_off(before);
     if broken {
@@ -95,7 +96,7 @@ pub(super) fn read(
 }
 
 impl Reader {
-    /// Types, and the values of enumerations.
+    /// Collects the types and the values of enumerations.
     fn types(&mut self, source: &Source) {
         for declaration in &source.declarations {
             match declaration {
@@ -125,7 +126,8 @@ impl Reader {
         }
     }
 
-    /// Gives a type its name. Spectra takes the first of two; here they have to be the same.
+    /// Declares a type. A second declaration is a note if it is the same, otherwise an error;
+    /// Spectra silently uses the first one.
     fn declare_type(&mut self, name: &Name, of: &TypeName, text: &str) {
         let scope = self.scopes.entry(name.span.file).or_default();
         let Some((known, first)) = scope.types.get(&name.text) else {
@@ -137,18 +139,18 @@ impl Reader {
         let (known, first) = (known.span, *first);
         if line(known) == line(of.span) {
             self.note(
-                codes::NAME_DOUBLE,
+                codes::NAME_DUPLICATE,
                 name.span,
                 format!(
-                    "the type `{}` is declared twice, in the same words",
+                    "the type `{}` is declared twice, with the same definition",
                     name.text
                 ),
-                "leave one of the two out",
+                "remove one of the two",
             );
             return;
         }
         let finding = Diagnostic::error(
-            codes::NAME_DOUBLE,
+            codes::NAME_DUPLICATE,
             name.span,
             format!("the type `{}` is declared twice", name.text),
         )
@@ -163,7 +165,7 @@ impl Reader {
         }
     }
 
-    /// Definitions. Sizes may be defines, so variables come later.
+    /// Collects the definitions; variables come later, since array sizes can be defines.
     fn definitions(&mut self, declarations: &[Declaration]) {
         for declaration in declarations {
             match declaration {
@@ -185,8 +187,8 @@ impl Reader {
         }
     }
 
-    /// Variables, monitors and counters.
-    fn declared(&mut self, declarations: &[Declaration]) {
+    /// Declares the variables, monitors and counters.
+    fn state_declarations(&mut self, declarations: &[Declaration]) {
         for declaration in declarations {
             match declaration {
                 Declaration::Variable(owner, variable) => {
@@ -195,7 +197,7 @@ impl Reader {
                 }
                 Declaration::Monitor(monitor) => {
                     let variable = &monitor.variable;
-                    self.watcher(&variable.name, &variable.of);
+                    self.declare_watcher(&variable.name, &variable.of);
                 }
                 Declaration::Counter(counter) => {
                     let of = TypeName {
@@ -206,15 +208,15 @@ impl Reader {
                         sizes: Vec::new(),
                         span: counter.low.span.to(counter.high.span),
                     };
-                    self.watcher(&counter.name, &of);
+                    self.declare_watcher(&counter.name, &of);
                 }
                 _ => {}
             }
         }
     }
 
-    /// A monitor or a counter.
-    fn watcher(&mut self, name: &Name, of: &TypeName) {
+    /// Declares the variable of a monitor or a counter.
+    fn declare_watcher(&mut self, name: &Name, of: &TypeName) {
         let first = self.specification.variables.len() as u32;
         self.declare(name, of, Owner::System, true);
         let end = self.specification.variables.len() as u32;
@@ -222,7 +224,7 @@ impl Reader {
     }
 
     fn declare(&mut self, name: &Name, of: &TypeName, owner: Owner, internal: bool) {
-        // A variable whose type is refused is still declared: its uses are not the mistake.
+        // A variable with a refused type is still declared, so that its uses cause no findings.
         let domain = self
             .domain(of)
             .unwrap_or((linewright_core::gr1::Domain::Bool, Vec::new()));
@@ -231,11 +233,11 @@ impl Reader {
         }
     }
 
-    /// Lets a file see what the files that it imports declare.
+    /// Records a file's imports, and the names in it that importing files cannot use.
     fn imports(&mut self, source: &Source) {
-        let behind = source.declarations.iter().filter_map(import::state);
+        let local = source.declarations.iter().filter_map(import::state_name);
         let scope = self.scopes.entry(source.file).or_default();
-        scope.behind = behind.map(|n| (n.text.clone(), n.span)).collect();
+        scope.not_exported = local.map(|n| (n.text.clone(), n.span)).collect();
         scope.imports = source.imports.iter().map(|(target, _)| *target).collect();
     }
 
@@ -244,7 +246,7 @@ impl Reader {
         for declaration in declarations {
             match declaration {
                 Declaration::Monitor(monitor) => self.monitor(monitor, text),
-                Declaration::Counter(counter) => self.counted_by(counter, text),
+                Declaration::Counter(counter) => self.counter_formulas(counter, text),
                 Declaration::Statement(statement) => {
                     let number = match statement.side {
                         Owner::Environment => &mut assumptions,
@@ -257,14 +259,14 @@ impl Reader {
                 Declaration::Ignored("weight", span) => self.note(
                     codes::OWN_TOOL,
                     *span,
-                    "weights are ignored: Spectra's tool also asks that their sum, from a bounded start, never falls below zero in a run; the machine need not keep that",
-                    "where the sum matters, count it with a counter or a variable, and say in a guarantee how far it may fall",
+                    "weights are ignored: Spectra's tool also requires that their sum, from a bounded start, never falls below zero in a run; a controller found here need not ensure that",
+                    "if the sum matters, track it in a counter or a variable, and limit it in a guarantee",
                 ),
                 Declaration::Ignored(_, span) => self.note(
                     codes::OWN_TOOL,
                     *span,
-                    "a `regtest` asks Spectra's tool about the file and says nothing of the machine: it is ignored",
-                    "leave it out to have no note",
+                    "this `regtest` is ignored: it is a query for Spectra's tool and not part of the specification",
+                    "remove it to avoid this note",
                 ),
                 _ => {}
             }

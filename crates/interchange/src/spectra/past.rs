@@ -1,4 +1,5 @@
-//! `PREV ONCE HISTORICALLY SINCE TRIGGERED`, by [`monitors`](linewright_core::gr1::monitors).
+//! Lowers `PREV ONCE HISTORICALLY SINCE TRIGGERED` to
+//! [`monitors`](linewright_core::gr1::monitors).
 //!
 //! | | in step t |
 //! |---|---|
@@ -8,8 +9,8 @@
 //! | `p SINCE q` | q in some step k up to t, and p in all steps after k up to t |
 //! | `p TRIGGERED q` | not (not p SINCE not q) |
 //!
-//! `PREV` may appear before what refers to the next step: that is the step at hand. Where the
-//! formula also refers to its own step, its variables are remembered one by one.
+//! The operand of `PREV` can refer to the next step, which is then the current step. If the
+//! operand also refers to its own step, each of its variables is remembered.
 
 use super::reader::Reader;
 use super::syntax::{Node, Past, SinceOp};
@@ -22,9 +23,9 @@ use linewright_core::source::Span;
 impl Reader {
     pub fn past(&mut self, past: Past, value: &Value, span: Span) -> Option<Value> {
         if past == Past::Previous && value.expr.mentions_next() {
-            return Some(self.stepped_back(&value.expr));
+            return Some(self.previous_transition(&value.expr));
         }
-        self.about_present(value, span)?;
+        self.check_present(value, span)?;
         let origin = self.origin.clone();
         let expr = match past {
             Past::Previous => self.monitors.previous(&value.expr, &origin),
@@ -34,8 +35,8 @@ impl Reader {
         Some(Value::of(expr, Kind::Bool))
     }
 
-    /// `PREV p`, where p refers to two steps.
-    fn stepped_back(&mut self, expr: &Expr) -> Value {
+    /// `PREV p` for a formula `p` about two steps.
+    fn previous_transition(&mut self, expr: &Expr) -> Value {
         let origin = self.origin.clone();
         let started = self.monitors.previous(&Expr::TRUE, &origin);
         let mut mentioned = Vec::new();
@@ -65,10 +66,10 @@ impl Reader {
 
     pub fn since(&mut self, first: &Node, rest: &[(SinceOp, Node)]) -> Option<Value> {
         let mut value = self.truth(first)?;
-        self.about_present(&value, first.span)?;
+        self.check_present(&value, first.span)?;
         for (op, node) in rest {
             let other = self.truth(node)?;
-            self.about_present(&other, node.span)?;
+            self.check_present(&other, node.span)?;
             let origin = self.origin.clone();
             let expr = match op {
                 SinceOp::Since => self.monitors.since(&value.expr, &other.expr, &origin),
@@ -76,28 +77,28 @@ impl Reader {
                     self.note(
                         codes::OWN_TOOL,
                         node.span,
-                        "Spectra's tool takes `p TRIGGERED q` for `p SINCE q` from step 1 on, and for `p | q` in step 0; here it is what temporal logic means by it",
-                        "write `!(!p SINCE !q)`, which both read alike",
+                        "Spectra's tool reads `p TRIGGERED q` as `p SINCE q` from step 1 on, and as `p | q` in step 0; here it has its meaning in temporal logic",
+                        "write `!(!p SINCE !q)`, which both tools read alike",
                     );
                     let (p, q) = (value.not(), other.not());
                     let since = self.monitors.since(&p.expr, &q.expr, &origin);
                     since.not().simplify()
                 }
             };
-            value = self.sized(Value::of(expr, Kind::Bool), node.span)?;
+            value = self.check_size(Value::of(expr, Kind::Bool), node.span)?;
         }
         Some(value)
     }
 
-    fn about_present(&mut self, value: &Value, span: Span) -> Option<()> {
+    fn check_present(&mut self, value: &Value, span: Span) -> Option<()> {
         if !value.expr.mentions_next() {
             return Some(());
         }
         self.error(
             codes::PAST,
             span,
-            "an operator over the past comes before what refers to the next step, perhaps through a define",
-            "let it refer to the step at hand: `ONCE` of that, a step later, is the same",
+            "the operand of a past operator refers to the next step, perhaps through a define",
+            "refer to the current step: `ONCE` of that has the same value, one step later",
         );
         None
     }

@@ -1,10 +1,10 @@
 //! Patterns: `gar respondsTo(a, b);` with
 //! `pattern respondsTo(p, q) { var boolean ...; ... GF ...; }`.
 //!
-//! Each use has variables of its own, which are the machine's internal ones, and what the pattern
-//! says of their beginning and steps is the machine's duty, also where the pattern is assumed: so
-//! it is in Spectra. What the pattern asks for by `GF` is assumed or guaranteed. A published
-//! pattern is an automaton in place of that.
+//! Each use of a pattern has its own copy of the pattern's variables, as internal variables of the
+//! system. As in Spectra, initial and transition formulas of the pattern are guarantees, even if
+//! the pattern is assumed; only its `GF` formulas are assumed or guaranteed. A published pattern
+//! is lowered to an automaton instead.
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;
@@ -14,7 +14,7 @@ use linewright_core::gr1::Owner;
 use linewright_core::source::Span;
 
 impl Reader {
-    /// Whether a formula is the use of a pattern.
+    /// Whether a name refers to a pattern.
     pub fn is_pattern(&self, name: &Name) -> bool {
         let found = self.symbol(&name.text, name.span);
         matches!(found, Some((Symbol::Pattern(_) | Symbol::Published(_), _)))
@@ -33,7 +33,7 @@ impl Reader {
             Symbol::Published(published) => published.parameters.len(),
             _ => return None,
         };
-        self.counted(&name.text, wanted, arguments.len(), span)?;
+        self.check_arity(&name.text, wanted, arguments.len(), span)?;
         let values: Vec<Option<Value>> = match &symbol {
             Symbol::Published(_) => arguments.iter().map(|a| self.truth(a)).collect(),
             _ => arguments.iter().map(|a| self.value(a)).collect(),
@@ -46,14 +46,14 @@ impl Reader {
                     self.too_many_states(span);
                     return None;
                 };
-                self.follow(&automaton, published.name, &values, side, span)
+                self.add_automaton(&automaton, published.name, &values, side, span)
             }
-            Symbol::Pattern(pattern) => self.own_pattern(side, pattern, values, span),
+            Symbol::Pattern(pattern) => self.user_pattern(side, pattern, values, span),
             _ => None,
         }
     }
 
-    fn own_pattern(
+    fn user_pattern(
         &mut self,
         side: Owner,
         pattern: &Pattern,

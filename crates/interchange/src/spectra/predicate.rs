@@ -1,7 +1,7 @@
 //! Predicates: `predicate free(Int(0..3) room): !occupied[room];`, used as `free(2)`.
 //!
-//! Arguments are put in by value. As a formula's value is an expression, `next(free(r))` refers to
-//! next values within the argument too.
+//! Arguments are substituted by value. A value is an expression, so `next(free(r))` refers to next
+//! values within the argument too.
 
 use super::reader::{Binding, Reader};
 use super::scope::Symbol;
@@ -14,7 +14,7 @@ use linewright_core::source::Span;
 use std::rc::Rc;
 
 impl Reader {
-    /// `p(a, b)` within a formula.
+    /// The value of `p(a, b)` within a formula.
     pub fn call(&mut self, name: &Name, arguments: &[Node], span: Span) -> Option<Value> {
         match self.symbol(&name.text, name.span).map(|(s, _)| s.clone()) {
             Some(Symbol::Predicate(predicate)) => self.predicate(&predicate, arguments, span),
@@ -23,7 +23,7 @@ impl Reader {
                     codes::NOT_GR1,
                     span,
                     format!("the pattern `{}` appears within a formula", name.text),
-                    "a pattern is an assumption or a guarantee of its own: `gar p(a, b);`",
+                    "write the pattern as an assumption or a guarantee of its own: `gar p(a, b);`",
                 );
                 None
             }
@@ -32,7 +32,7 @@ impl Reader {
                     codes::TYPE_MISMATCH,
                     name.span,
                     format!("`{}` takes no arguments", name.text),
-                    "leave the parentheses out",
+                    "remove the parentheses",
                 );
                 None
             }
@@ -50,7 +50,7 @@ impl Reader {
         span: Span,
     ) -> Option<Value> {
         let name = &predicate.name;
-        self.counted(
+        self.check_arity(
             &name.text,
             predicate.parameters.len(),
             arguments.len(),
@@ -69,29 +69,35 @@ impl Reader {
         })
     }
 
-    pub fn counted(&mut self, name: &str, wanted: usize, given: usize, span: Span) -> Option<()> {
+    pub fn check_arity(
+        &mut self,
+        name: &str,
+        wanted: usize,
+        given: usize,
+        span: Span,
+    ) -> Option<()> {
         if wanted == given {
             return Some(());
         }
         self.error(
             codes::ARGUMENT,
             span,
-            format!("`{name}` takes {} and has {given} here", arguments(wanted)),
+            format!("`{name}` takes {}, but has {given} here", arguments(wanted)),
             "write one argument for each parameter",
         );
         None
     }
 
     fn argument(&mut self, parameter: &Parameter, argument: &Node) -> Option<Binding> {
-        if let Some(array) = self.whole(argument) {
+        if let Some(array) = self.whole_array(argument) {
             return Some(array);
         }
         let value = self.value(argument)?;
         let (domain, _) = self.domain(&parameter.of)?;
         let wanted = kind_of(&domain);
-        let fits = match (&wanted, &value.kind) {
+        let matches_type = match (&wanted, &value.kind) {
             (Kind::Labels(labels), Kind::Label(label)) => {
-                // From here on it is a value of the parameter's enumeration.
+                // The label becomes a value of the parameter's enumeration.
                 if let Some(index) = labels.iter().position(|l| l == label) {
                     let index = Expr::Const(index as i64);
                     return Some(Binding::Value(Value::leaf(index, wanted)));
@@ -101,17 +107,17 @@ impl Reader {
             (Kind::Labels(_), Kind::Labels(_)) => true,
             (wanted, given) => wanted == given,
         };
-        if !fits {
+        if !matches_type {
             self.error(
                 codes::TYPE_MISMATCH,
                 argument.span,
                 format!(
-                    "the parameter `{}` is {}, and this is {}",
+                    "the parameter `{}` is {}, but the argument is {}",
                     parameter.name.text,
                     wanted.describe(),
                     value.kind.describe()
                 ),
-                "give an argument of the parameter's type",
+                "pass an argument of the parameter's type",
             );
             return None;
         }

@@ -1,5 +1,5 @@
-//! `forall i in Int(0..3) . p(i)`, `exists v in {a, b} . x = v`: the formula for each value, taken
-//! together.
+//! Expands `forall i in Int(0..3) . p(i)` and `exists v in {a, b} . x = v` into a conjunction or
+//! disjunction over the values.
 
 use super::array::constant;
 use super::reader::{Binding, Reader};
@@ -28,15 +28,15 @@ impl Reader {
         Some(Value::chain(op, found))
     }
 
-    /// The values of a type that a name runs through.
+    /// All values of a type; reports an array type or too many values.
     pub fn values(&mut self, of: &TypeName) -> Option<Vec<Value>> {
         let (domain, sizes) = self.domain(of)?;
         if !sizes.is_empty() || domain.size() > MAX_VALUES {
             self.error(
                 codes::DOMAIN_EMPTY,
                 of.span,
-                "a quantifier cannot range over this many values",
-                format!("use a type of at most {MAX_VALUES} values that is no array"),
+                "a quantifier cannot range over this type",
+                format!("use a type with at most {MAX_VALUES} values that is not an array"),
             );
             return None;
         }
@@ -44,7 +44,7 @@ impl Reader {
         Some(values.map(|v| constant(&domain, v)).collect())
     }
 
-    /// Does something while a name stands for a value.
+    /// Runs `work` while `name` is bound to `value`.
     pub fn with<T>(&mut self, name: &str, value: Value, work: impl FnOnce(&mut Self) -> T) -> T {
         let depth = self.frames.len();
         if let Some(frame) = self.frames.last_mut() {

@@ -1,38 +1,39 @@
-//! A specification that grows while its declarations are read, and the names in it.
+//! The state of reading a Spectra file: the specification so far, its names and its limits.
 
 use super::dwyer;
 use super::scope::{self, Cells, Scope};
 use super::syntax::Define;
 use super::value::Value;
 use linewright_core::diagnostics::{Code, Diagnostic, codes, nearest};
-use linewright_core::gr1::interval::{Interval, Problem, interval};
+use linewright_core::gr1::interval::{Interval, IntervalError, interval};
 use linewright_core::gr1::monitors::{Monitors, Origin};
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, Timing, VarId, Variable};
 use linewright_core::source::{FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-/// Monitors of past formulas are numbered from here until all variables are known.
+/// First variable id of the monitors of past formulas, until all variables are known.
 const FIRST_MONITOR: u32 = 1 << 28;
 /// Maximum number of operators and operands of an expanded formula.
 const MAX_SIZE: u64 = 1 << 18;
-/// And be so deep.
+/// Maximum depth of an expanded formula.
 const MAX_DEPTH: u32 = 400;
-/// Maximum number of operators and operands of all formulas of a file.
+/// Maximum number of operators and operands in all formulas of an empty file; 8 are added for each
+/// byte.
 const MIN_BUDGET: u64 = 4 << 20;
-/// What a formula takes beside them.
+/// Additional cost of each formula.
 const FORMULA: u64 = 16;
-/// Defines and predicates may use one another so deeply, all their formulas counted.
+/// Maximum nesting depth of formulas, including those of expanded definitions.
 const MAX_EXPANSION: u32 = 400;
 /// Maximum number of variables of a file, including elements of arrays.
 pub(super) const MAX_VARIABLES: usize = 1 << 14;
 /// Maximum number of unknown names for which a similar name is searched.
 const MAX_GUESSES: usize = 50;
 
-/// What a define came to, with what it mentions.
+/// Value of an expanded define, and the variables that it mentions.
 type Expansion = (Option<Value>, BTreeSet<(VarId, Span)>);
 
-/// What a parameter, or a name bound by `forall`, stands for.
+/// The meaning of a parameter or of a name bound by a quantifier.
 #[derive(Debug, Clone)]
 pub(super) enum Binding {
     Value(Value),
@@ -44,36 +45,38 @@ pub(super) enum Binding {
 pub(super) struct Reader {
     pub findings: Vec<Diagnostic>,
     pub specification: Specification,
-    /// The file that is read; others are imported.
+    /// The main file; all others are imported.
     pub root: FileId,
-    /// Names, by files.
+    /// Names of each file.
     pub scopes: BTreeMap<FileId, Scope>,
-    /// Of the published patterns.
+    /// Names of the published patterns.
     pub published: Scope,
-    /// Monitors and counters.
+    /// Variables of monitors and counters.
     pub watchers: BTreeSet<VarId>,
-    /// All values of enumerations.
+    /// The values of all enumerations.
     pub labels: BTreeSet<String>,
     pub monitors: Monitors,
-    /// What is bound in the definition at hand; those of the definitions around it are not seen.
+    /// Bound names, one frame per open definition; only the last frame is visible.
     pub frames: Vec<Vec<(String, Binding)>>,
-    /// Definitions that are being expanded, by their names' places.
+    /// Locations of the names of the definitions that are being expanded.
     pub open: Vec<Span>,
-    /// What the formula at hand mentions, and where.
+    /// Variables that the current formula mentions, with locations.
     pub mentions: BTreeSet<(VarId, Span)>,
-    /// The assumption or guarantee at hand.
+    /// The current assumption or guarantee.
     pub origin: Origin,
-    /// How often each stem was given to helpers.
+    /// Names of the assumptions and guarantees so far.
+    pub statement_names: BTreeSet<String>,
+    /// Number of helper variables for each stem.
     pub numbers: BTreeMap<String, u32>,
-    /// Defines that were expanded, by their names' places. Nothing around a define is seen in it,
-    /// so it is expanded once.
+    /// Expanded defines, by the locations of their names. The value of a define does not depend on
+    /// its context, so it is expanded once.
     pub expanded: BTreeMap<Span, Expansion>,
     depth: u32,
     budget: u64,
     exhausted: bool,
     guessed: usize,
-    /// What was said already: a mistake in a definition is met at each of its uses.
-    told: BTreeSet<(Span, &'static str, String)>,
+    /// Findings so far, since an error in a definition occurs at each of its uses.
+    shown: BTreeSet<(Span, &'static str, String)>,
     noted: BTreeSet<String>,
 }
 
@@ -98,11 +101,12 @@ impl Reader {
             open: Vec::new(),
             mentions: BTreeSet::new(),
             origin: Origin::default(),
+            statement_names: BTreeSet::new(),
             numbers: BTreeMap::new(),
             expanded: BTreeMap::new(),
             depth: 0,
             exhausted: false,
-            told: BTreeSet::new(),
+            shown: BTreeSet::new(),
             budget: MIN_BUDGET + 8 * length as u64,
             guessed: 0,
             noted: BTreeSet::new(),
@@ -117,13 +121,13 @@ impl Reader {
         help: impl Into<String>,
     ) {
         let message = message.into();
-        if self.told.insert((span, code.id, message.clone())) {
+        if self.shown.insert((span, code.id, message.clone())) {
             self.findings
                 .push(Diagnostic::error(code, span, message).with_help(help));
         }
     }
 
-    /// A note, once a message.
+    /// Reports a note, unless one with the same message was reported.
     pub fn note(
         &mut self,
         code: Code,
@@ -138,7 +142,7 @@ impl Reader {
         }
     }
 
-    /// Adds a variable, or those of an array.
+    /// Adds a variable, or all variables of an array; reports too many variables.
     pub fn variables(
         &mut self,
         name: &str,
@@ -158,7 +162,7 @@ impl Reader {
             self.error(
                 codes::DOMAIN_EMPTY,
                 span,
-                format!("the file would have more than {MAX_VARIABLES} variables"),
+                format!("the file has more than {MAX_VARIABLES} variables"),
                 "use smaller arrays",
             );
             return None;
@@ -187,7 +191,7 @@ impl Reader {
         })
     }
 
-    /// A name that nothing has yet: `stem_1`, `stem_2` ...
+    /// An unused name: `stem_1`, `stem_2`, ...
     pub fn fresh(&mut self, stem: &str) -> String {
         let number = self.numbers.entry(stem.to_owned()).or_default();
         loop {
@@ -200,28 +204,28 @@ impl Reader {
         }
     }
 
-    /// What a bound name stands for.
+    /// The binding of a name, if it is a visible parameter or quantified name.
     pub fn bound(&self, name: &str) -> Option<&Binding> {
         let frame = self.frames.last()?;
         let found = frame.iter().rev().find(|(n, _)| n == name);
         found.map(|(_, binding)| binding)
     }
 
-    /// Reports a name that is not declared.
+    /// Reports an undeclared name; `what` is the expected kind of name.
     pub fn unknown(&mut self, what: &str, name: &str, span: Span) {
-        if let Some(declared) = self.left_behind(name, span) {
+        if let Some(declared) = self.not_imported(name, span) {
             let message = format!(
-                "`{name}` stays in its file: imports bring in no variables, monitors and counters"
+                "`{name}` is not imported: imports do not include variables, monitors and counters"
             );
             if self
-                .told
+                .shown
                 .insert((span, codes::NAME_UNKNOWN.id, message.clone()))
             {
                 self.findings.push(
                     Diagnostic::error(codes::NAME_UNKNOWN, span, message)
                         .with_label(declared, "declared here")
                         .with_help(
-                            "declare it in the file that imports, and give it to predicates and patterns as an argument",
+                            "declare it in the importing file, and pass it to predicates and patterns as an argument",
                         ),
                 );
             }
@@ -231,11 +235,11 @@ impl Reader {
         let near = if self.guessed > MAX_GUESSES {
             None
         } else if what == "type" {
-            nearest(name, self.seen_types(span)).map(str::to_owned)
+            nearest(name, self.visible_types(span)).map(str::to_owned)
         } else {
             let bound = self.frames.last().into_iter().flatten().map(|(n, _)| n);
             let others = self.labels.iter().chain(bound).map(String::as_str);
-            nearest(name, self.seen(span).chain(others)).map(str::to_owned)
+            nearest(name, self.visible_names(span).chain(others)).map(str::to_owned)
         };
         let help = match near {
             _ if self.published.symbols.contains_key(name) => format!(
@@ -244,18 +248,18 @@ impl Reader {
             ),
             Some(near) => format!("did you mean `{near}`?"),
             None if what == "type" => "declare it: `type T = {a, b};`".to_owned(),
-            None => "declare it, as a variable, a value of an enumeration, a define, a predicate or a pattern".to_owned(),
+            None => "declare it as a variable, a value of an enumeration, a define, a predicate or a pattern".to_owned(),
         };
         let message = format!("the {what} `{name}` is not declared");
         self.error(codes::NAME_UNKNOWN, span, message, help);
     }
 
-    /// Goes one step down in a formula or a definition; [`up`](Self::up) goes back.
+    /// Enters a nested formula or definition; [`up`](Self::up) leaves it.
     pub fn down(&mut self, span: Span) -> Option<()> {
         self.spend(1, span)?;
         self.depth += 1;
         if self.depth > MAX_EXPANSION {
-            self.too_large(span, "nest too deeply once their definitions are put in");
+            self.too_large(span, "nest too deeply after their definitions are expanded");
             self.depth -= 1;
             return None;
         }
@@ -266,7 +270,7 @@ impl Reader {
         self.depth -= 1;
     }
 
-    /// Takes work from what the file may have. What is not there is said once.
+    /// Takes `work` from the file's budget; the first time it is exhausted, reports it.
     pub fn spend(&mut self, work: u64, span: Span) -> Option<()> {
         if work <= self.budget && !self.exhausted {
             self.budget -= work;
@@ -274,7 +278,7 @@ impl Reader {
         }
         if !self.exhausted {
             self.exhausted = true;
-            self.too_large(span, "become too large, all in all");
+            self.too_large(span, "are too large in total");
         }
         None
     }
@@ -283,46 +287,50 @@ impl Reader {
         self.error(
             codes::TOO_LARGE,
             span,
-            format!("the formulas here {why}"),
-            "use fewer definitions in one another, or take the formula apart",
+            format!("these formulas {why}"),
+            "nest fewer definitions, or split the formula",
         );
     }
 
-    /// The value, unless it became too large.
-    pub fn sized(&mut self, value: Value, span: Span) -> Option<Value> {
+    /// The value; reports one that is too large or too deep.
+    pub fn check_size(&mut self, value: Value, span: Span) -> Option<Value> {
         if value.size > MAX_SIZE {
-            self.too_large(span, "become too large once their definitions are put in");
+            self.too_large(
+                span,
+                "become too large after their definitions are expanded",
+            );
             return None;
         }
         if value.depth > MAX_DEPTH {
-            self.too_large(span, "nest too deeply once their definitions are put in");
+            self.too_large(span, "nest too deeply after their definitions are expanded");
             return None;
         }
         self.spend(value.size / 8, span)?;
         Some(value)
     }
 
-    /// Takes a finished formula's size from what the file may have, and looks at its numbers.
-    pub fn finished(&mut self, expr: &Expr, size: u64, span: Span) -> Option<()> {
+    /// Takes the size of a finished formula from the budget, and checks its numbers for overflow
+    /// and division by zero.
+    pub fn check_finished(&mut self, expr: &Expr, size: u64, span: Span) -> Option<()> {
         self.spend(size + FORMULA, span)?;
         let domain = |v: VarId| self.interval(v);
         match interval(expr, &domain) {
             Ok(_) => Some(()),
-            Err(Problem::DivisorZero) => {
+            Err(IntervalError::DivisorZero) => {
                 self.error(
                     codes::DIVISION,
                     span,
                     "a divisor in this formula can be zero",
-                    "divide by a number or by a variable whose range leaves 0 out",
+                    "divide by a number or by a variable whose range excludes 0",
                 );
                 None
             }
-            Err(Problem::TooLarge) => {
+            Err(IntervalError::TooLarge) => {
                 self.error(
                     codes::NUMBER_RANGE,
                     span,
-                    "the numbers in this formula become too large to count with",
-                    "multiply less",
+                    "the numbers in this formula become too large",
+                    "use smaller numbers or fewer multiplications",
                 );
                 None
             }
@@ -333,7 +341,7 @@ impl Reader {
         Interval::of(&self.variable(v).domain)
     }
 
-    /// A variable or a monitor.
+    /// The variable with an id, which can be that of a monitor.
     pub fn variable(&self, v: VarId) -> &Variable {
         match self.monitors.get(v) {
             Some(monitor) => &monitor.variable,
@@ -341,7 +349,7 @@ impl Reader {
         }
     }
 
-    /// The specification with its monitors among the variables, and what was found.
+    /// Adds the monitors to the specification; returns it with the findings.
     pub fn finish(mut self) -> (Specification, Vec<Diagnostic>) {
         self.monitors.define(&mut self.specification.guarantees);
         let shift = FIRST_MONITOR - self.specification.variables.len() as u32;

@@ -1,4 +1,4 @@
-//! Regular expressions over steps, with their names looked up and their repetitions written out.
+//! Resolves the names of regular expressions over steps, and expands their repetitions.
 
 use super::reader::Reader;
 use super::scope::Symbol;
@@ -12,7 +12,7 @@ use linewright_core::gr1::Expr;
 const MAX_PARTS: u64 = 4000;
 
 impl Reader {
-    /// A regular expression with its names looked up. Its conditions are added to `atoms`.
+    /// Lowers a regular expression; its conditions are added to `atoms`.
     pub fn regexp(&mut self, regexp: &Regexp, atoms: &mut Vec<Value>) -> Option<Re> {
         self.down(regexp.span)?;
         let mut parts = 0;
@@ -92,7 +92,7 @@ impl Reader {
                     self.error(
                         codes::DOMAIN_EMPTY,
                         regexp.span,
-                        "this cannot be repeated so often",
+                        "the number of repetitions is invalid",
                         "repeat at least 0 times, and write the smaller number first",
                     );
                     return None;

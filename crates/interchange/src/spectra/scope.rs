@@ -1,4 +1,4 @@
-//! The names of a file, and what they stand for.
+//! The names of a file and their meanings.
 
 use super::dwyer::{self, PublishedPattern};
 use super::import::Target;
@@ -8,7 +8,7 @@ use linewright_core::source::Span;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// A variable or an array of variables, whose ids follow one another, the last index fastest.
+/// A variable, or an array of variables with consecutive ids in row-major order.
 #[derive(Debug, Clone)]
 pub(super) struct Cells {
     pub first: VarId,
@@ -16,21 +16,20 @@ pub(super) struct Cells {
     pub domain: Domain,
 }
 
-/// What a name of the file stands for.
+/// The meaning of a name.
 #[derive(Debug, Clone)]
 pub(super) enum Symbol {
     Variable(Cells),
     Define(Rc<Define>),
     Predicate(Rc<Predicate>),
     Pattern(Rc<Pattern>),
-    /// A pattern that every file may import.
+    /// A pattern that every file can import.
     Published(&'static PublishedPattern),
     Regexp(Rc<Regexp>),
 }
 
 impl Symbol {
-    /// Whether a file that imports this one may use it: it is a definition, with no state of its
-    /// own.
+    /// Whether importing files can use the symbol: definitions only, not variables.
     pub fn is_definition(&self) -> bool {
         !matches!(self, Self::Variable(_))
     }
@@ -41,13 +40,13 @@ impl Symbol {
 pub(super) struct Scope {
     pub types: BTreeMap<String, (Rc<TypeName>, Span)>,
     pub symbols: BTreeMap<String, (Symbol, Span)>,
-    /// The file's variables, monitors and counters: where it is imported, they stay there.
-    pub behind: BTreeMap<String, Span>,
-    /// What the file imports, in order.
+    /// Variables, monitors and counters of the file; importing files cannot use them.
+    pub not_exported: BTreeMap<String, Span>,
+    /// Imports of the file, in order.
     pub imports: Vec<Target>,
 }
 
-/// The published patterns by their names.
+/// A scope with the published patterns.
 pub(super) fn published() -> Scope {
     let symbol = |p: &'static PublishedPattern| (Symbol::Published(p), Span::default());
     let symbols = dwyer::PATTERNS

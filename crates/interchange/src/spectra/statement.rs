@@ -1,14 +1,14 @@
-//! Assumptions and guarantees, and the formulas of monitors.
+//! Lowers assumptions and guarantees, and the formulas of monitors.
 //!
 //! | | guarantee | assumption |
 //! |---|---|---|
-//! | `ini`, or nothing | initial | initial, over inputs |
-//! | `G` | from each step to the next | likewise, over next values of inputs |
-//! | `alw` | in every step; with `next`, as `G` | in every step where it is about inputs and their past; else as `G` |
-//! | `GF` | again and again | again and again |
+//! | `ini`, or none | initial | initial, over inputs |
+//! | `G` | each transition | each transition, over next values of inputs |
+//! | `alw` | every step; with `next`, as `G` | every step if it refers only to inputs and their past; otherwise as `G` |
+//! | `GF` | infinitely often | infinitely often |
 //!
-//! `asm alw` over the machine's variables is judged when the environment has made its next move, as
-//! Spectra's tool does: it could not be blamed for what the machine answers.
+//! As in Spectra's tool, `asm alw` over the system's variables is evaluated after the environment's
+//! next move, because the environment cannot influence the system's answer.
 
 use super::parser::one_line;
 use super::reader::Reader;
@@ -24,14 +24,14 @@ use linewright_core::source::Span;
 const MAX_INSTANCES: usize = 1 << 12;
 
 impl Reader {
-    /// Adds an assumption or guarantee. `number` counts those of its side.
+    /// Adds an assumption or guarantee; `number` is its position among those of its side, from 1.
     pub fn statement(&mut self, statement: &Statement, text: &str, number: usize) {
         let name = match (&statement.name, statement.side) {
             (Some(name), _) => name.text.clone(),
             (None, Owner::Environment) => format!("assumption {number}"),
             (None, Owner::System) => format!("guarantee {number}"),
         };
-        let mut instances = vec![(name, Vec::new())];
+        let mut instances = vec![(self.unique(name), Vec::new())];
         for parameter in &statement.parameters {
             let Some(values) = self.values(&parameter.of) else {
                 return;
@@ -43,7 +43,7 @@ impl Reader {
                 self.error(
                     codes::TOO_LARGE,
                     parameter.name.span,
-                    format!("this would be more than {MAX_INSTANCES} formulas"),
+                    format!("this statement expands to more than {MAX_INSTANCES} formulas"),
                     "use smaller types for the parameters",
                 );
                 return;
@@ -61,7 +61,7 @@ impl Reader {
         }
         let line = one_line(text_of(text, statement.span));
         for (name, bound) in instances {
-            self.begin(name, statement.span, line.clone());
+            self.set_origin(name, statement.span, line.clone());
             let count = bound.len();
             let frame = self.frames.last_mut();
             if let Some(frame) = frame {
@@ -75,8 +75,19 @@ impl Reader {
         }
     }
 
-    /// What is added from here on belongs to a formula of the file.
-    fn begin(&mut self, name: String, span: Span, text: String) {
+    /// A unique name for a statement; a repeated name gets a number, so that findings refer to one
+    /// statement.
+    fn unique(&mut self, name: String) -> String {
+        let names = (2..).map(|number| format!("{name}_{number}"));
+        let mut names = std::iter::once(name.clone()).chain(names);
+        let unused = names.find(|n| !self.statement_names.contains(n));
+        let unique = unused.unwrap_or(name);
+        self.statement_names.insert(unique.clone());
+        unique
+    }
+
+    /// Sets the origin of the formulas that are added next.
+    fn set_origin(&mut self, name: String, span: Span, text: String) {
         self.mentions.clear();
         self.origin = Origin {
             name,
@@ -89,25 +100,25 @@ impl Reader {
     fn body(&mut self, statement: &Statement) -> Option<()> {
         let side = statement.side;
         match &statement.body {
-            // They make it GR(1)* (Amram, Maoz, Pistiner: GR(1)*: GR(1) Specifications Extended
-            // with Existential Guarantees, FM 2019).
+            // GR(1)* has existential guarantees (Amram, Maoz, Pistiner: GR(1)*: GR(1)
+            // Specifications Extended with Existential Guarantees, FM 2019).
             Body::Existential(span) => {
                 self.error(
                     codes::NOT_GR1,
                     *span,
-                    "an existential guarantee asks that something can happen, which is a property of the machine's tree of runs and not of each run",
-                    "GR(1) describes runs: say what has to happen, with `GF` or a trigger, or leave it out",
+                    "an existential guarantee is outside GR(1): it requires that something can happen, which is not a property of single runs",
+                    "state what has to happen in every run, with `GF` or a trigger, or remove the guarantee",
                 );
                 None
             }
             Body::Trigger(from, to) => self.trigger(side, from, to, statement.span),
-            Body::Clause(clause) => self.lowered(side, clause, &clause.node),
+            Body::Clause(clause) => self.clause(side, clause, &clause.node),
         }
     }
 
-    /// A formula, a pattern or a regular expression, also below `forall`. A pattern says itself
-    /// when it has to hold: `G` before it adds nothing.
-    fn lowered(&mut self, side: Owner, clause: &Clause, node: &Node) -> Option<()> {
+    /// Lowers a formula, a pattern or a regular expression, also below `forall`. A pattern
+    /// determines itself when it has to hold, so `G` before it has no effect.
+    fn clause(&mut self, side: Owner, clause: &Clause, node: &Node) -> Option<()> {
         let plain = !clause.explicit
             || matches!(clause.when, TemporalForm::Transition | TemporalForm::Always);
         match &node.shape {
@@ -126,16 +137,16 @@ impl Reader {
                 self.add(side, clause.when, value);
                 Some(())
             }
-            Shape::Matches(regexp) => self.matched(side, clause.when, regexp, node.span),
+            Shape::Matches(regexp) => self.regexp_clause(side, clause.when, regexp, node.span),
             Shape::Quantified {
                 all: true,
                 name,
                 domain,
                 body,
-            } if self.holds_all(body) => {
+            } if self.is_pattern_or_regexp(body) => {
                 for value in self.values(domain)? {
                     self.with(&name.text, value, |reader| {
-                        reader.lowered(side, clause, body)
+                        reader.clause(side, clause, body)
                     });
                 }
                 Some(())
@@ -148,29 +159,29 @@ impl Reader {
         }
     }
 
-    /// Whether something below `forall` is no formula.
-    fn holds_all(&self, node: &Node) -> bool {
+    /// Whether the body of `forall` is a pattern or a regular expression.
+    fn is_pattern_or_regexp(&self, node: &Node) -> bool {
         match &node.shape {
             Shape::Call(name, _) => self.is_pattern(name),
             Shape::Matches(_) => true,
             Shape::Quantified {
                 all: true, body, ..
-            } => self.holds_all(body),
+            } => self.is_pattern_or_regexp(body),
             _ => false,
         }
     }
 
-    /// Adds what a monitor says.
+    /// Adds the formulas of a monitor.
     pub fn monitor(&mut self, monitor: &Monitor, text: &str) {
         for clause in &monitor.clauses {
             let line = one_line(text_of(text, clause.span));
-            self.begin(monitor.variable.name.text.clone(), clause.span, line);
+            self.set_origin(monitor.variable.name.text.clone(), clause.span, line);
             if clause.when == TemporalForm::Repeatedly {
                 self.error(
                     codes::NOT_GR1,
                     clause.span,
-                    "a monitor only watches: it cannot ask that something happens again and again",
-                    "say it in a guarantee: `gar GF ...`",
+                    "a monitor cannot require that something happens again and again",
+                    "write a guarantee: `gar GF ...`",
                 );
                 continue;
             }
@@ -180,19 +191,21 @@ impl Reader {
         }
     }
 
-    /// Adds what a counter says.
-    pub fn counted_by(&mut self, counter: &super::syntax::Counter, text: &str) {
+    /// Adds the formulas of a counter.
+    pub fn counter_formulas(&mut self, counter: &super::syntax::Counter, text: &str) {
         let span = counter.name.span;
         let Some((Symbol::Variable(cells), _)) = self.symbol(&counter.name.text, span).cloned()
         else {
             return;
         };
         let line = one_line(text_of(text, span));
-        self.begin(counter.name.text.clone(), span, line);
+        // The place of the formulas is the range: a variable within a formula counts as generated.
+        let range = counter.low.span.to(counter.high.span);
+        self.set_origin(counter.name.text.clone(), range, line);
         self.counter(counter, &cells);
     }
 
-    /// Adds a formula to the list that it belongs to.
+    /// Adds a formula to the list for its side and its temporal form.
     pub fn add(&mut self, side: Owner, when: TemporalForm, value: Value) {
         let Value { mut expr, size, .. } = value;
         let next = expr.mentions_next();
@@ -207,33 +220,41 @@ impl Reader {
             }
             TemporalForm::Repeatedly => Kind::Justice,
         };
+        if kind == Kind::Justice && next && side == Owner::System {
+            self.note(
+                codes::OWN_TOOL,
+                self.origin.span,
+                "Spectra refuses next values in `GF`; here a transition can satisfy the formula",
+                "store the transition in a variable if both tools should read the file",
+            );
+        }
         let obligations = if side == Owner::System {
             vec![Obligation { kind, expr }]
         } else {
             if kind == Kind::Initial
-                && self.speaks_of_outputs(&expr, None).is_some()
-                && let Some(left) = self.left_to_environment(&expr)
+                && self.mentioned_output(&expr, None).is_some()
+                && let Some(left) = self.without_outputs(&expr)
             {
                 expr = left;
             }
-            // Who watches the machine's variables waits for its answer.
-            let kind = if kind == Kind::Invariant && self.speaks_of_outputs(&expr, None).is_some() {
+            // A condition on the system's variables is evaluated after the system's answer.
+            let kind = if kind == Kind::Invariant && self.mentioned_output(&expr, None).is_some() {
                 Kind::Safety
             } else {
                 kind
             };
             if self.monitors.occur_in(&expr) {
-                self.monitors.assumed(&Obligation { kind, expr })
+                self.monitors.as_assumptions(&Obligation { kind, expr })
             } else {
                 vec![Obligation { kind, expr }]
             }
         };
         for obligation in obligations {
-            if side == Owner::Environment && !self.may_be_assumed(&obligation) {
+            if side == Owner::Environment && !self.can_be_assumed(&obligation) {
                 return;
             }
             let span = self.origin.span;
-            if self.finished(&obligation.expr, size, span).is_none() {
+            if self.check_finished(&obligation.expr, size, span).is_none() {
                 return;
             }
             let lists = match side {
@@ -244,14 +265,14 @@ impl Reader {
         }
     }
 
-    /// Whether an assumption constrains only what the environment chooses; reports it otherwise.
-    fn may_be_assumed(&mut self, obligation: &Obligation) -> bool {
+    /// Whether an assumption constrains only values that the environment chooses; reports others.
+    fn can_be_assumed(&mut self, obligation: &Obligation) -> bool {
         let when = match obligation.kind {
             Kind::Initial => None,
             Kind::Safety => Some(Time::Next),
             Kind::Invariant | Kind::Justice => return true,
         };
-        let Some(v) = self.speaks_of_outputs(&obligation.expr, when) else {
+        let Some(v) = self.mentioned_output(&obligation.expr, when) else {
             return true;
         };
         let name = self.variable(v).name.clone();
@@ -261,21 +282,23 @@ impl Reader {
                 codes::NOT_CONTROLLED,
                 span,
                 format!("this assumption constrains `{name}`, which the system chooses"),
-                "the environment chooses first: its initial condition refers to its own variables only",
+                "the environment chooses first: refer only to its own variables in its initial condition",
             );
         } else {
             self.error(
                 codes::NEXT_OUTPUT_ASSUMED,
                 span,
                 format!("this assumption refers to the next value of `{name}`, which the system chooses after the environment has moved"),
-                format!("the environment cannot keep such a promise: refer to `{name}` without `next`, a step later"),
+                format!("the environment cannot keep such an assumption: refer to `{name}` without `next`, one step later"),
             );
         }
         false
     }
 
-    /// A variable of the machine, no monitor, that an expression mentions at a time.
-    fn speaks_of_outputs(&self, expr: &Expr, at: Option<Time>) -> Option<VarId> {
+    /// A variable of the system that `expr` mentions, at the time `at` or at any time.
+    ///
+    /// Monitors of past formulas count only with their next values.
+    fn mentioned_output(&self, expr: &Expr, at: Option<Time>) -> Option<VarId> {
         let mut found = None;
         expr.for_each_var(&mut |v, time| {
             let output = match self.monitors.get(v) {
@@ -289,16 +312,16 @@ impl Reader {
         found
     }
 
-    /// Where the statement at hand mentions a variable.
+    /// The first location at which the current statement mentions one of the variables.
     fn first_mention(&self, of: impl Fn(VarId) -> bool) -> Span {
         let around = self.origin.span;
         let mut found = self.mentions.iter().filter(|(v, _)| of(*v));
-        let inside = found.clone().find(|(_, span)| around.holds(*span));
+        let inside = found.clone().find(|(_, span)| around.contains(*span));
         inside.or(found.next()).map_or(around, |(_, span)| *span)
     }
 }
 
-/// The text of a place.
+/// The text at a location; empty if it is out of range.
 pub(super) fn text_of(text: &str, span: Span) -> &str {
     text.get(span.start as usize..span.end as usize)
         .unwrap_or_default()

@@ -1,9 +1,9 @@
-//! What a Spectra file says, as it is written. Names are not looked up yet.
+//! The syntax tree of a Spectra file, with unresolved names.
 
 use linewright_core::gr1::{BinaryOp, Owner};
 use linewright_core::source::Span;
 
-/// A name and its place.
+/// A name and its location.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Name {
     pub text: String,
@@ -21,11 +21,11 @@ pub(super) struct Node {
 pub(super) enum Shape {
     Bool(bool),
     Number(i64),
-    /// A variable, define, parameter, constant ..., with the indices behind it.
+    /// A variable, define, parameter, constant, ..., with its indices.
     Name(String, Vec<Node>),
-    /// A predicate or a pattern.
+    /// A use of a predicate or a pattern.
     Call(Name, Vec<Node>),
-    /// `a.all`, `a.sum` ...
+    /// `a.all`, `a.sum`, ...
     Array(Name, Vec<Node>, Name),
     Not(Box<Node>),
     Negative(Box<Node>),
@@ -33,7 +33,7 @@ pub(super) enum Shape {
     Past(Past, Box<Node>),
     /// `p SINCE q` and `p TRIGGERED q`, from left to right.
     Since(Box<Node>, Vec<(SinceOp, Node)>),
-    /// Operators of one rank, from left to right.
+    /// Operators of one precedence, from left to right.
     Chain(Box<Node>, Vec<(BinaryOp, Node)>),
     Implies(Box<Node>, Box<Node>),
     In {
@@ -72,7 +72,7 @@ pub(super) enum Item {
     Range(i64, i64, Span),
 }
 
-/// A type where it is used.
+/// A use of a type.
 #[derive(Debug, Clone)]
 pub(super) struct TypeName {
     pub base: Base,
@@ -115,7 +115,7 @@ pub(super) enum RegexpShape {
     Sequence(Box<Regexp>, Box<Regexp>),
     And(Box<Regexp>, Box<Regexp>),
     Or(Box<Regexp>, Box<Regexp>),
-    /// `r* r+ r? r{n} r{n,} r{n,m}`; the upper number is missing where there is no bound.
+    /// `r* r+ r? r{n} r{n,} r{n,m}`; the upper number is `None` if it is unbounded.
     Repeat(Box<Regexp>, Box<Node>, Option<Box<Node>>),
 }
 
@@ -123,22 +123,22 @@ pub(super) enum RegexpShape {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TemporalForm {
     Initially,
-    /// `G`: from each step to the next.
+    /// `G`: each transition from a step to the next.
     Transition,
-    /// `alw`: in every step.
+    /// `alw`: every step.
     Always,
     /// `GF`
     Repeatedly,
 }
 
-/// What is assumed or guaranteed, or belongs to a monitor or a pattern.
+/// A formula of an assumption, a guarantee, a monitor or a pattern.
 #[derive(Debug, Clone)]
 pub(super) struct Clause {
     pub when: TemporalForm,
-    /// Whether the operator was written.
+    /// Whether the temporal operator is written.
     pub explicit: bool,
     pub node: Node,
-    /// With its operator.
+    /// Location including the operator.
     pub span: Span,
 }
 
@@ -157,11 +157,11 @@ pub(super) struct Statement {
     pub name: Option<Name>,
     pub parameters: Vec<Parameter>,
     pub body: Body,
-    /// Behind the name.
+    /// Location of the body.
     pub span: Span,
 }
 
-/// What a counter does at its ends.
+/// Behavior of a counter at the end of its range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Overflow {
     Keep,
@@ -220,7 +220,7 @@ pub(super) struct Define {
 #[derive(Debug, Clone)]
 pub(super) enum Declaration {
     Import(String, Span),
-    /// Whether it is an auxiliary one comes behind its owner.
+    /// Owner, whether the variable is auxiliary, and the variable.
     Variable((Owner, bool), Parameter),
     Type(Name, TypeName),
     Define(Define),
@@ -230,6 +230,6 @@ pub(super) enum Declaration {
     Counter(Box<Counter>),
     Regexp(Name, Regexp),
     Statement(Statement),
-    /// `weight`, `regtest`: said, not used.
+    /// `weight` or `regtest`.
     Ignored(&'static str, Span),
 }

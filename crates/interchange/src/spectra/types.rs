@@ -1,4 +1,4 @@
-//! Types: what values a variable has, and how large its array is.
+//! Types: domains of variables and sizes of arrays.
 
 use super::reader::{MAX_VARIABLES, Reader};
 use super::syntax::{Base, Name, Node, TypeName};
@@ -7,13 +7,14 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
 
-/// Maximum number of values of a domain, as in contracts.
+/// Maximum number of values of a domain, the same as in contracts.
 const MAX_DOMAIN: i64 = 1 << 20;
-/// Types may be declared by one another so deeply.
+/// Maximum length of a chain of types that are defined by each other.
 const MAX_ALIASES: usize = 64;
 
 impl Reader {
-    /// The domain of a type, and the sizes of its array, the outermost first.
+    /// The domain of a type, and the sizes of its array, the outermost first; reports an invalid
+    /// type.
     pub fn domain(&mut self, of: &TypeName) -> Option<(Domain, Vec<i64>)> {
         let mut sizes = Vec::new();
         let (mut at, mut declared) = (of.clone(), None);
@@ -25,7 +26,7 @@ impl Reader {
                         codes::DOMAIN_EMPTY,
                         size.span,
                         format!("an array cannot have {value} elements"),
-                        format!("arrays have 1 to {MAX_VARIABLES} elements"),
+                        format!("use a size from 1 to {MAX_VARIABLES}"),
                     );
                     return None;
                 }
@@ -50,7 +51,7 @@ impl Reader {
         self.error(
             codes::DOMAIN_EMPTY,
             of.span,
-            "this type is declared by itself",
+            "this type is defined in terms of itself",
             "declare it as `boolean`, `Int(0..3)` or `{a, b}`",
         );
         None
@@ -60,7 +61,7 @@ impl Reader {
         let (low, high) = (self.number(low), self.number(high));
         let (low, high) = (low?, high?);
         let message = if low > high {
-            format!("no number is at least {low} and at most {high}")
+            format!("the domain from {low} to {high} is empty")
         } else if high.saturating_sub(low) >= MAX_DOMAIN {
             format!("the domain has more than {MAX_DOMAIN} values")
         } else {
@@ -70,19 +71,19 @@ impl Reader {
             codes::DOMAIN_EMPTY,
             span,
             message,
-            "write the smaller number first, and a range as small as the model needs",
+            "write the smaller number first, and use a range no larger than the model needs",
         );
         None
     }
 
-    /// Values that are consecutive numbers are numbers.
+    /// The domain of an enumeration; a range if the values are consecutive numbers.
     fn enumeration(&mut self, name: Option<String>, labels: &[Name]) -> Option<Domain> {
         for (index, label) in labels.iter().enumerate() {
             if let Some(first) = labels[..index].iter().find(|l| l.text == label.text) {
                 let finding = Diagnostic::error(
-                    codes::NAME_DOUBLE,
+                    codes::NAME_DUPLICATE,
                     label.span,
-                    format!("the value `{}` is there twice", label.text),
+                    format!("the value `{}` appears twice", label.text),
                 )
                 .with_label(first.span, "the first one")
                 .with_help("give each value of an enumeration its own name");
@@ -105,7 +106,7 @@ impl Reader {
         })
     }
 
-    /// A number that is known when the file is read.
+    /// The value of a constant number; reports other formulas.
     pub fn number(&mut self, node: &Node) -> Option<i64> {
         let value = self.value(node)?;
         if let (Kind::Int, Some(number)) = (&value.kind, value.constant()) {
@@ -114,14 +115,14 @@ impl Reader {
         self.error(
             codes::NOT_CONSTANT,
             node.span,
-            "this is not a number that is known when the file is read",
-            "write a number, or a define of one",
+            "this is not a constant number",
+            "write a number, or a define with a constant value",
         );
         None
     }
 }
 
-/// What values a variable of a domain has.
+/// The type of a variable with a domain.
 pub(super) fn kind_of(domain: &Domain) -> Kind {
     match domain {
         Domain::Bool => Kind::Bool,

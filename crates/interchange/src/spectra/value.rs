@@ -1,31 +1,31 @@
-//! What a formula comes to: an expression, and what its values are.
+//! Values of formulas: typed expressions with their size and depth.
 
 use linewright_core::gr1::{BinaryOp, Expr, UnaryOp};
 use std::rc::Rc;
 
-/// What values an expression has.
+/// The type of an expression.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Kind {
     Bool,
     Int,
-    /// Of an enumeration.
+    /// An enumeration with these labels.
     Labels(Rc<[String]>),
-    /// A label whose enumeration is not known yet.
+    /// A single label, whose enumeration is not known yet.
     Label(String),
 }
 
 impl Kind {
-    /// Whether a variable of an enumeration has such values; a value alone has no enumeration yet.
+    /// Whether the type is an enumeration; `false` for a single label.
     pub fn is_enumeration(&self) -> bool {
         matches!(self, Self::Labels(_))
     }
 
-    /// Whether it is a value of an enumeration at all.
+    /// Whether the type is an enumeration or a single label.
     pub fn is_of_enumeration(&self) -> bool {
         matches!(self, Self::Labels(_) | Self::Label(_))
     }
 
-    /// In a message.
+    /// The type in words, for messages.
     pub fn describe(&self) -> String {
         match self {
             Self::Bool => "a truth value".to_owned(),
@@ -40,7 +40,7 @@ impl Kind {
     }
 }
 
-/// An expression that knows how large and how deep it is.
+/// An expression with its type, number of nodes and depth.
 #[derive(Debug, Clone)]
 pub(super) struct Value {
     pub expr: Expr,
@@ -67,7 +67,7 @@ impl Value {
         Self::leaf(Expr::Const(value), Kind::Int)
     }
 
-    /// An expression made elsewhere.
+    /// Wraps an expression; takes time linear in its size.
     pub fn of(expr: Expr, kind: Kind) -> Self {
         let (size, depth) = measure(&expr);
         Self {
@@ -78,7 +78,7 @@ impl Value {
         }
     }
 
-    /// The number, if it is known.
+    /// The value, if the expression is constant.
     pub fn constant(&self) -> Option<i64> {
         match self.expr.simplify() {
             Expr::Const(value) => Some(value),
@@ -126,7 +126,7 @@ impl Value {
         }
     }
 
-    /// A chain of an associative operator as a balanced tree.
+    /// Joins operands with an associative operator in a balanced tree.
     pub fn chain(op: BinaryOp, mut operands: Vec<Self>) -> Self {
         while operands.len() > 1 {
             let mut rest = operands.into_iter();
@@ -145,7 +145,7 @@ impl Value {
     }
 }
 
-/// How many nodes an expression has, and how deep it is.
+/// Number of nodes and depth of an expression.
 fn measure(expr: &Expr) -> (u64, u32) {
     match expr {
         Expr::Const(_) | Expr::Var(..) => (1, 1),

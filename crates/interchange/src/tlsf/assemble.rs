@@ -1,12 +1,11 @@
-//! The two sides, the signals and the monitors as one specification.
+//! Assembles the sides, the signals and the monitors into a specification.
 
 use super::classify::Classifier;
 use super::meaning::Sides;
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, Timing, VarId, Variable};
 use linewright_core::source::Span;
 
-/// Puts everything together: the specification, and where some of its assumptions are not the
-/// file's own, what it is with only those.
+/// The specification, and the same with the file's own assumptions only, if it has others.
 pub(super) fn specifications(
     name: &str,
     timing: Timing,
@@ -15,10 +14,10 @@ pub(super) fn specifications(
     classifier: &Classifier<'_>,
     span: Span,
 ) -> (Specification, Option<Specification>) {
-    let own = (sides.own.all().count() < sides.assumptions.all().count()).then(|| Sides {
-        assumptions: sides.own.clone(),
+    let own = (sides.unchanged.all().count() < sides.assumptions.all().count()).then(|| Sides {
+        assumptions: sides.unchanged.clone(),
         guarantees: sides.guarantees.clone(),
-        own: Side::default(),
+        unchanged: Side::default(),
     });
     let own =
         own.map(|sides| specification(name, timing, variables.clone(), sides, classifier, span));
@@ -61,12 +60,12 @@ fn specification(
         guarantees,
     };
     classifier.monitors.add_to(&mut specification);
-    without(&mut specification, classifier.broken);
+    remove_unused(&mut specification, classifier.broken);
     specification
 }
 
-/// Drops a variable that no formula mentions.
-fn without(specification: &mut Specification, id: VarId) {
+/// Removes a variable if no formula mentions it.
+fn remove_unused(specification: &mut Specification, id: VarId) {
     let sides = [&specification.assumptions, &specification.guarantees];
     let mut used = false;
     for formula in sides.into_iter().flat_map(Side::all) {

@@ -1,8 +1,8 @@
-//! What a TLSF text says, before it is expanded.
+//! The syntax tree of a TLSF file, before expansion.
 
 use std::ops::Range;
 
-/// An expression: a number, a set, a truth value or a formula; which of them, its evaluation shows.
+/// An expression of any type; evaluation determines whether it is a number, a set or a formula.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Tree {
     pub kind: Kind,
@@ -95,11 +95,11 @@ pub(super) struct Definition {
     pub place: Range<usize>,
     pub arguments: Vec<String>,
     pub cases: Vec<Tree>,
-    /// Whether it appears among the parameters.
+    /// Whether the definition is under PARAMETERS.
     pub parameter: bool,
 }
 
-/// A value of an enumeration: its bits, `None` for either.
+/// A value of an enumeration, with its codes; a bit of a code is `None` if it can be 0 or 1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Label {
     pub name: String,
@@ -115,7 +115,7 @@ pub(super) struct Enumeration {
     pub labels: Vec<Label>,
 }
 
-/// How a signal is declared.
+/// The type of a signal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Shape {
     Single,
@@ -147,25 +147,25 @@ pub(super) enum Section {
 pub(super) struct Entry {
     pub section: Section,
     pub heading: String,
-    /// Where the section's name appears.
+    /// Byte range of the section's name.
     pub place: Range<usize>,
     pub tree: Tree,
 }
 
-/// Who answers first.
+/// The semantics of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Semantics {
     pub moore: bool,
     pub strict: bool,
 }
 
-/// A whole text.
+/// A parsed file.
 #[derive(Debug, Default)]
 pub(super) struct File {
     pub semantics: Option<Semantics>,
-    /// Whether the semantics is one on finite runs, which is refused.
+    /// Whether the semantics is one of finite runs, which is refused.
     pub finite: bool,
-    /// Whether a Moore machine is wanted.
+    /// Whether the target is a Moore machine; `None` without a TARGET.
     pub target: Option<bool>,
     pub title: Option<String>,
     pub definitions: Vec<Definition>,

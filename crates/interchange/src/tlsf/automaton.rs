@@ -1,8 +1,7 @@
-//! What breaks after finitely many steps, watched by a deterministic automaton.
+//! Deterministic automata that monitor safety formulas.
 //!
-//! The formula is one about conditions on a step, which are its letters; only choices of them that
-//! some values make are looked at, and the others do not matter to what the automaton is written
-//! as.
+//! The letters of the formula are conditions on a single step. Only combinations of letters that
+//! some values of the variables produce are considered; the others are don't-cares.
 
 use super::ltl::{FormulaId, Formulas, Op};
 use linewright_automata::dfa::Dfa;
@@ -13,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of states of a monitor.
 const MAX_STATES: usize = 48;
-/// How far an automaton is looked into before it is made minimal.
+/// Limits of the automaton before minimization.
 const LIMITS: Limits = Limits {
     states: 4 * MAX_STATES,
     alternatives: 48,
@@ -23,12 +22,12 @@ const MAX_LETTERS: usize = 8;
 /// Maximum number of variables whose values are enumerated for a condition.
 const MAX_VARIABLES: usize = 12;
 
-/// A deterministic automaton that refuses the steps that break its formula.
+/// A deterministic automaton that rejects the prefixes that violate its formula.
 #[derive(Debug, Clone)]
 pub(super) struct Automaton {
     /// The conditions on a step.
     letters: Vec<Expr>,
-    /// The choices of them that there are, as bits: the letters of `dfa`.
+    /// The possible combinations of letters, as bits; they form the alphabet of `dfa`.
     possible: Vec<u32>,
     dfa: Dfa,
 }
@@ -36,12 +35,12 @@ pub(super) struct Automaton {
 struct Builder {
     made: ltl::Formulas,
     letters: Vec<Expr>,
-    /// Formulas and their negations as nodes: `a <-> b` asks for both of both.
+    /// Nodes of formulas and of their negations; `a <-> b` needs both for each operand.
     known: BTreeMap<(FormulaId, bool), Node>,
 }
 
-/// The automaton of a safety formula; `None` where it would become too large. `state` gives the
-/// expression of a formula about one step.
+/// The automaton of a safety formula; `None` if it is too large. `state` returns the expression of
+/// a formula about one step.
 pub(super) fn of(
     formulas: &Formulas,
     f: FormulaId,
@@ -55,7 +54,7 @@ pub(super) fn of(
     let root = builder.node(formulas, f, false, state)?;
     let possible = builder.possible();
     let dfa = ltl::safety(&builder.made, root, &possible, LIMITS).ok()?;
-    (dfa.states() <= MAX_STATES).then_some(Automaton {
+    (dfa.state_count() <= MAX_STATES).then_some(Automaton {
         letters: builder.letters,
         possible,
         dfa,
@@ -63,7 +62,7 @@ pub(super) fn of(
 }
 
 impl Builder {
-    /// The recursion is as deep as the formula.
+    /// The node of a formula or of its negation. The recursion is as deep as the formula.
     fn node(
         &mut self,
         formulas: &Formulas,
@@ -149,7 +148,8 @@ impl Builder {
         Some(self.made.node(found))
     }
 
-    /// The choices of conditions that some values of the variables make.
+    /// The combinations of letters that some values of the variables produce; all of them if there
+    /// are too many variables to enumerate.
     fn possible(&self) -> Vec<u32> {
         let mut variables = BTreeSet::new();
         for letter in &self.letters {
@@ -178,21 +178,23 @@ impl Builder {
 }
 
 impl Automaton {
-    /// How many states there are.
-    pub fn states(&self) -> usize {
-        self.dfa.states()
+    /// Number of states.
+    pub fn state_count(&self) -> usize {
+        self.dfa.state_count()
     }
 
-    /// An expression over a state and conditions: in each state what `of` gives for the next one.
+    /// An expression over the current state and the letters, whose value is `of` the next state.
+    ///
+    /// `now` returns a test of the current state. The next state is `None` after a violation.
     pub fn by_state(&self, now: &dyn Fn(usize) -> Expr, of: &dyn Fn(Option<u32>) -> i64) -> Expr {
-        let rows: Vec<Expr> = (0..self.states() as u32)
+        let rows: Vec<Expr> = (0..self.state_count() as u32)
             .map(|s| {
                 let row = self
                     .possible
                     .iter()
                     .enumerate()
                     .map(|(l, bits)| (*bits, of(self.dfa.step(s, l))));
-                self.decided(&row.collect::<Vec<_>>(), 0)
+                self.decision_tree(&row.collect::<Vec<_>>(), 0)
             })
             .collect();
         let mut result = rows[rows.len() - 1].clone();
@@ -205,17 +207,20 @@ impl Automaton {
         result.simplify()
     }
 
-    /// Conditions are asked from the first on; what cannot be does not matter.
-    fn decided(&self, row: &[(u32, i64)], from: usize) -> Expr {
+    /// A decision tree over the letters from `from` on; impossible combinations are don't-cares.
+    fn decision_tree(&self, row: &[(u32, i64)], from: usize) -> Expr {
         let value = row.first().map_or(0, |r| r.1);
         if row.iter().all(|r| r.1 == value) || from >= self.letters.len() {
             return Expr::Const(value);
         }
         let (yes, no): (Vec<_>, Vec<_>) = row.iter().partition(|r| r.0 >> from & 1 == 1);
         if yes.is_empty() || no.is_empty() {
-            return self.decided(row, from + 1);
+            return self.decision_tree(row, from + 1);
         }
-        let (a, b) = (self.decided(&yes, from + 1), self.decided(&no, from + 1));
+        let (a, b) = (
+            self.decision_tree(&yes, from + 1),
+            self.decision_tree(&no, from + 1),
+        );
         if a == b {
             return a;
         }

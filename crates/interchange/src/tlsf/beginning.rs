@@ -1,4 +1,4 @@
-//! INITIALLY and PRESET.
+//! Lowers INITIALLY and PRESET.
 
 use super::ast::Section;
 use super::classify::{Piece, Refusal};
@@ -9,8 +9,8 @@ use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Owner, Time, VarId};
 
 impl Meaning<'_, '_, '_> {
-    /// INITIALLY and PRESET.
-    pub(super) fn beginnings(
+    /// Adds the formulas of INITIALLY and PRESET; `required` is whether the file has REQUIRE.
+    pub(super) fn initial_sections(
         &mut self,
         initially: &[LocatedPiece],
         preset: &[LocatedPiece],
@@ -33,7 +33,7 @@ impl Meaning<'_, '_, '_> {
                         found.origin.span,
                         "this initial condition of the environment refers to outputs, which the system chooses",
                     )
-                    .with_help("INITIALLY is about inputs; initial values of outputs belong under PRESET");
+                    .with_help("refer only to inputs under INITIALLY, and put initial values of outputs under PRESET");
                     self.report.push(finding);
                 }
                 _ => self.misplaced(found, "INITIALLY", "REQUIRE or ASSUME"),
@@ -43,7 +43,7 @@ impl Meaning<'_, '_, '_> {
             let ahead = self.classifier.formulas.ahead(found.at);
             let lasting = ahead.is_none_or(|n| n > 1);
             match &found.piece {
-                // Breaking REQUIRE ends what ASSERT asks, and not this.
+                // Under ASSERT, the formula would end with a violation of REQUIRE.
                 _ if lasting && self.strict && required => {
                     self.misplaced(found, "PRESET", "ASSERT or GUARANTEE");
                 }
@@ -54,57 +54,60 @@ impl Meaning<'_, '_, '_> {
                 Piece::Step(e) => sides.guarantees.safety.push(formula(found, e)),
                 _ => self.refuse(&Refusal {
                     at: found.at,
-                    why: "PRESET is kept whatever is assumed, and this formula asks for something in the long run, which GR(1) promises under all assumptions only".to_owned(),
-                    help: "put it under GUARANTEE, if all assumptions may be needed for it".to_owned(),
+                    why: "PRESET holds without any assumption, but this formula is about the long run, which GR(1) can only guarantee under all assumptions".to_owned(),
+                    help: "put it under GUARANTEE, if it can depend on all assumptions".to_owned(),
                 }),
             }
         }
     }
 
-    /// What INITIALLY and PRESET ask of more than the first step, as far as other sections can ask
-    /// it: `I -> P & (A -> B)` is `(I -> P) & (I & A -> B)`, and without A `P & B`.
-    pub(super) fn first_steps(&mut self, mut wishes: Vec<Conjunct>) -> Vec<Conjunct> {
+    /// Moves formulas of INITIALLY and PRESET about more than the first step to other sections.
+    ///
+    /// `I -> P & (A -> B)` is equivalent to `(I -> P) & (I & A -> B)`, and without A to `P & B`.
+    pub(super) fn move_lasting_formulas(&mut self, mut conjuncts: Vec<Conjunct>) -> Vec<Conjunct> {
         let formulas = &mut *self.classifier.formulas;
         let variables = self.variables;
         let owned = |v: VarId| variables[v.index()].owner == Owner::Environment;
-        let has =
-            |wishes: &[Conjunct], section: Section| wishes.iter().any(|w| w.section == section);
+        let has = |conjuncts: &[Conjunct], section: Section| {
+            conjuncts.iter().any(|w| w.section == section)
+        };
         let ordinary = |w: &Conjunct, formulas: &Formulas| {
             formulas.ahead(w.formula).is_some() && formulas.all_atoms(w.formula, &owned)
         };
-        let moved = wishes
+        let moved = conjuncts
             .iter()
             .any(|w| w.section == Section::Initially && !ordinary(w, formulas));
-        if moved && !(self.strict && has(&wishes, Section::Assert)) {
-            let given: Vec<FormulaId> = wishes
+        if moved && !(self.strict && has(&conjuncts, Section::Assert)) {
+            let given: Vec<FormulaId> = conjuncts
                 .iter()
                 .filter(|w| w.section == Section::Initially)
                 .map(|w| w.formula)
                 .collect();
-            for wish in &mut wishes {
-                if wish.section == Section::Initially {
-                    wish.section = Section::Assume;
-                } else if wish.section == Section::Preset {
-                    let place = formulas.place(wish.formula);
+            for conjunct in &mut conjuncts {
+                if conjunct.section == Section::Initially {
+                    conjunct.section = Section::Assume;
+                } else if conjunct.section == Section::Preset {
+                    let place = formulas.place(conjunct.formula);
                     let given = formulas.and(given.clone(), place);
-                    wish.formula = formulas.make(Op::Implies(given, wish.formula), place);
+                    conjunct.formula = formulas.make(Op::Implies(given, conjunct.formula), place);
                 }
             }
         }
-        if !has(&wishes, Section::Require) && !has(&wishes, Section::Assume) {
-            for wish in &mut wishes {
-                if wish.section == Section::Preset && formulas.ahead(wish.formula).is_none() {
-                    wish.section = Section::Guarantee;
+        if !has(&conjuncts, Section::Require) && !has(&conjuncts, Section::Assume) {
+            for conjunct in &mut conjuncts {
+                if conjunct.section == Section::Preset && formulas.ahead(conjunct.formula).is_none()
+                {
+                    conjunct.section = Section::Guarantee;
                 }
             }
         }
-        wishes
+        conjuncts
     }
 
     pub(super) fn misplaced(&mut self, found: &LocatedPiece, here: &str, there: &str) {
         let refusal = Refusal {
             at: found.at,
-            why: format!("{here} is about the first step, and this formula about all of them"),
+            why: format!("{here} is for the first step, but this formula is about all steps"),
             help: format!("put it under {there}"),
         };
         self.refuse(&refusal);

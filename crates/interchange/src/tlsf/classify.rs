@@ -1,17 +1,17 @@
-//! Formulas of temporal logic as parts of GR(1).
+//! Classifies formulas of temporal logic as pieces of GR(1).
 //!
-//! | formula (`a`, `b` about finitely many steps) | becomes |
+//! | formula (`a`, `b` about finitely many steps) | piece |
 //! |---|---|
 //! | `a` | an initial condition, or one on the first steps |
-//! | `G a` | an invariant, or a condition from each step to the next, the past being remembered where `a` looks further ahead |
+//! | `G a` | an invariant or a transition formula; monitors remember the past if `a` looks further ahead |
 //! | `W`, `R`, `G`, `X` in any nesting | an invariant over the state of an [automaton](super::automaton) |
-//! | `G F a` | recurrence |
-//! | `F a` | recurrence of "a held once" |
-//! | `G (a -> X X F b)` | recurrence of "nothing is unanswered"; answers from different steps on are brought to the last one, `F b = b \| X F b` |
-//! | what is denied by safety, `F (a & X (b U c))` | recurrence of "the denial is broken" |
+//! | `G F a` | justice |
+//! | `F a` | justice of "a held once" |
+//! | `G (a -> X X F b)` | justice of "no request is unanswered"; answers that can come earlier use `F b = b \| X F b` |
+//! | negation of a safety formula, `F (a & X (b U c))` | justice of "the safety formula is violated" |
 //! | `a U b` | `a W b` and `F b` |
-//! | `F G a` | persistence, which only some places can take |
-//! | a disjunction of these | what holds in the long run: `G F p` or `F G q` |
+//! | `F G a` | persistence, allowed only in some positions |
+//! | a disjunction of these | a formula about the long run: `G F p` or `F G q` |
 
 use super::ltl::{FormulaId, Formulas, Op};
 use crate::terms::{balanced, negated};
@@ -19,25 +19,25 @@ use linewright_core::gr1::monitors::{Monitors, Origin, Pattern, Scope};
 use linewright_core::gr1::{BinaryOp, Expr, VarId};
 use std::collections::BTreeMap;
 
-/// A part of a formula.
+/// A piece of GR(1).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Piece {
     /// Holds in step 0.
     Initial(Expr),
     /// Holds in every step, over current values.
     Invariant(Expr),
-    /// Holds from every step to the next.
+    /// Holds for every transition.
     Step(Expr),
-    /// Holds again and again.
+    /// Holds infinitely often.
     Recurrent(Expr),
     /// Holds from some step on.
     Persistent(Expr),
-    /// If the first ones hold again and again, then so does the last. The formulas are those that
-    /// the first ones deny.
+    /// If each condition holds infinitely often, so does the result. Each condition comes with the
+    /// persistent formula that it negates.
     Pair(Vec<(FormulaId, Expr)>, Expr),
 }
 
-/// Why a formula is none of GR(1).
+/// The reason why a formula is outside GR(1).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Refusal {
     pub at: FormulaId,
@@ -49,17 +49,17 @@ pub(super) struct Classifier<'f> {
     pub formulas: &'f mut Formulas,
     pub monitors: Monitors,
     pub origin: Origin,
-    /// The variable that admits a broken promise.
+    /// The variable that is true after a guarantee was broken.
     pub broken: VarId,
-    /// The first monitor's variable.
+    /// Index of the first monitor's variable.
     pub first: u32,
-    /// Automata that are there already, by their updates.
-    pub machines: BTreeMap<String, Expr>,
-    /// A denial is not denied again.
-    denying: bool,
+    /// State variables of the existing automata, by the automata's debug texts.
+    pub state_variables: BTreeMap<String, Expr>,
+    /// Whether a negation is being classified, which prevents a second negation.
+    in_negation: bool,
 }
 
-/// `X X F b`: how many `X`, and `b`.
+/// For `X X F b`, the number of `X` and the formula `b`.
 fn answered(formulas: &Formulas, f: FormulaId) -> Option<(u32, FormulaId)> {
     let (mut f, mut steps) = (f, 0);
     loop {
@@ -79,48 +79,50 @@ impl<'f> Classifier<'f> {
             origin: Origin::default(),
             broken,
             first,
-            machines: BTreeMap::new(),
-            denying: false,
+            state_variables: BTreeMap::new(),
+            in_negation: false,
         }
     }
 
-    /// What one part comes to; see [`Formulas::parts`].
+    /// The piece of a part; see [`Formulas::parts`].
     pub fn piece(&mut self, f: FormulaId) -> Result<Piece, Refusal> {
         match self.direct(f) {
-            Err(refusal) => (self.reached(f)).or_else(|| self.denied(f)).ok_or(refusal),
+            Err(refusal) => (self.co_safety(f))
+                .or_else(|| self.negated_pieces(f))
+                .ok_or(refusal),
             found => found,
         }
     }
 
     fn direct(&mut self, f: FormulaId) -> Result<Piece, Refusal> {
         if let Some(ahead) = self.formulas.ahead(f)
-            && let Some(e) = self.seen(f, i64::from(ahead.max(1)) - 1)
+            && let Some(e) = self.expr_at(f, i64::from(ahead.max(1)) - 1)
         {
             if ahead == 0 {
                 return Ok(Piece::Initial(e.simplify()));
             }
-            let now = self.begun(ahead - 1).and(self.begun(ahead).not());
+            let now = self.started(ahead - 1).and(self.started(ahead).not());
             return Ok(Piece::Step(now.implies(e).simplify()));
         }
         if let Op::Globally(a) = self.formulas.op(f).clone()
             && let Some(ahead) = self.formulas.ahead(a)
-            && let Some(e) = self.seen(a, i64::from(ahead.max(1)) - 1)
+            && let Some(e) = self.expr_at(a, i64::from(ahead.max(1)) - 1)
         {
             if ahead == 0 {
                 return Ok(Piece::Invariant(e.simplify()));
             }
-            let from = self.begun(ahead - 1);
+            let from = self.started(ahead - 1);
             return Ok(Piece::Step(from.implies(e).simplify()));
         }
         if self.formulas.is_safety(f) {
-            if let Some(ok) = self.watched(f).or_else(|| self.unless(f)) {
+            if let Some(ok) = self.safety_monitor(f).or_else(|| self.unless(f)) {
                 return Ok(Piece::Invariant(ok));
             }
             if !matches!(self.formulas.op(f), Op::Or(_)) {
                 return Err(Refusal {
                     at: f,
-                    why: "what this formula has to remember is too much for a monitor".to_owned(),
-                    help: "split it into formulas of their own, or remember with an output what they depend on".to_owned(),
+                    why: "this formula needs a monitor that is too large".to_owned(),
+                    help: "split it into several formulas, or remember in an output what it depends on".to_owned(),
                 });
             }
         }
@@ -131,7 +133,7 @@ impl<'f> Classifier<'f> {
         match self.formulas.op(inner).clone() {
             Op::Globally(a) => {
                 if let Op::Finally(b) = *self.formulas.op(a)
-                    && let Some(e) = self.looked_back(b)
+                    && let Some(e) = self.past_expr(b)
                 {
                     return Ok(Piece::Recurrent(e));
                 }
@@ -139,15 +141,15 @@ impl<'f> Classifier<'f> {
             }
             Op::Finally(a) => {
                 if let Some(ahead) = self.formulas.ahead(a)
-                    && let Some(e) = self.seen(a, i64::from(ahead))
+                    && let Some(e) = self.expr_at(a, i64::from(ahead))
                 {
-                    let from = self.begun(ahead + from);
+                    let from = self.started(ahead + from);
                     let origin = self.origin.clone();
                     let once = self.monitors.once(&from.and(e).simplify(), &origin);
                     return Ok(Piece::Recurrent(once));
                 }
                 if let Op::Globally(b) = *self.formulas.op(a)
-                    && let Some(e) = self.looked_back(b)
+                    && let Some(e) = self.past_expr(b)
                 {
                     return Ok(Piece::Persistent(e));
                 }
@@ -162,15 +164,16 @@ impl<'f> Classifier<'f> {
         }
     }
 
-    /// A formula about finitely many steps, once all of them are over; its value in the first ones
-    /// does not matter.
-    fn looked_back(&mut self, f: FormulaId) -> Option<Expr> {
-        // Of a step and the next one, justice speaks as it is.
+    /// A formula about finitely many steps, evaluated after its last step; its value in the first
+    /// steps is irrelevant.
+    fn past_expr(&mut self, f: FormulaId) -> Option<Expr> {
+        // Justice formulas can refer to the current and the next step directly.
         let ahead = self.formulas.ahead(f)?.max(1) - 1;
-        Some(self.seen(f, i64::from(ahead))?.simplify())
+        Some(self.expr_at(f, i64::from(ahead))?.simplify())
     }
 
-    /// `G (a | X X F b)`: what is not a is answered by b two steps later or still later.
+    /// The piece of `G (a | X X F b)`: each step without a is answered by b at least two steps
+    /// later.
     fn response(&mut self, body: FormulaId, from: u32) -> Result<Piece, Refusal> {
         let list = match self.formulas.op(body).clone() {
             Op::Or(list) => list,
@@ -206,13 +209,13 @@ impl<'f> Classifier<'f> {
             self.formulas.ahead(answer).unwrap_or(0),
         );
         let back = b.max(a.saturating_sub(wait));
-        let begun = self.begun(back + wait + from);
-        let given = self.seen(given, i64::from(back + wait));
-        let (Some(given), Some(answer)) = (given, self.seen(answer, i64::from(back))) else {
+        let started = self.started(back + wait + from);
+        let given = self.expr_at(given, i64::from(back + wait));
+        let (Some(given), Some(answer)) = (given, self.expr_at(answer, i64::from(back))) else {
             return Err(self.nested(body, "`G`"));
         };
         let pattern = Pattern::Response {
-            trigger: begun.and(negated(&given)).simplify(),
+            trigger: started.and(negated(&given)).simplify(),
             answer: answer.simplify(),
             within: None,
         };
@@ -222,9 +225,8 @@ impl<'f> Classifier<'f> {
         Ok(Piece::Recurrent(balanced(BinaryOp::And, parts)))
     }
 
-    /// A formula that a run keeps by a finite beginning: its denial is safety, which breaks some
-    /// day.
-    fn reached(&mut self, f: FormulaId) -> Option<Piece> {
+    /// The piece of a co-safety formula: its negation is safety and has to be violated eventually.
+    fn co_safety(&mut self, f: FormulaId) -> Option<Piece> {
         let denial = self.formulas.positive(f, true);
         if !self.formulas.is_safety(denial) {
             return None;
@@ -239,19 +241,19 @@ impl<'f> Classifier<'f> {
         Some(Piece::Recurrent(negated(&kept)))
     }
 
-    /// A formula whose denial is made of parts about the long run: `F (a & X G !b)` denies
-    /// `G (a -> X F b)`.
-    fn denied(&mut self, f: FormulaId) -> Option<Piece> {
-        if self.denying {
+    /// The piece of a formula whose negation consists of pieces: `F (a & X G !b)` is the negation
+    /// of `G (a -> X F b)`.
+    fn negated_pieces(&mut self, f: FormulaId) -> Option<Piece> {
+        if self.in_negation {
             return None;
         }
-        self.denying = true;
-        let found = self.denied_once(f);
-        self.denying = false;
+        self.in_negation = true;
+        let found = self.classify_negation(f);
+        self.in_negation = false;
         found
     }
 
-    fn denied_once(&mut self, f: FormulaId) -> Option<Piece> {
+    fn classify_negation(&mut self, f: FormulaId) -> Option<Piece> {
         let denial = self.formulas.positive(f, true);
         let (mut when, mut then) = (Vec::new(), Vec::new());
         for part in self.formulas.parts(denial) {
@@ -271,7 +273,7 @@ impl<'f> Classifier<'f> {
         })
     }
 
-    /// What a disjunction comes to in the long run.
+    /// The piece of a disjunction.
     fn disjunction(&mut self, list: &[FormulaId]) -> Result<Piece, Refusal> {
         let (finite, other): (Vec<FormulaId>, Vec<FormulaId>) = list
             .iter()
@@ -302,7 +304,7 @@ impl<'f> Classifier<'f> {
     }
 }
 
-/// If all of the first ones hold again and again, then so does one of the others.
+/// The piece "if all of `when` hold infinitely often, so does one of `then`".
 fn long_run(when: Vec<(FormulaId, Expr)>, then: Vec<Expr>) -> Piece {
     let then = balanced(BinaryOp::Or, then).simplify();
     if when.is_empty() {

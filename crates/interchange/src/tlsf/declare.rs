@@ -1,4 +1,4 @@
-//! What is declared: definitions, enumerations and signals.
+//! Declares definitions, enumerations and signals.
 
 use super::ast::{File, Section, Shape};
 use super::expand::{Expander, Globals};
@@ -15,8 +15,8 @@ use std::rc::Rc;
 /// Maximum number of declared signals; a bus counts as its elements.
 const MAX_SIGNALS: usize = 4096;
 
-/// Definitions, enumerations and labels by their names.
-pub(super) fn declared<'f>(file: &'f File, report: &mut Report) -> Globals<'f> {
+/// Collects definitions, enumerations and labels by name; reports duplicates.
+pub(super) fn globals<'f>(file: &'f File, report: &mut Report) -> Globals<'f> {
     let mut globals = Globals {
         definitions: BTreeMap::new(),
         enumerations: &file.enumerations,
@@ -25,7 +25,7 @@ pub(super) fn declared<'f>(file: &'f File, report: &mut Report) -> Globals<'f> {
     };
     let twice = |report: &mut Report, name: &str, place: &std::ops::Range<usize>| {
         report.error(
-            codes::NAME_DOUBLE,
+            codes::NAME_DUPLICATE,
             place.clone(),
             format!("`{}` is declared twice", quoted(name)),
             "give one of the two another name, or another number of arguments",
@@ -54,11 +54,11 @@ pub(super) fn declared<'f>(file: &'f File, report: &mut Report) -> Globals<'f> {
                         codes::TYPE_MISMATCH,
                         label.place.clone(),
                         format!(
-                            "`{}` has a code that `{}` has, too",
+                            "`{}` and `{}` have overlapping codes",
                             quoted(&label.name),
                             quoted(other)
                         ),
-                        "give each value codes of its own",
+                        "give each value distinct codes",
                     );
                 }
                 others.push((&label.name, code));
@@ -68,7 +68,7 @@ pub(super) fn declared<'f>(file: &'f File, report: &mut Report) -> Globals<'f> {
     globals
 }
 
-/// Declares the signals: a variable an element.
+/// Declares the signals, with one variable for each element of a bus.
 pub(super) fn signals<'f>(
     file: &'f File,
     expander: &mut Expander<'f, '_>,
@@ -86,7 +86,7 @@ pub(super) fn signals<'f>(
                         codes::DOMAIN_EMPTY,
                         size.range.clone(),
                         format!("a bus cannot have {number} signals"),
-                        format!("its size is a number from 0 to {MAX_SIGNALS}"),
+                        format!("use a size from 0 to {MAX_SIGNALS}"),
                     );
                     continue;
                 }
@@ -98,7 +98,7 @@ pub(super) fn signals<'f>(
                     expander.report.error(
                         codes::NAME_UNKNOWN,
                         place.clone(),
-                        format!("there is no enumeration `{}`", quoted(kind)),
+                        format!("the enumeration `{}` is not declared", quoted(kind)),
                         "define it under DEFINITIONS: `enum name = A: 0  B: 1`, or end the signal before it with `;`",
                     );
                     continue;
@@ -141,7 +141,7 @@ pub(super) fn signals<'f>(
             || globals.labels.contains_key(name);
         if double {
             expander.report.error(
-                codes::NAME_DOUBLE,
+                codes::NAME_DUPLICATE,
                 signal.place.clone(),
                 format!("`{}` is declared twice", quoted(name)),
                 "give one of the two another name",
@@ -151,7 +151,7 @@ pub(super) fn signals<'f>(
             expander.report.error(
                 codes::TOO_LARGE,
                 signal.place.clone(),
-                format!("these are more than {MAX_SIGNALS} signals"),
+                format!("the file has more than {MAX_SIGNALS} signals"),
                 "give the parameters smaller values",
             );
             variables.truncate(first);
@@ -162,16 +162,19 @@ pub(super) fn signals<'f>(
         expander.report.syntax(
             0..0,
             "no signal is declared",
-            "name at least one in INPUTS or OUTPUTS",
+            "declare at least one in INPUTS or OUTPUTS",
         );
         return None;
     }
     Some(variables)
 }
 
-/// A bus of an enumeration shows one of its values: that is required of inputs and asserted of
-/// outputs.
-pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Vec<Conjunct> {
+/// Formulas that restrict a bus of an enumeration to valid codes: under REQUIRE for inputs, under
+/// ASSERT for outputs.
+pub(super) fn enumeration_formulas<'f>(
+    file: &'f File,
+    expander: &mut Expander<'f, '_>,
+) -> Vec<Conjunct> {
     let mut found = Vec::new();
     for signal in &file.signals {
         let Shape::Typed(kind, _) = &signal.shape else {
@@ -187,7 +190,7 @@ pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Ve
             .iter()
             .flat_map(|l| l.codes.clone())
             .collect();
-        // Codes do not overlap, so they cover everything exactly if their numbers add up.
+        // Codes do not overlap, so they cover all bit patterns exactly if their counts add up.
         let free = |code: &Vec<Option<bool>>| code.iter().filter(|b| b.is_none()).count();
         let power = |bits: usize| 1_u128.checked_shl(u32::try_from(bits).unwrap_or(u32::MAX));
         let covered = codes
@@ -197,7 +200,7 @@ pub(super) fn domains<'f>(file: &'f File, expander: &mut Expander<'f, '_>) -> Ve
         if power(enumeration.width) == Some(covered) {
             continue;
         }
-        let formula = expander.coded(&bits, &codes, Place::new(&signal.place, 0));
+        let formula = expander.has_code(&bits, &codes, Place::new(&signal.place, 0));
         found.push(Conjunct {
             section: if signal.input {
                 Section::Require

@@ -1,4 +1,4 @@
-//! Parameters, definitions and enumerations.
+//! Parses parameters, definitions and enumerations.
 
 use super::ast::{Definition, Enumeration, File, Label};
 use super::parser::Parser;
@@ -37,7 +37,7 @@ impl Parser<'_, '_> {
         Some(())
     }
 
-    /// `enum name = A: 01,10  B: 1*`
+    /// Parses `enum name = A: 01,10  B: 1*`, after the keyword.
     pub(super) fn enumeration(&mut self) -> Option<Enumeration> {
         let (name, place) = self.name("the name of the enumeration")?;
         self.expect("=")?;
@@ -55,11 +55,11 @@ impl Parser<'_, '_> {
                     self.report.syntax(
                         at.clone(),
                         format!(
-                            "`{}` has a code of {} bits, where the ones before have {width}",
+                            "`{}` has a code of {} bits, but earlier codes have {width}",
                             quoted(&label),
                             code.len()
                         ),
-                        "all values of an enumeration have codes of the same length",
+                        "give all values of an enumeration codes of the same length",
                     );
                     return None;
                 }
@@ -85,7 +85,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// `0`, `1` and `*`, without blanks between them.
+    /// Parses a code of `0`, `1` and `*`, without blanks.
     pub(super) fn code(&mut self) -> Option<Vec<Option<bool>>> {
         let mut bits = Vec::new();
         let mut end = None;
@@ -107,7 +107,7 @@ impl Parser<'_, '_> {
         if bits.is_empty() {
             return self.missing("a code of the bits 0, 1 and `*`");
         }
-        // More values than that are no enumeration that a person wrote.
+        // A limit that no practical enumeration exceeds.
         if bits.len() > 16 {
             self.at -= 1;
             return self.missing("a code of at most 16 bits");

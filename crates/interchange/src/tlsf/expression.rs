@@ -1,4 +1,4 @@
-//! Reads expressions, by binding powers (Pratt, Top Down Operator Precedence, 1973).
+//! Parses expressions by binding powers (Pratt, Top Down Operator Precedence, 1973).
 
 use super::ast::{Binary, Kind, Tree, Unary};
 use super::lexer::Word;
@@ -6,12 +6,12 @@ use super::operators::{big, infix, is_reserved, prefix};
 use super::parser::{MAX_NESTING, Parser};
 
 impl Parser<'_, '_> {
-    /// An expression; `None` where there is none, which is reported.
+    /// Parses an expression; `None` after an error, which is reported.
     pub fn expression(&mut self) -> Option<Tree> {
         self.binding(0)
     }
 
-    /// An expression whose operators bind more tightly than `least`.
+    /// Parses an expression whose operators bind more tightly than `least`.
     fn binding(&mut self, least: u8) -> Option<Tree> {
         self.deeper(|parser| {
             let mut left = parser.operand()?;
@@ -20,8 +20,7 @@ impl Parser<'_, '_> {
                 if power <= least {
                     break;
                 }
-                // `&&[` behind an operand begins the next one, which only a missing operator
-                // explains.
+                // `&&[` after an operand is the operator `&&`; the `[` is reported as an error.
                 parser.at += 1;
                 let other = parser.binding(if right { power - 1 } else { power })?;
                 left = match (op, left.kind) {
@@ -117,8 +116,8 @@ impl Parser<'_, '_> {
                     self.report.error(
                         linewright_core::diagnostics::codes::NUMBER_RANGE,
                         range,
-                        "this number is too large to count with",
-                        "numbers have to fit 64 bits",
+                        "this number is too large",
+                        "use numbers that fit in 64 bits",
                     );
                     return None;
                 };
@@ -184,7 +183,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// `{}`, `{a, b, c}` or `{a, b .. c}`.
+    /// Parses a set: `{}`, `{a, b, c}` or `{a, b .. c}`.
     fn set(&mut self, start: usize) -> Option<Tree> {
         self.at += 1;
         let mut elements = Vec::new();
@@ -214,7 +213,7 @@ impl Parser<'_, '_> {
         })
     }
 
-    /// Expressions with commas between them, and the bracket that closes them.
+    /// Parses expressions that are separated by commas, and the closing bracket.
     fn list(&mut self, close: &str) -> Option<Vec<Tree>> {
         let mut found = Vec::new();
         if self.take(close) {

@@ -1,4 +1,4 @@
-//! What the sections ask, as formulas and as the pieces that these come to.
+//! Formulas of the sections, and the pieces of GR(1) that they consist of.
 
 use super::ast::Section;
 use super::classify::Piece;
@@ -7,12 +7,12 @@ use linewright_core::gr1::monitors::Origin;
 use linewright_core::gr1::{Expr, Formula};
 use std::ops::Range;
 
-/// A formula of a section, expanded.
+/// An expanded formula of a section.
 #[derive(Debug, Clone)]
 pub(super) struct Conjunct {
     pub section: Section,
     pub name: String,
-    /// Where the name of its section appears.
+    /// Byte range of the name of the section.
     pub heading: Range<usize>,
     pub formula: FormulaId,
 }
@@ -22,11 +22,11 @@ pub(super) struct LocatedPiece {
     pub piece: Piece,
     pub at: FormulaId,
     pub origin: Origin,
-    /// Where the name of its section appears.
+    /// Byte range of the name of the section.
     pub heading: Range<usize>,
 }
 
-/// Whether a run that breaks it does so at some step.
+/// Whether a finite prefix can violate the piece.
 pub(super) fn is_safety(piece: &Piece) -> bool {
     matches!(
         piece,
@@ -34,7 +34,7 @@ pub(super) fn is_safety(piece: &Piece) -> bool {
     )
 }
 
-/// A formula of a piece, with its name and its place.
+/// A formula with the name, location and text of a piece.
 pub(super) fn formula(found: &LocatedPiece, expr: &Expr) -> Formula {
     Formula {
         defines: false,
@@ -46,9 +46,8 @@ pub(super) fn formula(found: &LocatedPiece, expr: &Expr) -> Formula {
     }
 }
 
-/// Constants among what is assumed or promised: what says nothing is left out, and what nothing can
-/// keep is as well asked again and again.
-pub(super) fn only_in_vain(list: &mut Vec<LocatedPiece>) {
+/// Removes pieces that are constantly true, and makes constantly false pieces justice.
+pub(super) fn normalize_constants(list: &mut Vec<LocatedPiece>) {
     let constant = |f: &LocatedPiece| match f.piece {
         Piece::Initial(Expr::Const(value)) | Piece::Invariant(Expr::Const(value)) => Some(value),
         _ => None,
@@ -61,11 +60,11 @@ pub(super) fn only_in_vain(list: &mut Vec<LocatedPiece>) {
     }
 }
 
-/// "If again and again c, then" says nothing where c is assumed to happen again and again.
-pub(super) fn under_assumptions(
+/// Removes the conditions of pairs that are justice assumptions anyway.
+pub(super) fn drop_assumed_conditions(
     require: &[LocatedPiece],
     assume: &[LocatedPiece],
-    promises: &mut [LocatedPiece],
+    guarantees: &mut [LocatedPiece],
 ) {
     let known: Vec<&Expr> = require
         .iter()
@@ -75,7 +74,7 @@ pub(super) fn under_assumptions(
             _ => None,
         })
         .collect();
-    for found in promises {
+    for found in guarantees {
         let Piece::Pair(when, then) = &mut found.piece else {
             continue;
         };

@@ -1,4 +1,4 @@
-//! The section INFO: whom a file is for.
+//! Parses the section INFO.
 
 use super::ast::{File, Semantics};
 use super::lexer::Word;
@@ -63,7 +63,7 @@ impl Parser<'_, '_> {
                             self.report.error(
                                 linewright_core::diagnostics::codes::NOT_GR1,
                                 range.clone(),
-                                "this file is about finite runs (LTLf), and a controller runs for ever",
+                                "this file has a semantics of finite runs (LTLf), but a controller runs for ever",
                                 "if its formulas mean the same on infinite runs, write `Mealy` or `Moore`, with or without `,Strict`",
                             );
                             file.finite = true;
@@ -71,10 +71,10 @@ impl Parser<'_, '_> {
                             self.report.syntax(
                                 range,
                                 "this is not a semantics of the format",
-                                "it is Mealy or Moore, or one of them with `,Strict` behind it",
+                                "write `Mealy` or `Moore`, optionally followed by `,Strict`",
                             );
                         }
-                        // Said once.
+                        // A default, so that the error is not reported again.
                         file.semantics = Some(Semantics {
                             moore: false,
                             strict: false,
@@ -90,7 +90,7 @@ impl Parser<'_, '_> {
                     } else {
                         let _: Option<()> = self.missing_with(
                             "Mealy or Moore",
-                            "TARGET is the machine that is wanted: write `TARGET: Mealy` or `TARGET: Moore`",
+                            "write `TARGET: Mealy` or `TARGET: Moore`",
                         );
                         file.target = Some(false);
                         self.at += usize::from(self.peek().is_some_and(|w| w != "}"));
@@ -121,7 +121,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    /// Words with commas between them.
+    /// Parses words separated by commas.
     pub(super) fn words_of_info(&mut self) -> Vec<Range<usize>> {
         let mut found = Vec::new();
         while let Some(token) = self.tokens.get(self.at) {

@@ -1,12 +1,13 @@
-//! Words of a TLSF text, without comments: `//` to the end of the line, `/* ... */` which may nest.
+//! Splits a TLSF text into tokens, without comments: `//` to the end of the line, and `/* ... */`,
+//! which nest.
 
 use super::report::Report;
 use std::ops::Range;
 
-/// What kind of word it is.
+/// A token kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Word {
-    /// A name or a keyword; which of the two, its place says.
+    /// A name or a keyword, depending on the context.
     Name,
     /// Digits.
     Number,
@@ -16,21 +17,21 @@ pub(super) enum Word {
     Sign,
 }
 
-/// A word and where it appears.
+/// A token kind and its byte range.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Token {
     pub word: Word,
     pub range: Range<usize>,
 }
 
-/// The longest ones first.
+/// Operators and brackets, the longest first.
 const SIGNS: [&str; 35] = [
     "<->", "(\\)", "(-)", "(+)", "(*)", "&&", "||", "->", "<-", "==", "/=", "!=", "<=", ">=", "..",
     "{", "}", "(", ")", "[", "]", ";", ",", ":", "=", "!", "<", ">", "+", "-", "*", "/", "%", "|",
     "~",
 ];
 
-/// Cuts a text into words. Signs that mean nothing are reported, the first of each run.
+/// Splits a text into tokens; reports each run of invalid characters.
 pub(super) fn words(text: &str, report: &mut Report) -> Vec<Token> {
     let mut found = Vec::new();
     let bytes = text.as_bytes();
@@ -49,7 +50,7 @@ pub(super) fn words(text: &str, report: &mut Report) -> Vec<Token> {
             if inner.is_none() {
                 report.syntax(
                     at..at + 1,
-                    "this text has no end",
+                    "this text is not closed",
                     "close it with a quotation mark",
                 );
             }
@@ -87,8 +88,8 @@ pub(super) fn words(text: &str, report: &mut Report) -> Vec<Token> {
             let end = end.map_or(text.len(), |i| at + i.max(c.len_utf8()));
             report.syntax(
                 at..end,
-                format!("`{}` means nothing here", super::super::names::quoted(&text[at..end])),
-                "TLSF writes `&&`, `||`, `!`, `->`, `<->`, `==` and names of letters, digits, `_`, `@` and `'`",
+                format!("`{}` is not valid here", super::super::names::quoted(&text[at..end])),
+                "use `&&`, `||`, `!`, `->`, `<->`, `==` and names of letters, digits, `_`, `@` and `'`",
             );
             at = end;
         }
@@ -118,13 +119,13 @@ fn comment(text: &str, start: usize, report: &mut Report) -> usize {
     }
     report.syntax(
         start..start + 2,
-        "this comment has no end",
+        "this comment is not closed",
         "close it with `*/`; comments nest, so each `/*` needs its own",
     );
     text.len()
 }
 
-/// A piece of a text in one line, without its comments.
+/// The text in one line, without comments.
 pub(super) fn one_line(text: &str) -> String {
     let mut silent = Report::silent();
     let tokens = words(text, &mut silent);

@@ -1,10 +1,10 @@
-//! Temporal operators made with the equivalences that move what only the long run decides out of
-//! them.
+//! Builds temporal operators with equivalences that move subformulas about the long run out of
+//! their scope.
 //!
-//! `L` is a formula about the long run: `G F a`, `F G a`, or these joined. It holds in a step
-//! exactly if it holds in any later one, so no temporal operator matters to it (Esparza, Křetínský
-//! and Sickert, A unified translation of linear temporal logic to ω-automata, 2020, rest on the
-//! same):
+//! `L` is a formula about the long run: `G F a`, `F G a`, or a combination of these with `&` and
+//! `|`. It holds in a step exactly if it holds in any later step, so temporal operators do not
+//! affect it. Esparza, Křetínský and Sickert (A unified translation of linear temporal logic to
+//! ω-automata, 2020) use the same property.
 //!
 //! ```text
 //! X L = G L = F L = L          G (a | L) = G a | L                 F (a & L) = F a & L
@@ -29,7 +29,8 @@
 use super::ltl::{FormulaId, Formulas, Op, Place};
 
 impl Formulas {
-    /// Whether it holds in a step exactly if it holds in any later one, by its operators.
+    /// Whether the operators of `f` show that it holds in a step exactly if it holds in any later
+    /// step.
     pub fn is_long_run(&self, f: FormulaId) -> bool {
         match self.op(f) {
             Op::Globally(a) => matches!(self.op(*a), Op::Finally(_)),
@@ -39,24 +40,24 @@ impl Formulas {
         }
     }
 
-    /// Operands about the long run, and the others; `None` where there are none of the first.
-    fn pulled(&self, list: &[FormulaId]) -> Option<(Vec<FormulaId>, Vec<FormulaId>)> {
+    /// The operands about the long run, and the others; `None` if no operand is about the long run.
+    fn split_list(&self, list: &[FormulaId]) -> Option<(Vec<FormulaId>, Vec<FormulaId>)> {
         let (long, rest): (Vec<FormulaId>, Vec<FormulaId>) =
             list.iter().partition(|g| self.is_long_run(**g));
         (!long.is_empty()).then_some((long, rest))
     }
 
-    /// The operands of a conjunction or a disjunction with some about the long run: these, and what
-    /// is left of the others.
-    fn divided(&mut self, f: FormulaId) -> Option<(bool, Vec<FormulaId>, FormulaId)> {
+    /// Splits a conjunction (`true`) or disjunction (`false`) into its operands about the long run
+    /// and the rest; `None` if there are no such operands.
+    fn split(&mut self, f: FormulaId) -> Option<(bool, Vec<FormulaId>, FormulaId)> {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::And(list) => {
-                let (long, rest) = self.pulled(&list)?;
+                let (long, rest) = self.split_list(&list)?;
                 Some((true, long, self.and(rest, place)))
             }
             Op::Or(list) => {
-                let (long, rest) = self.pulled(&list)?;
+                let (long, rest) = self.split_list(&list)?;
                 Some((false, long, self.or(rest, place)))
             }
             _ => None,
@@ -88,7 +89,7 @@ impl Formulas {
         if self.is_long_run(a) {
             return a;
         }
-        if let Some((false, mut list, rest)) = self.divided(a) {
+        if let Some((false, mut list, rest)) = self.split(a) {
             list.push(self.globally(rest, place));
             return self.or(list, place);
         }
@@ -117,7 +118,7 @@ impl Formulas {
         if self.is_long_run(a) {
             return a;
         }
-        if let Some((true, mut list, rest)) = self.divided(a) {
+        if let Some((true, mut list, rest)) = self.split(a) {
             list.push(self.finally(rest, place));
             return self.and(list, place);
         }
@@ -248,14 +249,14 @@ impl Formulas {
         if self.is_long_run(b) || matches!(self.op(b), Op::Finally(_)) {
             return b;
         }
-        if let Some((and, mut list, rest)) = self.divided(b) {
+        if let Some((and, mut list, rest)) = self.split(b) {
             list.push(self.until(a, rest, place));
-            return self.joined(and, list, place);
+            return self.join(and, list, place);
         }
-        let Some((and, list, rest)) = self.first(a) else {
+        let Some((and, list, rest)) = self.split_or_whole(a) else {
             return self.make(Op::Until(a, b), place);
         };
-        let long = self.joined(and, list, place);
+        let long = self.join(and, list, place);
         let until = self.until(rest, b, place);
         if and {
             let now = self.or(vec![b, long], place);
@@ -271,7 +272,7 @@ impl Formulas {
             let always = self.globally(a, place);
             return self.or(vec![always, b], place);
         }
-        if let Some((and, mut list, rest)) = self.divided(b) {
+        if let Some((and, mut list, rest)) = self.split(b) {
             let weak = self.weak(a, rest, place);
             if !and {
                 list.push(weak);
@@ -281,10 +282,10 @@ impl Formulas {
             let either = self.or(vec![always, long], place);
             return self.and(vec![weak, either], place);
         }
-        let Some((and, list, rest)) = self.first(a) else {
+        let Some((and, list, rest)) = self.split_or_whole(a) else {
             return self.make(Op::Weak(a, b), place);
         };
-        let long = self.joined(and, list, place);
+        let long = self.join(and, list, place);
         let weak = self.weak(rest, b, place);
         if and {
             let now = self.or(vec![b, long], place);
@@ -298,14 +299,14 @@ impl Formulas {
         if self.is_long_run(b) {
             return b;
         }
-        if let Some((and, mut list, rest)) = self.divided(b) {
+        if let Some((and, mut list, rest)) = self.split(b) {
             list.push(self.release(a, rest, place));
-            return self.joined(and, list, place);
+            return self.join(and, list, place);
         }
-        let Some((and, list, rest)) = self.first(a) else {
+        let Some((and, list, rest)) = self.split_or_whole(a) else {
             return self.make(Op::Release(a, b), place);
         };
-        let long = self.joined(and, list, place);
+        let long = self.join(and, list, place);
         let release = self.release(rest, b, place);
         if and {
             let always = self.globally(b, place);
@@ -316,16 +317,16 @@ impl Formulas {
         self.or(vec![release, now], place)
     }
 
-    /// As [`divided`](Self::divided), where the whole formula may be about the long run, too.
-    fn first(&mut self, a: FormulaId) -> Option<(bool, Vec<FormulaId>, FormulaId)> {
+    /// Like [`split`](Self::split), but the whole formula can also be about the long run.
+    fn split_or_whole(&mut self, a: FormulaId) -> Option<(bool, Vec<FormulaId>, FormulaId)> {
         if self.is_long_run(a) {
             let place = self.place(a);
             return Some((true, vec![a], self.constant(true, place)));
         }
-        self.divided(a)
+        self.split(a)
     }
 
-    fn joined(&mut self, and: bool, list: Vec<FormulaId>, place: Place) -> FormulaId {
+    fn join(&mut self, and: bool, list: Vec<FormulaId>, place: Place) -> FormulaId {
         if and {
             self.and(list, place)
         } else {

@@ -1,8 +1,7 @@
-//! Formulas of linear temporal logic, expanded: nodes that know where they were written, how large
-//! they are, and how far they look.
+//! Expanded formulas of linear temporal logic: nodes with their location, size and look-ahead.
 //!
-//! Not [`linewright_automata::ltl`], whose nodes are shared wherever they are equal: two equal
-//! formulas here are two places to point at.
+//! In contrast to [`linewright_automata::ltl`], equal formulas are not shared, so that each one
+//! keeps its own location for messages.
 
 use linewright_core::gr1::VarId;
 use std::collections::BTreeMap;
@@ -10,12 +9,12 @@ use std::ops::Range;
 
 /// Maximum number of operators and operands of an expanded formula.
 const MAX_SIZE: u64 = 1 << 16;
-/// Formulas may nest so deep.
+/// Maximum nesting depth of formulas.
 const MAX_DEPTH: u32 = 400;
-/// Maximum number of nodes for a file.
+/// Maximum number of nodes of a file.
 const MAX_NODES: usize = 1 << 21;
 
-/// A node of [`Formulas`].
+/// Index of a node in [`Formulas`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct FormulaId(u32);
 
@@ -37,12 +36,12 @@ pub(super) enum Op {
     Release(FormulaId, FormulaId),
 }
 
-/// Where a formula was written, and in which call.
+/// The location of a formula, and the call in which it was expanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Place {
     pub start: u32,
     pub end: u32,
-    /// An index into the sites, 0 for none.
+    /// Index into the sites; 0 for none.
     pub site: u32,
 }
 
@@ -73,9 +72,9 @@ struct Node {
 #[derive(Debug, Default)]
 pub(super) struct Formulas {
     nodes: Vec<Node>,
-    /// What [`positive`](Self::positive) has made.
+    /// Memoized results of [`positive`](Self::positive).
     pub positives: BTreeMap<(FormulaId, bool), FormulaId>,
-    /// A bound was passed: what was made since is worth nothing.
+    /// Whether a limit was exceeded, after which all formulas are invalid.
     pub too_large: bool,
 }
 
@@ -93,7 +92,7 @@ impl Formulas {
         self.nodes[f.0 as usize].ahead
     }
 
-    /// Whether it is about one step.
+    /// Whether the formula is about one step.
     pub fn is_state(&self, f: FormulaId) -> bool {
         self.ahead(f) == Some(0)
     }
@@ -123,7 +122,7 @@ impl Formulas {
         self.make(Op::Or(list), place)
     }
 
-    /// The operands.
+    /// The operands of an operator.
     pub fn children(op: &Op) -> Vec<FormulaId> {
         match op {
             Op::True | Op::False | Op::Atom(_) => Vec::new(),
@@ -137,7 +136,7 @@ impl Formulas {
         }
     }
 
-    /// A node, with constants folded and chains joined.
+    /// Builds a node; folds constants and flattens chains.
     pub fn make(&mut self, op: Op, place: Place) -> FormulaId {
         let t = |s: &Self, f: FormulaId| s.truth(f);
         match op {
@@ -233,7 +232,7 @@ impl Formulas {
             ahead: if full { Some(0) } else { ahead },
         };
         self.too_large |= full;
-        // Past the bound one node stands for all: memory is bounded.
+        // After the limit, the last node is reused, to bound the memory.
         if self.nodes.len() > MAX_NODES {
             return FormulaId(self.nodes.len() as u32 - 1);
         }
@@ -241,7 +240,7 @@ impl Formulas {
         FormulaId(self.nodes.len() as u32 - 1)
     }
 
-    /// Whether all of its variables are chosen.
+    /// Whether `chosen` accepts all variables of the formula.
     pub fn all_atoms(&self, f: FormulaId, chosen: &dyn Fn(VarId) -> bool) -> bool {
         match self.op(f) {
             Op::Atom(v) => chosen(*v),
@@ -251,7 +250,7 @@ impl Formulas {
         }
     }
 
-    pub(super) fn mapped(
+    pub(super) fn map_operands(
         &mut self,
         op: Op,
         map: &mut dyn FnMut(&mut Self, FormulaId) -> FormulaId,

@@ -1,4 +1,4 @@
-//! How the sections make one formula, and that formula as a strict GR(1) specification.
+//! Turns the sections into one formula, and the formula into a strict GR(1) specification.
 //!
 //! With the conjunctions *I*, *P*, *R*, *A*, *S*, *G* of INITIALLY, PRESET, REQUIRE, ASSUME, ASSERT
 //! and GUARANTEE, a file means (Jacobs, Klein and Schirmer, A High-Level LTL Synthesis Format: TLSF
@@ -11,30 +11,33 @@
 //!
 //! # Plain implications in a strict game
 //!
-//! A [`Specification`] is strict: the machine has to keep its safety for as long as the environment
-//! has kept its own. By a plain implication it may break its safety as soon as the environment will
-//! have to break an assumption, however late. So what is promised under assumptions is asked as
+//! A [`Specification`] is strict: the system has to keep its safety guarantees as long as the
+//! environment has kept its safety assumptions. With a plain implication, the system can break a
+//! safety guarantee as soon as the environment is forced to break an assumption later. Therefore
+//! guarantees that depend on assumptions are encoded as
 //!
 //! ```text
-//! safety   promise | broken'          an internal variable may admit that it was broken,
-//!          broken -> broken'          for ever,
-//! justice  !broken                    which loses unless an assumption is broken.
+//! safety   guarantee | broken'     an internal variable records the violation,
+//!          broken -> broken'       for ever,
+//! justice  !broken                 which loses unless an assumption is broken.
 //! ```
 //!
-//! Nothing is added where nothing is assumed beyond step 0, nor for PRESET and strict ASSERT. Those
-//! have to be kept in a step in which the environment breaks an assumption, so where there are
-//! some, assumptions count from the next step on: `R` becomes a condition on the environment's next
-//! move. Then "from every step to the next the environment keeps all R of this step, or else the
-//! machine all S of this step" is `S W !R` to the letter, as long as neither looks further than the
-//! next step.
+//! This encoding is not needed if all assumptions are about step 0, nor for PRESET and strict
+//! ASSERT. PRESET and strict ASSERT have to be kept even in the step in which the environment
+//! breaks an assumption. If the file has them, assumptions take effect one step later: `R` becomes
+//! a condition on the environment's next move. Then "in each transition, the environment keeps all
+//! R of this step, or the system keeps all S of this step" is exactly `S W !R`, as long as R and S
+//! look no further than the next step.
 //!
-//! From what PRESET asks of all steps no assumption excuses. Where there is such a thing, no
-//! assumption is one of safety: that it has been kept so far is assumed again and again.
+//! A PRESET formula about all steps holds even after a violated assumption. If the file has one,
+//! each safety assumption becomes the justice assumption that it has been kept so far.
 
 use super::ast::Section;
 use super::classify::{Classifier, Piece, Refusal};
 use super::expand::Site;
-use super::found::{Conjunct, LocatedPiece, formula, is_safety, only_in_vain, under_assumptions};
+use super::found::{
+    Conjunct, LocatedPiece, drop_assumed_conditions, formula, is_safety, normalize_constants,
+};
 use super::report::Report;
 use crate::terms::negated;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -48,36 +51,35 @@ pub(super) struct Meaning<'c, 'f, 'r> {
     pub variables: &'r [Variable],
     pub timing: Timing,
     pub strict: bool,
-    /// Whether promises were moved to PRESET.
-    pub kept_anyway: bool,
+    /// Whether guarantees were moved to PRESET.
+    pub moved_to_preset: bool,
 }
 
-/// What is to be kept in the very step in which an assumption is broken, which therefore counts
-/// later.
+/// Reasons for which a violated assumption takes effect later than in its own step.
 #[derive(Debug, Clone, Copy)]
-struct BreakingStep {
-    /// Something about a step.
-    pressing: bool,
-    /// Something about a step and the next one.
-    moving: bool,
-    /// Breaking it excuses from no safety.
-    only_live: bool,
+struct DelayReasons {
+    /// Some guarantee about a single step has to be kept in that step.
+    same_step: bool,
+    /// Some guarantee about a step and the next one has to be kept in that step.
+    first_move: bool,
+    /// The violation excuses no safety guarantee.
+    justice_only: bool,
 }
 
-/// What the sections come to.
+/// The assumptions and guarantees of a file.
 pub(super) struct Sides {
     pub assumptions: Side,
     pub guarantees: Side,
-    /// The assumptions that appear in the file as they are here. The others were moved by a step,
-    /// made of what was kept so far, or of promises: what a solver finds odd about those is odd
-    /// about this encoding.
-    pub own: Side,
+    /// The assumptions that are unchanged from the file. The others were moved by a step, or were
+    /// derived from a history or from guarantees; findings of a solver about those would only
+    /// concern the encoding.
+    pub unchanged: Side,
 }
 
 impl Sides {
-    /// An assumption as it stands in the file.
+    /// Adds an assumption that is unchanged from the file.
     pub fn assume(&mut self, list: fn(&mut Side) -> &mut Vec<Formula>, formula: Formula) {
-        list(&mut self.own).push(formula.clone());
+        list(&mut self.unchanged).push(formula.clone());
         list(&mut self.assumptions).push(formula);
     }
 }
@@ -105,41 +107,41 @@ impl Meaning<'_, '_, '_> {
         found
     }
 
-    /// The whole specification; findings are reported.
-    pub fn sides(&mut self, wishes: Vec<Conjunct>) -> Sides {
-        let wishes = self.first_steps(wishes);
-        let wishes = self.flattened(wishes);
-        let initially = self.pieces(&wishes, Section::Initially);
-        let preset = self.pieces(&wishes, Section::Preset);
-        let require = self.pieces(&wishes, Section::Require);
-        let mut assume = self.pieces(&wishes, Section::Assume);
-        only_in_vain(&mut assume);
-        let mut assert = self.pieces(&wishes, Section::Assert);
-        let mut guarantee = self.pieces(&wishes, Section::Guarantee);
+    /// Lowers all sections; reports formulas outside GR(1).
+    pub fn sides(&mut self, conjuncts: Vec<Conjunct>) -> Sides {
+        let conjuncts = self.move_lasting_formulas(conjuncts);
+        let conjuncts = self.flatten(conjuncts);
+        let initially = self.pieces(&conjuncts, Section::Initially);
+        let preset = self.pieces(&conjuncts, Section::Preset);
+        let require = self.pieces(&conjuncts, Section::Require);
+        let mut assume = self.pieces(&conjuncts, Section::Assume);
+        normalize_constants(&mut assume);
+        let mut assert = self.pieces(&conjuncts, Section::Assert);
+        let mut guarantee = self.pieces(&conjuncts, Section::Guarantee);
         if !self.strict {
-            under_assumptions(&require, &assume, &mut assert);
+            drop_assumed_conditions(&require, &assume, &mut assert);
         }
-        under_assumptions(&require, &assume, &mut guarantee);
+        drop_assumed_conditions(&require, &assume, &mut guarantee);
         let mut sides = Sides {
             assumptions: Side::default(),
             guarantees: Side::default(),
-            own: Side::default(),
+            unchanged: Side::default(),
         };
-        // What PRESET asks of more than the first step is asked without the assumptions, too.
+        // PRESET formulas about more than the first step hold without the assumptions too.
         let strict = self.strict;
         let formulas = &*self.classifier.formulas;
         let further = |f: &LocatedPiece| formulas.ahead(f.at).is_none_or(|n| n > u32::from(strict));
-        let lasting_preset = self.kept_anyway || preset.iter().any(further);
+        let lasting_preset = self.moved_to_preset || preset.iter().any(further);
         let required = !require.is_empty();
-        self.beginnings(&initially, &preset, required, &mut sides);
+        self.initial_sections(&initially, &preset, required, &mut sides);
 
         let lasting = |f: &&LocatedPiece| !matches!(f.piece, Piece::Initial(_));
         let assumed = !require.is_empty() || { assume.iter() }
-            // PRESET is kept in the very step in which an assumption about the first one is broken.
+            // PRESET has to be kept even in the step in which an initial assumption is broken.
             .any(|f| !preset.is_empty() || lasting_preset || lasting(&f) || self.reads_output(f));
-        only_in_vain(&mut guarantee);
+        normalize_constants(&mut guarantee);
         if assumed && !strict {
-            only_in_vain(&mut assert);
+            normalize_constants(&mut assert);
         }
         let (hard, soft): (Vec<&LocatedPiece>, Vec<&LocatedPiece>) = match (self.strict, assumed) {
             (_, false) => (assert.iter().chain(&guarantee).collect(), Vec::new()),
@@ -147,34 +149,34 @@ impl Meaning<'_, '_, '_> {
             (true, true) => (assert.iter().collect(), guarantee.iter().collect()),
         };
         let soft_safety = soft.iter().any(|f| is_safety(&f.piece));
-        // What has to be kept in the very step in which an assumption is broken.
-        let pressing = !preset.is_empty() || (assumed && !hard.is_empty());
-        // A PRESET that was moved by a step is about the environment's first move, too.
-        let moving = preset.iter().any(|f| matches!(f.piece, Piece::Step(_)));
+        // Guarantees that have to be kept even in the step in which an assumption is broken.
+        let same_step = !preset.is_empty() || (assumed && !hard.is_empty());
+        // A PRESET formula that was moved by a step also concerns the environment's first move.
+        let first_move = preset.iter().any(|f| matches!(f.piece, Piece::Step(_)));
         if self.strict && assumed && !assert.is_empty() {
             self.check_strict(&require, &assert);
         }
 
         let mut excused = Vec::new();
         for found in require.iter().chain(&assume) {
-            // In a strict file only REQUIRE ends what ASSERT asks.
-            let only_live =
+            // With strict semantics, only a violation of REQUIRE ends ASSERT.
+            let justice_only =
                 lasting_preset || (self.strict && !assert.is_empty() && !is_in(&require, found));
-            let when = BreakingStep {
-                pressing,
-                moving,
-                only_live,
+            let when = DelayReasons {
+                same_step,
+                first_move,
+                justice_only,
             };
             self.assumption(found, when, &mut sides, &mut excused);
         }
-        // Where outputs of the next step are required, the machine breaks REQUIRE and ASSERT with
-        // the same move.
+        // If REQUIRE refers to outputs of the next step, one move of the system can violate both
+        // REQUIRE and ASSERT.
         let mut released = Vec::new();
         for found in require.iter().filter(|_| self.strict) {
             let late = |e: &Expr| self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v));
             match &found.piece {
-                Piece::Step(e) if moving || late(e) => released.push(e.clone().not()),
-                Piece::Initial(e) | Piece::Invariant(e) if moving => {
+                Piece::Step(e) if first_move || late(e) => released.push(e.clone().not()),
+                Piece::Initial(e) | Piece::Invariant(e) if first_move => {
                     released.push(e.clone().not());
                 }
                 _ => {}
@@ -204,8 +206,8 @@ impl Meaning<'_, '_, '_> {
         }
     }
 
-    /// In a strict file with assumptions, neither side of `S W !R` may look further than the next
-    /// step.
+    /// Reports formulas of `S W !R` that look further than the next step, for strict semantics with
+    /// assumptions.
     fn check_strict(&mut self, require: &[LocatedPiece], assert: &[LocatedPiece]) {
         let mut wrong = Vec::new();
         for found in require.iter().chain(assert) {
@@ -222,8 +224,8 @@ impl Meaning<'_, '_, '_> {
         for at in wrong {
             self.refuse(&Refusal {
                 at,
-                why: "in a strict file this is asked until the environment breaks REQUIRE, and it looks further than the next step".to_owned(),
-                help: "`S W !R` with such a formula has no equivalent here: move it to GUARANTEE or ASSUME, under `G`".to_owned(),
+                why: "with strict semantics this formula is required until the environment breaks REQUIRE, but it looks further than the next step".to_owned(),
+                help: "move it to GUARANTEE or ASSUME, under `G`: `S W !R` with such a formula has no equivalent here".to_owned(),
             });
         }
     }
@@ -231,7 +233,7 @@ impl Meaning<'_, '_, '_> {
     fn assumption(
         &mut self,
         found: &LocatedPiece,
-        when: BreakingStep,
+        when: DelayReasons,
         sides: &mut Sides,
         excused: &mut Vec<Expr>,
     ) {
@@ -243,29 +245,31 @@ impl Meaning<'_, '_, '_> {
             Piece::Pair(..) => {
                 let refusal = Refusal {
                     at: found.at,
-                    why: "this assumption says that one thing happens again and again if another does, which is outside GR(1)".to_owned(),
-                    help: "assume the second thing outright, `G F b`, if the environment sees to that: GR(1) has assumptions `G F a` and promises `G F b`".to_owned(),
+                    why: "this assumption has the form `G F a -> G F b`, which is outside GR(1)"
+                        .to_owned(),
+                    help: "assume `G F b` without the condition, if the environment ensures it"
+                        .to_owned(),
                 };
                 self.refuse(&refusal);
             }
-            piece if when.only_live => {
+            piece if when.justice_only => {
                 if let Some(e) = self.classifier.past(piece) {
                     let kept = self.classifier.kept(&e);
                     side.justice.push(formula(found, &kept));
                 }
             }
-            // The environment is held to it a move after the first one.
-            piece @ (Piece::Initial(_) | Piece::Invariant(_)) if when.moving => {
+            // The assumption takes effect one move after the first one.
+            piece @ (Piece::Initial(_) | Piece::Invariant(_)) if when.first_move => {
                 if let Some(e) = self.classifier.past(piece) {
-                    let e = self.classifier.one_later(&e);
+                    let e = self.classifier.previous_step(&e);
                     side.safety.push(formula(found, &e));
                 }
             }
             Piece::Initial(e) | Piece::Invariant(e) => {
                 let outputs = self.mentions(e, &|s, v, _| s.is_output(v));
                 let initial = matches!(found.piece, Piece::Initial(_));
-                if when.pressing || outputs {
-                    // The environment is held to it in its next move.
+                if when.same_step || outputs {
+                    // The assumption takes effect in the environment's next move.
                     let e = if initial && !matches!(e, Expr::Const(_)) {
                         self.classifier.not_first().or(e.clone()).simplify()
                     } else {
@@ -280,8 +284,8 @@ impl Meaning<'_, '_, '_> {
             }
             Piece::Step(e) => {
                 let outputs = self.mentions(e, &|s, v, t| t == Time::Next && s.is_output(v));
-                if outputs || when.moving {
-                    let e = self.classifier.late(e);
+                if outputs || when.first_move {
+                    let e = self.classifier.transition_to_past(e);
                     side.safety.push(formula(found, &e));
                 } else {
                     sides.assume(|s| &mut s.safety, formula(found, e));
@@ -290,14 +294,14 @@ impl Meaning<'_, '_, '_> {
         }
     }
 
-    /// Promises that an assumption excuses which is broken later.
+    /// Adds safety guarantees that a later violation of an assumption excuses.
     fn soft(&mut self, soft: &[&LocatedPiece], excused: &[Expr], sides: &mut Sides) {
         let broken = self.classifier.broken;
         for found in soft {
             self.classifier.origin = found.origin.clone();
             let side = &mut sides.guarantees;
             if self.timing == Timing::Moore {
-                // The machine answers before it sees the inputs, so it admits a step later.
+                // The system answers before it sees the inputs, so it sets `broken` a step later.
                 if let Some(e) = self.classifier.past(&found.piece) {
                     side.safety.push(formula(found, &e.or(Expr::next(broken))));
                 }
@@ -352,15 +356,15 @@ impl Meaning<'_, '_, '_> {
     }
 }
 
-/// A promise that nothing excuses but what the environment has broken before.
+/// Adds a guarantee that only an earlier violation by the environment excuses.
 fn keep(found: &LocatedPiece, late: bool, released: &[Expr], sides: &mut Sides) {
     let side = &mut sides.guarantees;
     let unless = |e: &Expr| excuse(e.clone(), released);
     match &found.piece {
-        // Only what is constant is left of a formula under `G`.
+        // With assumptions beyond step 0, only constant formulas are left here.
         Piece::Initial(e) if late => side.safety.push(formula(found, &unless(e))),
         Piece::Initial(e) => side.initial.push(formula(found, e)),
-        // What REQUIRE asks of this step comes first.
+        // A violation of REQUIRE in this step is checked first.
         Piece::Invariant(e) if late => side.safety.push(formula(found, &unless(e))),
         Piece::Invariant(e) => side.invariants.push(formula(found, e)),
         Piece::Step(e) => side.safety.push(formula(found, &unless(e))),

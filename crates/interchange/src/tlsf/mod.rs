@@ -5,16 +5,18 @@
 //! Synthesis Format TLSF v1.2", 2023.
 //!
 //! ```text
-//! text ─lexer→ words ─parser→ ast::File ─expand→ ltl::Formulas ─normal→ parts ─classify→ pieces of GR(1) ─meaning→ Specification
+//! text ─lexer→ tokens ─parser→ ast::File ─expand→ ltl::Formulas ─normal→ parts
+//!      ─classify→ pieces of GR(1) ─meaning→ Specification
 //! ```
 //!
-//! The format is that of LTL synthesis, so not every file is one of GR(1): what is left over after
-//! the equivalences of [`normal`], [`long_run`] and [`classify`] is refused, at the smallest part
-//! that has none. A bus becomes a Boolean variable an element, `HBURST[0]`.
+//! The format covers all of LTL, so not every file is in GR(1). A formula that the equivalences of
+//! [`normal`], [`long_run`] and [`classify`] do not turn into GR(1) is refused, and the finding
+//! points to the smallest part without an equivalent. Each element of a bus becomes a Boolean
+//! variable, such as `HBURST[0]`.
 //!
-//! The parser bounds the nesting of expressions, the expansion its depth, its steps and the size of
-//! what it makes. Definitions may call themselves thousands of times, so all of it runs on a stack
-//! of its own.
+//! The parser limits the nesting of expressions. The expansion limits its depth, its steps and the
+//! size of the formulas. Definitions can recurse thousands of times, so the reader runs on a large
+//! stack of its own.
 
 mod assemble;
 mod ast;
@@ -56,8 +58,7 @@ pub(super) use operators::is_reserved;
 use report::Report;
 use std::collections::BTreeMap;
 
-/// What was read: the specification, and where some of its assumptions are not the file's own, what
-/// it is with only those.
+/// The specification, and the same with the file's own assumptions only, if it has others.
 type Read = (Specification, Option<Specification>);
 
 fn empty(name: &str) -> Specification {
@@ -70,13 +71,13 @@ fn empty(name: &str) -> Specification {
     }
 }
 
-/// Reads a text. What could not be understood is in the findings.
+/// Reads a text. After an error, which is in the findings, the specification is empty.
 pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnostic>) {
     let mut report = Report::new(file);
     let tokens = lexer::words(text, &mut report);
     let tree = parser::Parser::new(text, &tokens, &mut report).file();
     if tree.finite {
-        // Its operators are others, `X[!]` among them.
+        // Syntax errors can come from operators of finite runs, such as `X[!]`.
         report.findings.retain(|f| f.code == codes::NOT_GR1);
     }
     if has_errors(&report.findings) {
@@ -89,26 +90,26 @@ pub(super) fn read(name: &str, file: FileId, text: &str) -> (Read, Vec<Diagnosti
     )
 }
 
-/// What the file says; `None` where that was reported.
+/// Lowers a parsed file; `None` after an error, which is reported.
 fn lower_file(name: &str, file: &File, text: &str, report: &mut Report) -> Option<Read> {
     let Some(semantics) = file.semantics else {
         report.syntax(
             0..0,
-            "INFO does not say which semantics is meant",
-            "write `SEMANTICS: Mealy`, or Moore, or one of them with `,Strict` behind it",
+            "INFO does not state the semantics",
+            "write `SEMANTICS: Mealy` or `SEMANTICS: Moore`, optionally followed by `,Strict`",
         );
         return None;
     };
-    let globals = declare::declared(file, report);
+    let globals = declare::globals(file, report);
     let mut expander = Expander::new(globals, report);
     let variables = declare::signals(file, &mut expander)?;
-    let mut wishes = declare::domains(file, &mut expander);
+    let mut conjuncts = declare::enumeration_formulas(file, &mut expander);
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for entry in &file.entries {
         let count = counts.entry(&entry.heading).or_default();
         *count += 1;
         if let Ok(formula) = expander.formula(&entry.tree) {
-            wishes.push(Conjunct {
+            conjuncts.push(Conjunct {
                 section: entry.section,
                 name: format!("{} {count}", entry.heading),
                 heading: entry.place.clone(),
@@ -120,8 +121,8 @@ fn lower_file(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
             expander.report.error(
                 codes::TOO_LARGE,
                 range,
-                "this formula becomes too large once its definitions are written out",
-                "give the parameters smaller values, or split it",
+                "this formula becomes too large after its definitions are expanded",
+                "give the parameters smaller values, or split the formula",
             );
             return None;
         }
@@ -136,8 +137,8 @@ fn lower_file(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
         return None;
     }
     let moore = file.target.unwrap_or(semantics.moore);
-    let wishes = target::moved(wishes, &mut formulas, semantics, moore, &variables);
-    // The variable for broken promises appears between signals and monitors.
+    let conjuncts = target::adapted(conjuncts, &mut formulas, semantics, moore, &variables);
+    // The variable for broken guarantees is between signals and monitors.
     let broken = VarId(variables.len() as u32);
     let first = VarId(broken.0 + 1);
     let names = variables.iter().map(|v| v.name.clone());
@@ -152,22 +153,23 @@ fn lower_file(name: &str, file: &File, text: &str, report: &mut Report) -> Optio
         variables: &variables,
         timing,
         strict: semantics.strict,
-        kept_anyway: false,
+        moved_to_preset: false,
     }
-    .sides(wishes);
+    .sides(conjuncts);
     if has_errors(&report.findings) {
         return None;
     }
     let span = report.span(&(0..0));
     let (specification, own) =
         assemble::specifications(name, timing, variables, sides, &classifier, span);
-    bounded(&specification, report).then_some((specification, own))
+    is_within_limits(&specification, report).then_some((specification, own))
 }
 
-/// Later stages walk formulas by recursion and bound their numbers.
-fn bounded(specification: &Specification, report: &mut Report) -> bool {
+/// Whether all formulas are small enough for later stages, which traverse them recursively; reports
+/// those that are not.
+fn is_within_limits(specification: &Specification, report: &mut Report) -> bool {
     let sides = [&specification.assumptions, &specification.guarantees];
-    let mut fine = true;
+    let mut within = true;
     for formula in sides.into_iter().flat_map(Side::all) {
         let domain = |v: VarId| Interval::of(&specification.variable(v).domain);
         if depth(&formula.expr) > super::terms::MAX_DEPTH
@@ -176,17 +178,17 @@ fn bounded(specification: &Specification, report: &mut Report) -> bool {
             let finding = Diagnostic::error(
                 codes::TOO_LARGE,
                 formula.span,
-                "this formula nests too deep",
+                "this formula nests too deeply",
             )
-            .with_help("give parts of it outputs of their own");
+            .with_help("introduce outputs for parts of it");
             report.push(finding);
-            fine = false;
+            within = false;
         }
     }
-    fine
+    within
 }
 
-/// The recursion is as deep as the expression, on this reader's stack.
+/// Depth of an expression; the recursion is as deep, on this reader's stack.
 fn depth(e: &linewright_core::gr1::Expr) -> u32 {
     use linewright_core::gr1::Expr;
     1 + match e {

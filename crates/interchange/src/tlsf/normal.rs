@@ -1,6 +1,7 @@
-//! Negations pushed inwards, conjunctions pulled outwards: the equivalences that hold on every run.
+//! Normalizes formulas: pushes negations inwards and pulls conjunctions outwards.
 //!
-//! Formulas about finitely many steps (no operator but `X`) stay as they are. The others:
+//! Formulas about finitely many steps (`X` is their only temporal operator) stay unchanged. For the
+//! others, these equivalences apply:
 //!
 //! ```text
 //! G (a & b) = G a & G b        X (a & b) = X a & X b        p | (a & b) = (p | a) & (p | b)
@@ -12,7 +13,7 @@
 
 use super::ltl::{FormulaId, Formulas, Op};
 
-/// A conjunction is pulled out of a disjunction as long as that makes no more parts.
+/// Maximum number of parts from pulling conjunctions out of a disjunction.
 const MAX_PARTS: usize = 1024;
 
 impl Formulas {
@@ -22,7 +23,7 @@ impl Formulas {
         if self.ahead(f).is_some() {
             return if negated { self.not(f) } else { f };
         }
-        // `a <-> b` asks for both of both, so each is made once.
+        // `a <-> b` needs each operand and its negation twice.
         if let Some(known) = self.positives.get(&(f, negated)) {
             return *known;
         }
@@ -118,15 +119,14 @@ impl Formulas {
         }
     }
 
-    /// The parts that hold together exactly if the formula holds. It has been made
-    /// [`positive`](Self::positive).
+    /// The conjuncts of a formula that is in [`positive`](Self::positive) form.
     pub fn parts(&mut self, f: FormulaId) -> Vec<FormulaId> {
         let place = self.place(f);
         match self.op(f).clone() {
             Op::And(list) => list.into_iter().flat_map(|a| self.parts(a)).collect(),
             Op::Globally(a) => {
                 let parts = self.parts(a);
-                // A conjunct is pointed at, not the whole conjunction.
+                // Keep the location of `G`, unless there are several conjuncts to tell apart.
                 if let [part] = parts.as_slice() {
                     return vec![self.globally(*part, place)];
                 }
@@ -189,7 +189,7 @@ impl Formulas {
         }
     }
 
-    /// Whether a run that breaks it does so after finitely many steps, by its operators.
+    /// Whether the operators of `f`, in positive form, show that it is a safety formula.
     pub fn is_safety(&self, f: FormulaId) -> bool {
         match self.op(f) {
             _ if self.ahead(f).is_some() => true,

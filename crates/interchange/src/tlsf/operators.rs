@@ -1,4 +1,4 @@
-//! The operators, and how tightly they bind.
+//! The operators and their precedence.
 //!
 //! The order is that of the format's definition, tightest first: `SIZEOF MIN MAX SIZE SUM PROD`,
 //! `*`, `/ %`, `+ -`, set operators, comparisons, `IN`, `! X G F &&[..] ||[..]`, `&&`, `||`,
@@ -6,12 +6,12 @@
 
 use super::ast::{BigOperator, Binary, Unary};
 
-/// How tightly prefix operators hold what follows.
+/// Binding powers of prefix operators, by the type of their operand.
 const NUMBER: u8 = 150;
 const SET: u8 = 110;
 const FORMULA: u8 = 70;
 
-/// Operator, binding power, whether it leans to the right.
+/// The binary operator of a word, its binding power, and whether it is right-associative.
 pub(super) fn infix(word: &str) -> Option<(Binary, u8, bool)> {
     use Binary as B;
     Some(match word {
@@ -69,7 +69,7 @@ pub(super) fn prefix(word: &str) -> Option<(Unary, u8)> {
     })
 }
 
-/// Words that are no names.
+/// Whether a word is reserved.
 pub(crate) fn is_reserved(word: &str) -> bool {
     let letters = word.starts_with(|c: char| c.is_ascii_alphabetic());
     (letters && (infix(word).is_some() || prefix(word).is_some() || big(word).is_some()))

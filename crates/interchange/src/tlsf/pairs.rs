@@ -1,4 +1,4 @@
-//! Promises of the form "if again and again, then again and again": Streett pairs.
+//! Guarantees of the form `G F a -> G F b`: Streett pairs.
 
 use super::classify::{Piece, Refusal};
 use super::found::{LocatedPiece, formula};
@@ -7,8 +7,9 @@ use super::meaning::Meaning;
 use linewright_core::gr1::{Expr, Formula};
 
 impl Meaning<'_, '_, '_> {
-    /// What promises of the form "if again and again, then again and again" assume; all have to
-    /// assume the same.
+    /// The conditions of guarantees of the form `G F a -> G F b`, as justice assumptions.
+    ///
+    /// Reports guarantees with different conditions, with which the file is outside GR(1).
     pub(super) fn pairs(
         &mut self,
         assert: &[LocatedPiece],
@@ -26,7 +27,9 @@ impl Meaning<'_, '_, '_> {
                 Piece::Pair(when, _) => match first {
                     None => first = Some((found, when)),
                     Some((_, known)) if same(known, when) => {}
-                    Some(_) => refusals.push(pair(found, "another promise has another condition")),
+                    Some(_) => {
+                        refusals.push(pair(found, "another guarantee has a different condition"))
+                    }
                 },
                 _ => {}
             }
@@ -39,10 +42,10 @@ impl Meaning<'_, '_, '_> {
             if other {
                 refusals.push(pair(
                     found,
-                    "other promises of `F` or `G F` have no such condition",
+                    "other guarantees with `F` or `G F` have no such condition",
                 ));
             } else if soft_safety {
-                refusals.push(pair(found, "the promises of safety have no such condition"));
+                refusals.push(pair(found, "the safety guarantees have no such condition"));
             }
         }
         for refusal in &refusals {
@@ -54,7 +57,7 @@ impl Meaning<'_, '_, '_> {
         when.iter().map(|(_, e)| formula(found, e)).collect()
     }
 
-    /// What is to hold for ever in `F (a & G b)`.
+    /// The subformula `G b` of `F (a & G b)`.
     fn for_ever_part(&self, at: FormulaId) -> FormulaId {
         let formulas = &*self.classifier.formulas;
         let lasting = |f: &FormulaId| matches!(formulas.op(*f), Op::Globally(_));
@@ -71,13 +74,13 @@ impl Meaning<'_, '_, '_> {
 fn for_ever(at: FormulaId) -> Refusal {
     Refusal {
         at,
-        why: "`F G` (from some step on for ever) is promised, which is outside GR(1)".to_owned(),
-        help: "let an output say when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
+        why: "this guarantee has the form `F G` (from some step on for ever), which is outside GR(1)".to_owned(),
+        help: "let an output signal when it begins: `G (settled -> X settled)`, `G (settled -> a)` and `G F settled`".to_owned(),
     }
 }
 
 fn pair(found: &LocatedPiece, why: &str) -> Refusal {
-    // `F G a | F G b` is "if not a and not b again and again, then never".
+    // `F G a | F G b` is a pair with the result false: `G F !a & G F !b -> false`.
     if let Piece::Pair(when, Expr::Const(0)) = &found.piece {
         return for_ever(when.first().map_or(found.at, |w| w.0));
     }
@@ -87,7 +90,7 @@ fn pair(found: &LocatedPiece, why: &str) -> Refusal {
     };
     Refusal {
         at,
-        why: format!("a promise depends on this happening again and again, and {why}: a Streett pair beyond GR(1)"),
-        help: "GR(1) is one implication, from all assumptions `G F a` to all promises `G F b`: put the condition under ASSUME, if all may depend on it".to_owned(),
+        why: format!("a guarantee depends on this happening infinitely often, but {why}: a Streett pair outside GR(1)"),
+        help: "put the condition under ASSUME, if all guarantees can depend on it: GR(1) is one implication, from all assumptions `G F a` to all guarantees `G F b`".to_owned(),
     }
 }

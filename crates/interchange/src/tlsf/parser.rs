@@ -1,4 +1,4 @@
-//! Reads the sections of a file.
+//! Parses the sections of a file.
 
 use super::ast::{Entry, File, Section, Shape, Signal};
 use super::lexer::{Token, Word};
@@ -7,7 +7,7 @@ use super::report::Report;
 use crate::names::quoted;
 use std::ops::Range;
 
-/// Expressions may nest so deep.
+/// Maximum nesting depth of expressions.
 pub(super) const MAX_NESTING: usize = 500;
 
 pub(super) struct Parser<'t, 'r> {
@@ -33,19 +33,19 @@ impl<'t, 'r> Parser<'t, 'r> {
         &self.text[range.clone()]
     }
 
-    /// The next word.
+    /// Text of the next token; `None` at the end of the file.
     pub fn peek(&self) -> Option<&'t str> {
         self.tokens.get(self.at).map(|t| self.word(&t.range))
     }
 
-    /// Takes the next word if it is this one.
+    /// Consumes the next token if it is `word`.
     pub fn take(&mut self, word: &str) -> bool {
         let found = self.peek() == Some(word);
         self.at += usize::from(found);
         found
     }
 
-    /// Takes this word, or says that it is missing; gives its end.
+    /// Consumes `word` and returns its end; reports another token.
     pub fn expect(&mut self, word: &str) -> Option<usize> {
         if self.take(word) {
             return Some(self.tokens[self.at - 1].range.end);
@@ -53,7 +53,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         self.missing(&format!("`{word}`"))
     }
 
-    /// Where the next word appears, or the end of the text.
+    /// Byte range of the next token, or the end of the text.
     pub(super) fn here(&self) -> Range<usize> {
         if let Some(token) = self.tokens.get(self.at) {
             return token.range.clone();
@@ -65,19 +65,17 @@ impl<'t, 'r> Parser<'t, 'r> {
     pub fn missing<T>(&mut self, what: &str) -> Option<T> {
         let help = match self.peek() {
             Some(word) if is_reserved(word) && what == "an expression" => {
-                format!(
-                    "`{word}` is a word of the format: an operand is missing, or the name has to be another one"
-                )
+                format!("`{word}` is a keyword: write the missing operand, or use another name")
             }
             _ if what == "an expression" => {
-                "an operand is missing: a formula, a number or a set".to_owned()
+                "write the missing operand: a formula, a number or a set".to_owned()
             }
-            _ => "sections are written in braces, formulas are ended by `;`".to_owned(),
+            _ => "write sections in braces, and end formulas with `;`".to_owned(),
         };
         self.missing_with(what, help)
     }
 
-    /// Says that something is missing, with a way out.
+    /// Reports that `what` is expected at the next token.
     pub fn missing_with<T>(&mut self, what: &str, help: impl Into<String>) -> Option<T> {
         let found = match self.peek() {
             Some(word) => format!("`{}`", quoted(word)),
@@ -93,7 +91,7 @@ impl<'t, 'r> Parser<'t, 'r> {
             linewright_core::diagnostics::codes::TOO_LARGE,
             self.here(),
             format!("this expression nests more than {MAX_NESTING} levels deep"),
-            "give parts of it names of their own under DEFINITIONS",
+            "define parts of it under DEFINITIONS",
         );
         None
     }
@@ -108,7 +106,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         found
     }
 
-    /// Goes on behind the next `;` of this block, or at the brace that ends it.
+    /// Skips past the next `;` of this block, or to the brace that ends it.
     pub(super) fn recover(&mut self) {
         let mut open = 0_usize;
         while let Some(word) = self.peek() {
@@ -126,7 +124,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         }
     }
 
-    /// A name that is none of the format's own words.
+    /// Parses a name that is not reserved; `what` describes it in messages.
     pub(super) fn name(&mut self, what: &str) -> Option<(String, Range<usize>)> {
         match self.tokens.get(self.at) {
             Some(token) if token.word == Word::Name && !is_reserved(self.word(&token.range)) => {
@@ -137,7 +135,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         }
     }
 
-    /// The whole file.
+    /// Parses the whole file.
     pub fn file(&mut self) -> File {
         let mut file = File::default();
         let mut seen: Vec<&str> = Vec::new();
@@ -147,7 +145,7 @@ impl<'t, 'r> Parser<'t, 'r> {
                 self.report.syntax(
                     place,
                     format!("expected INFO, GLOBAL or MAIN, found `{}`", quoted(word)),
-                    "a file has the sections INFO { ... }, GLOBAL { ... } (if it needs one) and MAIN { ... }",
+                    "write the sections INFO { ... }, GLOBAL { ... } (optional) and MAIN { ... }",
                 );
                 while self
                     .peek()
@@ -160,8 +158,8 @@ impl<'t, 'r> Parser<'t, 'r> {
             if seen.contains(&word) {
                 self.report.syntax(
                     place,
-                    format!("there is a section {word} already"),
-                    "join the two",
+                    format!("the section {word} appears twice"),
+                    "join the two sections",
                 );
             }
             seen.push(word);
@@ -180,7 +178,7 @@ impl<'t, 'r> Parser<'t, 'r> {
                 self.report.syntax(
                     0..0,
                     format!("the section {needed} is missing"),
-                    "a file has the sections INFO { ... } and MAIN { ... }",
+                    "write the sections INFO { ... } and MAIN { ... }",
                 );
             }
         }
@@ -210,7 +208,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         }
     }
 
-    /// Goes on behind the section that has gone wrong.
+    /// Skips an invalid section.
     pub(super) fn leave(&mut self) {
         while self
             .peek()
@@ -220,7 +218,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         }
     }
 
-    /// Entries with `;` between them up to the closing brace.
+    /// Parses entries that are separated by `;`, up to the closing brace.
     pub(super) fn block(&mut self, mut entry: impl FnMut(&mut Self) -> Option<()>) {
         loop {
             match self.peek() {
@@ -281,7 +279,7 @@ impl<'t, 'r> Parser<'t, 'r> {
                     self.report.syntax(
                         self.here(),
                         format!("`{}` is not a section of MAIN", quoted(word)),
-                        "MAIN has INPUTS, OUTPUTS, INITIALLY, PRESET, REQUIRE, ASSUME, ASSERT and GUARANTEE, each with braces behind it",
+                        "MAIN has INPUTS, OUTPUTS, INITIALLY, PRESET, REQUIRE, ASSUME, ASSERT and GUARANTEE, each followed by braces",
                     );
                     return self.leave();
                 }
@@ -305,7 +303,7 @@ impl<'t, 'r> Parser<'t, 'r> {
         }
     }
 
-    /// `x`, `x[n]` or `type x`.
+    /// Parses a signal: `x`, `x[n]` or `type x`.
     fn signal(&mut self, input: bool, file: &mut File) -> Option<()> {
         let (name, place) = self.name("the name of a signal")?;
         let next = self.tokens.get(self.at);

@@ -1,4 +1,4 @@
-//! The formulas of a section as parts, each with its name and its place.
+//! Splits the formulas of a section into parts with names and locations.
 
 use super::ast::Section;
 use super::found::{Conjunct, LocatedPiece, is_safety};
@@ -11,10 +11,12 @@ use linewright_core::source::Span;
 use std::collections::BTreeMap;
 
 impl Meaning<'_, '_, '_> {
-    /// Conjunctions at the top, and implications, taken apart: `H & (A -> B)` is PRESET, ASSUME and
-    /// GUARANTEE, where H is safety and nothing else is assumed; without H anything may be.
-    pub(super) fn flattened(&mut self, wishes: Vec<Conjunct>) -> Vec<Conjunct> {
-        let mut wishes = self.split(wishes);
+    /// Splits conjunctions and implications at the top level.
+    ///
+    /// `H & (A -> B)` becomes H under PRESET, A under ASSUME and B under GUARANTEE. If there is an
+    /// H, it has to be safety, and the file must have no other assumptions.
+    pub(super) fn flatten(&mut self, conjuncts: Vec<Conjunct>) -> Vec<Conjunct> {
+        let mut conjuncts = self.split(conjuncts);
         loop {
             let formulas = &*self.classifier.formulas;
             let implication = |w: &Conjunct| match *formulas.op(w.formula) {
@@ -25,54 +27,54 @@ impl Meaning<'_, '_, '_> {
                 }
                 _ => None,
             };
-            let mut found = wishes
+            let mut found = conjuncts
                 .iter()
                 .enumerate()
                 .filter_map(|(k, w)| Some((k, implication(w)?)));
             let (Some((k, (a, b))), None) = (found.next(), found.next()) else {
-                return wishes;
+                return conjuncts;
             };
-            let alone = !wishes
+            let alone = !conjuncts
                 .iter()
                 .enumerate()
-                .any(|(other, w)| other != k && is_promise(w));
-            if !alone && !self.kept_anyway(&mut wishes, k) {
-                return wishes;
+                .any(|(other, w)| other != k && is_guarantee(w));
+            if !alone && !self.move_to_preset(&mut conjuncts, k) {
+                return conjuncts;
             }
-            let only = wishes.remove(k);
+            let only = conjuncts.remove(k);
             for (section, formula) in [(Section::Assume, a), (Section::Guarantee, b)] {
-                wishes.push(Conjunct {
+                conjuncts.push(Conjunct {
                     section,
                     formula,
                     ..only.clone()
                 });
             }
-            wishes = self.split(wishes);
+            conjuncts = self.split(conjuncts);
         }
     }
 
-    /// Moves the promises but one to PRESET; `false` where that would mean something else.
-    fn kept_anyway(&mut self, wishes: &mut [Conjunct], but: usize) -> bool {
+    /// Moves all guarantees except `but` to PRESET; `false` if that would change the meaning.
+    fn move_to_preset(&mut self, conjuncts: &mut [Conjunct], but: usize) -> bool {
         let assumed = |w: &Conjunct| matches!(w.section, Section::Require | Section::Assume);
-        if wishes.iter().any(assumed) {
+        if conjuncts.iter().any(assumed) {
             return false;
         }
         let mut moved = Vec::new();
-        for (k, wish) in wishes.iter().enumerate() {
-            if k == but || !is_promise(wish) {
+        for (k, conjunct) in conjuncts.iter().enumerate() {
+            if k == but || !is_guarantee(conjunct) {
                 continue;
             }
             let formulas = &mut *self.classifier.formulas;
-            let place = formulas.place(wish.formula);
-            let formula = if wish.section == Section::Assert {
-                formulas.make(Op::Globally(wish.formula), place)
+            let place = formulas.place(conjunct.formula);
+            let formula = if conjunct.section == Section::Assert {
+                formulas.make(Op::Globally(conjunct.formula), place)
             } else {
-                wish.formula
+                conjunct.formula
             };
             let positive = formulas.positive(formula, false);
             let range = place.range();
             self.classifier.origin = Origin {
-                name: wish.name.clone(),
+                name: conjunct.name.clone(),
                 requirement: None,
                 span: self.report.span(&range),
                 text: one_line(self.text.get(range).unwrap_or("")),
@@ -86,41 +88,40 @@ impl Meaning<'_, '_, '_> {
             moved.push((k, formula));
         }
         for (k, formula) in moved {
-            wishes[k].section = Section::Preset;
-            wishes[k].formula = formula;
-            self.kept_anyway = true;
+            conjuncts[k].section = Section::Preset;
+            conjuncts[k].formula = formula;
+            self.moved_to_preset = true;
         }
         true
     }
 
-    pub(super) fn split(&mut self, wishes: Vec<Conjunct>) -> Vec<Conjunct> {
+    pub(super) fn split(&mut self, conjuncts: Vec<Conjunct>) -> Vec<Conjunct> {
         let mut found = Vec::new();
-        for wish in wishes {
-            match self.classifier.formulas.op(wish.formula).clone() {
+        for conjunct in conjuncts {
+            match self.classifier.formulas.op(conjunct.formula).clone() {
                 Op::And(list) => {
                     let list = list.into_iter().map(|formula| Conjunct {
                         formula,
-                        ..wish.clone()
+                        ..conjunct.clone()
                     });
                     let inner = self.split(list.collect());
                     found.extend(inner);
                 }
-                _ => found.push(wish),
+                _ => found.push(conjunct),
             }
         }
         found
     }
 
-    /// The parts of a formula of a section that hold together exactly if it holds in the way of the
-    /// section.
-    pub(super) fn parts(&mut self, wish: &Conjunct, section: Section) -> Vec<FormulaId> {
+    /// The conjuncts of a formula, in the sense of its section: REQUIRE and ASSERT imply `G`.
+    pub(super) fn parts(&mut self, conjunct: &Conjunct, section: Section) -> Vec<FormulaId> {
         let formulas = &mut *self.classifier.formulas;
-        let place = formulas.place(wish.formula);
+        let place = formulas.place(conjunct.formula);
         let every = matches!(section, Section::Require | Section::Assert);
         let whole = if every {
-            formulas.make(Op::Globally(wish.formula), place)
+            formulas.make(Op::Globally(conjunct.formula), place)
         } else {
-            wish.formula
+            conjunct.formula
         };
         if let Some(refusal) = self.classifier.nested_until(whole) {
             self.refuse(&refusal);
@@ -129,28 +130,28 @@ impl Meaning<'_, '_, '_> {
         let formulas = &mut *self.classifier.formulas;
         let positive = formulas.positive(whole, false);
         let mut parts = formulas.parts(positive);
-        // What is constantly true asks nothing.
+        // Constant conjuncts that are true have no effect.
         parts.retain(|part| formulas.truth(*part) != Some(true));
         parts
     }
 
-    /// The pieces of all formulas of a section.
-    pub(super) fn pieces(&mut self, wishes: &[Conjunct], section: Section) -> Vec<LocatedPiece> {
+    /// The pieces of all formulas of a section; reports formulas outside GR(1).
+    pub(super) fn pieces(&mut self, conjuncts: &[Conjunct], section: Section) -> Vec<LocatedPiece> {
         let mut all: Vec<(&Conjunct, FormulaId)> = Vec::new();
         let mut counts: BTreeMap<&str, (u32, u32)> = BTreeMap::new();
-        for wish in wishes.iter().filter(|w| w.section == section) {
-            for part in self.parts(wish, section) {
-                all.push((wish, part));
-                counts.entry(&wish.name).or_default().0 += 1;
+        for conjunct in conjuncts.iter().filter(|w| w.section == section) {
+            for part in self.parts(conjunct, section) {
+                all.push((conjunct, part));
+                counts.entry(&conjunct.name).or_default().0 += 1;
             }
         }
         let mut found = Vec::new();
-        for (wish, part) in all {
+        for (conjunct, part) in all {
             let place = self.classifier.formulas.place(part);
             let range = place.range();
-            let (several, number) = counts.entry(&wish.name).or_default();
+            let (several, number) = counts.entry(&conjunct.name).or_default();
             *number += 1;
-            let mut name = wish.name.clone();
+            let mut name = conjunct.name.clone();
             if *several > 1 {
                 name = format!("{name}.{number}");
             }
@@ -170,7 +171,7 @@ impl Meaning<'_, '_, '_> {
                     piece,
                     at: part,
                     origin: origin.clone(),
-                    heading: wish.heading.clone(),
+                    heading: conjunct.heading.clone(),
                 }),
                 Err(refusal) => self.refuse(&refusal),
             }
@@ -186,13 +187,13 @@ impl Meaning<'_, '_, '_> {
         let finding = Diagnostic::error(
             codes::TOO_LARGE,
             span,
-            "this formula becomes too large once its conjunctions are pulled apart",
+            "this formula becomes too large after its conjunctions are split",
         )
-        .with_help("give parts of it outputs of their own");
+        .with_help("introduce outputs for parts of it");
         self.report.push(finding);
     }
 }
 
-fn is_promise(wish: &Conjunct) -> bool {
-    matches!(wish.section, Section::Assert | Section::Guarantee)
+fn is_guarantee(conjunct: &Conjunct) -> bool {
+    matches!(conjunct.section, Section::Assert | Section::Guarantee)
 }

@@ -1,5 +1,5 @@
-//! Formulas about finitely many steps, and safety, as conditions on this step and what monitors
-//! remember.
+//! Expresses formulas about finitely many steps, and safety formulas, as conditions on the current
+//! step and on monitors of the past.
 
 use super::automaton;
 use super::classify::{Classifier, Piece};
@@ -9,7 +9,8 @@ use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, VarId};
 use std::collections::BTreeMap;
 
 impl Classifier<'_> {
-    /// A formula about one step, `None` for any other. The recursion is as deep as the formula.
+    /// The expression of a formula about one step; `None` for others. The recursion is as deep as
+    /// the formula.
     pub fn state(formulas: &Formulas, f: FormulaId) -> Option<Expr> {
         let of = |g: &FormulaId| Self::state(formulas, *g);
         let all = |list: &[FormulaId]| list.iter().map(of).collect::<Option<Vec<Expr>>>();
@@ -27,22 +28,22 @@ impl Classifier<'_> {
     }
 
     /// Whether at least this many steps precede the current one.
-    pub fn begun(&mut self, steps: u32) -> Expr {
+    pub fn started(&mut self, steps: u32) -> Expr {
         (0..steps).fold(Expr::TRUE, |e, _| self.before(&e))
     }
 
     fn before(&mut self, e: &Expr) -> Expr {
         let origin = self.origin.clone();
         match e.simplify() {
-            // It was not true before there was a step.
+            // A monitor's value in step 0 is false.
             Expr::Const(0) => Expr::FALSE,
             e => self.monitors.previous(&e, &origin),
         }
     }
 
-    /// A formula about finitely many steps, from the step that is `back` steps ago on; it may look
-    /// one step ahead of now. `None` for any other.
-    pub fn seen(&mut self, f: FormulaId, back: i64) -> Option<Expr> {
+    /// A formula about finitely many steps, evaluated `back` steps ago, with next values for `back`
+    /// of -1; `None` for other formulas.
+    pub fn expr_at(&mut self, f: FormulaId, back: i64) -> Option<Expr> {
         if self.formulas.is_state(f) {
             let e = Self::state(self.formulas, f)?.simplify();
             return Some(match back {
@@ -54,22 +55,22 @@ impl Classifier<'_> {
             });
         }
         Some(match self.formulas.op(f).clone() {
-            Op::Not(a) => negated(&self.seen(a, back)?),
-            Op::And(list) => balanced(BinaryOp::And, self.all_seen(&list, back)?),
-            Op::Or(list) => balanced(BinaryOp::Or, self.all_seen(&list, back)?),
-            Op::Implies(a, b) => self.seen(a, back)?.implies(self.seen(b, back)?),
-            Op::Iff(a, b) => self.seen(a, back)?.equals(self.seen(b, back)?),
-            Op::Next(a) => self.seen(a, back - 1)?,
+            Op::Not(a) => negated(&self.expr_at(a, back)?),
+            Op::And(list) => balanced(BinaryOp::And, self.exprs_at(&list, back)?),
+            Op::Or(list) => balanced(BinaryOp::Or, self.exprs_at(&list, back)?),
+            Op::Implies(a, b) => self.expr_at(a, back)?.implies(self.expr_at(b, back)?),
+            Op::Iff(a, b) => self.expr_at(a, back)?.equals(self.expr_at(b, back)?),
+            Op::Next(a) => self.expr_at(a, back - 1)?,
             _ => return None,
         })
     }
 
-    fn all_seen(&mut self, list: &[FormulaId], back: i64) -> Option<Vec<Expr>> {
-        list.iter().map(|a| self.seen(*a, back)).collect()
+    fn exprs_at(&mut self, list: &[FormulaId], back: i64) -> Option<Vec<Expr>> {
+        list.iter().map(|a| self.expr_at(*a, back)).collect()
     }
 
-    /// A condition from each step to the next as one about this step, which is true in step 0.
-    pub fn late(&mut self, e: &Expr) -> Expr {
+    /// A transition formula as a condition on the current and the previous step; true in step 0.
+    pub fn transition_to_past(&mut self, e: &Expr) -> Expr {
         let mut moved = BTreeMap::new();
         e.for_each_var(&mut |v, time| {
             if time == Time::Now {
@@ -83,7 +84,7 @@ impl Classifier<'_> {
             Time::Now => moved[&v].clone(),
             Time::Next => Expr::now(v),
         });
-        self.begun(1).implies(e).simplify()
+        self.started(1).implies(e).simplify()
     }
 
     fn value_before(&mut self, v: VarId) -> Expr {
@@ -102,40 +103,41 @@ impl Classifier<'_> {
         }
     }
 
-    /// A piece of safety as a condition on every step about current values and the past.
+    /// A safety piece as an invariant over current values and the past; `None` for other pieces.
     pub fn past(&mut self, piece: &Piece) -> Option<Expr> {
         Some(match piece {
-            Piece::Initial(e) => self.begun(1).or(e.clone()).simplify(),
+            Piece::Initial(e) => self.started(1).or(e.clone()).simplify(),
             Piece::Invariant(e) => e.clone(),
-            Piece::Step(e) => self.late(e),
+            Piece::Step(e) => self.transition_to_past(e),
             _ => return None,
         })
     }
 
-    /// That it has held in every step so far, this one included.
+    /// Whether `e` has held in every step so far, including the current one.
     pub fn kept(&mut self, e: &Expr) -> Expr {
         let origin = self.origin.clone();
         self.monitors.historically(e, &origin)
     }
 
-    /// That a condition on every step held in the step before.
-    pub fn one_later(&mut self, e: &Expr) -> Expr {
+    /// Whether `e` held in the previous step; true in step 0.
+    pub fn previous_step(&mut self, e: &Expr) -> Expr {
         let held = self.before(e);
-        self.begun(1).implies(held).simplify()
+        self.started(1).implies(held).simplify()
     }
 
     /// Whether this is not the first step.
     pub fn not_first(&mut self) -> Expr {
-        self.begun(1)
+        self.started(1)
     }
 
-    /// An invariant that holds as long as a safety formula can still hold.
-    pub fn watched(&mut self, f: FormulaId) -> Option<Expr> {
+    /// An invariant that holds as long as a safety formula is not violated; `None` if its automaton
+    /// is too large.
+    pub fn safety_monitor(&mut self, f: FormulaId) -> Option<Expr> {
         let automaton = {
             let formulas = &*self.formulas;
             automaton::of(formulas, f, &|g| Self::state(formulas, g))?
         };
-        let count = automaton.states();
+        let count = automaton.state_count();
         let (ok, index) = (
             |t: Option<u32>| i64::from(t.is_some()),
             |t: Option<u32>| i64::from(t.unwrap_or(0)),
@@ -151,12 +153,12 @@ impl Classifier<'_> {
                 _ => Expr::now(v).equals(Expr::Const(s as i64)),
             }
         };
-        // The same automaton again is the same monitor.
+        // Equal automata share a monitor.
         let key = format!("{automaton:?}");
-        if let Some(Expr::Var(v, _)) = self.machines.get(&key) {
+        if let Some(Expr::Var(v, _)) = self.state_variables.get(&key) {
             return Some(automaton.by_state(&state(*v), &ok));
         }
-        let id = VarId(self.first + self.monitors.made().len() as u32);
+        let id = VarId(self.first + self.monitors.all().len() as u32);
         let update = automaton.by_state(&state(id), &index);
         let domain = if high == 1 {
             Domain::Bool
@@ -168,12 +170,14 @@ impl Classifier<'_> {
         let Expr::Var(id, _) = value else {
             return Some(automaton.by_state(&|_| Expr::TRUE, &ok));
         };
-        self.machines.insert(key, value);
+        self.state_variables.insert(key, value);
         Some(automaton.by_state(&state(id), &ok))
     }
 
-    /// `a W b` and `a R b` about finitely many steps, on which there is no bound here: `a` in every
-    /// step up to which `b` has not been, and `b` in every step before which `a` has not been.
+    /// An invariant for `a W b` or `a R b`, with `a` and `b` about finitely many steps of any
+    /// number.
+    ///
+    /// For `W`, `a` holds unless `b` has held so far. For `R`, `b` holds unless `a` held before.
     pub fn unless(&mut self, f: FormulaId) -> Option<Expr> {
         let (kept, end, release) = match *self.formulas.op(f) {
             Op::Weak(a, b) => (a, b, false),
@@ -181,16 +185,16 @@ impl Classifier<'_> {
             _ => return None,
         };
         let back = self.formulas.ahead(kept)?.max(self.formulas.ahead(end)?);
-        let begun = self.begun(back);
+        let started = self.started(back);
         let (kept, end) = (
-            self.seen(kept, i64::from(back))?,
-            self.seen(end, i64::from(back))?,
+            self.expr_at(kept, i64::from(back))?,
+            self.expr_at(end, i64::from(back))?,
         );
         let origin = self.origin.clone();
-        let mut over = (self.monitors).once(&begun.clone().and(end).simplify(), &origin);
+        let mut over = (self.monitors).once(&started.clone().and(end).simplify(), &origin);
         if release {
             over = self.before(&over);
         }
-        Some(begun.implies(kept.or(over)).simplify())
+        Some(started.implies(kept.or(over)).simplify())
     }
 }

@@ -1,10 +1,10 @@
-//! What is refused, at its smallest part, and the equivalence that is missing.
+//! Finds the smallest refused part of a formula, and explains which equivalence is missing.
 
 use super::classify::{Classifier, Refusal};
 use super::ltl::{FormulaId, Formulas, Op};
 
 impl Classifier<'_> {
-    /// The smallest temporal formula in one that appears where none can.
+    /// The refusal of the smallest temporal subformula without an equivalent.
     pub fn nested(&self, f: FormulaId, within: &str) -> Refusal {
         let (mut at, mut within) = (f, within);
         loop {
@@ -24,7 +24,7 @@ impl Classifier<'_> {
                         *a
                     })
                 }
-                // What it waits for, or what holds until then, is itself something to wait for.
+                // An operand is itself not a safety formula.
                 Op::Weak(a, b) | Op::Until(a, b) | Op::Release(a, b) => {
                     let found = [*a, *b].into_iter().find(|g| !self.formulas.is_safety(*g));
                     if found.is_some() {
@@ -42,40 +42,40 @@ impl Classifier<'_> {
         let (word, help) = match self.formulas.op(at) {
             Op::Until(..) | Op::Weak(..) | Op::Release(..) => (
                 "this `U`, `W` or `R`",
-                "let an output stand for it, and `q` in its place: promised, `G (q -> (a U b))`, which may ask for more; as a condition, `G ((a U b) -> q)`",
+                "replace it with an output `q`: in a guarantee, add `G (q -> (a U b))`, which can be stronger; in a condition, add `G ((a U b) -> q)`",
             ),
             Op::Finally(g) if matches!(self.formulas.op(*g), Op::Globally(_)) => (
                 "`F G`",
-                "\"some day and from then on\" has no equivalent: let an output say when it begins, `G (settled -> X settled)`, \
+                "let an output signal when it begins: `G (settled -> X settled)`, \
                  `G (settled -> a)` and `G F settled`",
             ),
             Op::Globally(g) if matches!(self.formulas.op(*g), Op::Finally(_)) => (
                 "`G F`",
-                "`G F a` has to stand alone, beside `||`, or behind `->`",
+                "write `G F a` alone, as an operand of `||`, or after `->`",
             ),
             Op::Finally(_) => (
                 "this `F`",
-                "let an output stand for it, which may ask for more: `G (q -> F a)`, and `q` in its place",
+                "replace it with an output `q`, and add `G (q -> F a)`, which can be stronger",
             ),
             _ => (
                 "this `G`",
-                "let an output stand for it, which may ask for more: `G (q -> G a)`, and `q` in its place",
+                "replace it with an output `q`, and add `G (q -> G a)`, which can be stronger",
             ),
         };
         Refusal {
             at,
-            why: format!("{word} appears within {within} so that it has no form in GR(1) here"),
+            why: format!("{word} within {within} has no equivalent in GR(1) here"),
             help: help.to_owned(),
         }
     }
 
-    /// An `U` within an `U`, as they were written, where both are promised: the inner one.
+    /// The refusal of a positive `U` within another positive `U` in the file's own formula.
     pub fn nested_until(&self, f: FormulaId) -> Option<Refusal> {
         let at = self.inner_until(f, false, false)?;
         Some(Refusal {
             at,
-            why: "this `U` appears within another `U`: nested untils are outside what is turned into GR(1)".to_owned(),
-            help: "let an output stand for the inner one, which may ask for more: `a U q` and `G (q -> (b U c))` for `a U (b U c)`".to_owned(),
+            why: "this `U` is nested in another `U`, which has no equivalent in GR(1) here".to_owned(),
+            help: "replace the inner one with an output `q`, which can be stronger: `a U q` and `G (q -> (b U c))` for `a U (b U c)`".to_owned(),
         })
     }
 

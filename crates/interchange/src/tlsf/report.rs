@@ -1,4 +1,4 @@
-//! Findings about one text.
+//! Collects the findings about a file.
 
 use linewright_core::diagnostics::{Code, Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
@@ -7,7 +7,7 @@ use std::ops::Range;
 /// Maximum number of findings that are kept.
 const MAX_FINDINGS: usize = 200;
 
-/// What was found in a text so far.
+/// The findings about a file so far.
 #[derive(Debug)]
 pub(super) struct Report {
     file: FileId,
@@ -22,7 +22,7 @@ impl Report {
         }
     }
 
-    /// One that nobody reads.
+    /// A report whose findings are discarded.
     pub fn silent() -> Self {
         Self::new(FileId::default())
     }

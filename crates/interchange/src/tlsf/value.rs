@@ -1,4 +1,4 @@
-//! What an expression comes to when it is expanded.
+//! Values of expanded expressions.
 
 use super::ltl::FormulaId;
 use linewright_core::gr1::VarId;
@@ -11,12 +11,12 @@ pub(super) enum Value {
     Formula(FormulaId),
     Set(Rc<BTreeSet<Value>>),
     Bus(Rc<Vec<VarId>>),
-    /// A value of an enumeration: which one of which.
+    /// A value of an enumeration: the indices of the enumeration and of the value.
     Label(usize, usize),
 }
 
 impl Value {
-    /// What it is called.
+    /// The type in words, for messages.
     pub fn word(&self) -> &'static str {
         match self {
             Self::Number(_) => "a number",
@@ -28,7 +28,7 @@ impl Value {
     }
 }
 
-/// Names of arguments and of what big operators run over, innermost first.
+/// A binding of an argument or of a variable of a big operator, linked to the outer bindings.
 pub(super) struct ScopeBinding<'a> {
     pub name: &'a str,
     pub value: Value,

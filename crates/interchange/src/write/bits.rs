@@ -1,4 +1,4 @@
-//! Gates over the bits of numbers, for formats that have truth values only.
+//! Gates over the bits of numbers, for formats with Boolean variables only.
 //!
 //! The bits of a number hold its distance from the smallest value of its domain.
 
@@ -6,24 +6,26 @@ use super::gates::{Gate, Gates, Shape};
 use linewright_core::gr1::{Domain, Specification, Time, VarId};
 use std::collections::BTreeMap;
 
-/// How many bits a variable has.
+/// Number of bits of a variable.
 pub(super) fn width(domain: &Domain) -> u32 {
     u64::BITS - (domain.size() - 1).leading_zeros()
 }
 
-/// Whether some of its bits' values are no value of the variable.
+/// Whether some bit patterns are outside the domain.
 pub(super) fn has_holes(domain: &Domain) -> bool {
     domain.size() != 1 << width(domain)
 }
 
 impl Gates {
-    /// That the bits of a variable hold a value of its domain.
+    /// True if the bits of a variable hold a value of its domain.
     pub fn in_domain(&mut self, domain: &Domain, v: VarId, time: Time) -> Gate {
         self.at_most(domain, v, time, domain.size() - 1)
     }
 
-    /// That the bits hold at most this number: from the lowest bit up, "at most so far" is "this
-    /// bit is below the bound's, or equal and the lower ones are at most".
+    /// True if the bits hold a number of at most `bound`.
+    ///
+    /// From the lowest bit up: the bits so far are at most those of the bound if this bit is below
+    /// the bound's, or equal and the lower bits are at most those of the bound.
     fn at_most(&mut self, domain: &Domain, v: VarId, time: Time, bound: u64) -> Gate {
         let mut gate = self.bool(true);
         for k in 0..width(domain) {
@@ -48,10 +50,10 @@ impl Gates {
         }
     }
 
-    /// The same gate over bits.
+    /// The gate with tests of bits in place of tests of values.
     pub fn in_bits(&mut self, specification: &Specification, root: Gate) -> Gate {
         let mut done: BTreeMap<Gate, Gate> = BTreeMap::new();
-        // A gate follows what it uses.
+        // Gates are numbered after their operands.
         for gate in self.uses(root).into_keys() {
             let new = |g: Gate| done.get(&g).copied().unwrap_or(g);
             let made = match self.shape(gate) {

@@ -1,11 +1,11 @@
-//! Formulas as gates over tests of single variables, for formats that have no arithmetic.
+//! Formulas as gates over tests of single variables, for formats without arithmetic.
 //!
-//! A comparison is decided variable by variable: for each value of the first one, what is left of
-//! the comparison is simplified, and values that leave the same are put together.
-//! `x' = min(x + 1, 5)` becomes one case for each value of `x'`, with a range of values of `x`
-//! each. What is left is remembered, so that sums of many variables grow with the number of sums,
-//! not of valuations. Sound for all operators; too large for two numbers with thousands of values,
-//! which is refused.
+//! A comparison is decided variable by variable. Each value of the first variable is substituted,
+//! the rest is simplified, and values with the same rest are grouped. `x' = min(x + 1, 5)` becomes
+//! one case per value of `x'`, each with a range of values of `x`. Rests are memoized, so the cost
+//! of a sum of many variables grows with the number of distinct sums, not of valuations. The
+//! method is sound for all operators, but too expensive for two numbers with thousands of values;
+//! such formulas are refused.
 
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Formula, Specification, Time, UnaryOp, VarId};
@@ -14,26 +14,26 @@ use std::collections::{BTreeMap, HashMap};
 /// Maximum number of values tried for one formula.
 const MAX_TRIALS: u64 = 1 << 18;
 
-/// A gate of a [`Gates`].
+/// Index of a gate in a [`Gates`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Gate(u32);
 
-/// What a gate does.
+/// Operator and operands of a gate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Shape {
     Const(bool),
-    /// The variable's value lies in `low..=high`, which is neither its whole domain nor empty.
+    /// The variable's value is in `low..=high`, which is neither empty nor the whole domain.
     Within(VarId, Time, i64, i64),
-    /// A named bit of a variable.
+    /// A bit of a variable, counted from the lowest one.
     Bit(VarId, Time, u32),
     Not(Gate),
     And(Gate, Gate),
     Or(Gate, Gate),
-    /// One of them, not both.
+    /// Exclusive or.
     Xor(Gate, Gate),
 }
 
-/// A formula has too many cases.
+/// The error for a formula with too many cases.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TooManyCases;
 
@@ -51,7 +51,7 @@ impl TooManyCases {
     }
 }
 
-/// Gates, each there once.
+/// Gates, without duplicates.
 #[derive(Debug, Default)]
 pub(super) struct Gates {
     shapes: Vec<Shape>,
@@ -126,7 +126,7 @@ impl Gates {
         }
     }
 
-    /// The gate of a formula.
+    /// The gate of a formula; values tried for it are counted from 0 again.
     pub fn formula(
         &mut self,
         specification: &Specification,
@@ -177,7 +177,7 @@ impl Gates {
         })
     }
 
-    /// The gate of a truth value, by trying the values of its first variable.
+    /// The gate of a comparison, by trying the values of its first variable.
     fn decide(&mut self, s: &Specification, expr: &Expr) -> Result<Gate, TooManyCases> {
         if let Expr::Const(value) = expr {
             return Ok(self.bool(*value != 0));
@@ -190,7 +190,7 @@ impl Gates {
             first.get_or_insert((v, t));
         });
         let Some((v, t)) = first else {
-            // Constants that `simplify` does not fold: too large, or divided by zero.
+            // `simplify` does not fold constants that overflow or divide by zero.
             return Err(TooManyCases);
         };
         let domain = &s.variable(v).domain;
@@ -198,7 +198,7 @@ impl Gates {
         if self.trials > MAX_TRIALS {
             return Err(TooManyCases);
         }
-        // Ranges of values by what they leave, in the order in which that is met first.
+        // Ranges of values grouped by their rest, in order of first occurrence.
         let mut places: HashMap<Expr, usize> = HashMap::new();
         let mut cases: Vec<(Expr, Vec<(i64, i64)>)> = Vec::new();
         for value in domain.low()..=domain.high() {
@@ -246,7 +246,7 @@ impl Gates {
         }
     }
 
-    /// One of them at least, as a balanced tree.
+    /// The disjunction of the gates, as a balanced tree.
     pub fn any(&mut self, mut gates: Vec<Gate>) -> Gate {
         while gates.len() > 1 {
             gates = gates
@@ -260,7 +260,7 @@ impl Gates {
         gates.pop().unwrap_or_else(|| self.bool(false))
     }
 
-    /// The operands of a conjunction of conjunctions, side by side.
+    /// The operands of nested conjunctions, in order.
     pub fn conjuncts(&self, root: Gate) -> Vec<Gate> {
         self.operands(root, |shape| match shape {
             Shape::And(a, b) => Some((a, b)),
@@ -268,7 +268,7 @@ impl Gates {
         })
     }
 
-    /// The operands of a disjunction of disjunctions, side by side.
+    /// The operands of nested disjunctions, in order.
     pub fn disjuncts(&self, root: Gate) -> Vec<Gate> {
         self.operands(root, |shape| match shape {
             Shape::Or(a, b) => Some((a, b)),
@@ -287,7 +287,7 @@ impl Gates {
         found
     }
 
-    /// How often each gate below `root` is used, `root` included.
+    /// For `root` and each gate below it, the number of its uses.
     pub fn uses(&self, root: Gate) -> BTreeMap<Gate, u64> {
         let mut uses = BTreeMap::new();
         let mut open = vec![root];
@@ -305,9 +305,9 @@ impl Gates {
         uses
     }
 
-    /// How many gates the formula has when each use of a gate is written out.
+    /// Number of gates without sharing.
     pub fn tree_size(&self, root: Gate) -> u64 {
-        // A gate follows what it uses.
+        // Gates are numbered after their operands.
         let mut sizes: BTreeMap<Gate, u64> = BTreeMap::new();
         for gate in self.uses(root).into_keys() {
             let size = |g: Gate| sizes.get(&g).copied().unwrap_or(1);
@@ -325,7 +325,7 @@ impl Gates {
     }
 }
 
-/// Whether the value of an expression is a truth value.
+/// Whether the expression is a truth value; the constants 0 and 1 count as one.
 pub(crate) fn is_truth(specification: &Specification, expr: &Expr) -> bool {
     use BinaryOp as B;
     match expr {

@@ -1,8 +1,8 @@
-//! Specifications written in the formats that other tools read.
+//! Writes specifications in the formats of other tools.
 //!
-//! What a format has no words for is taken apart on the way: into [`gates`] over tests of single
-//! variables where it has no arithmetic, into [`bits`] where it has no numbers, and into helper
-//! variables by [`lower`](super::lower) where its game is another one.
+//! Formulas that a format cannot express are decomposed: into [`gates`] over tests of single
+//! variables for formats without arithmetic, and into [`bits`] for formats without numbers. Where
+//! the game differs, [`lower`](super::lower) introduces helper variables.
 
 mod bits;
 mod gates;
@@ -14,27 +14,52 @@ mod tlsf;
 
 pub(super) use gates::is_truth;
 
+use super::Format;
 use super::names::one_line;
 use super::rename::renamed;
 use gates::{Gate, Gates, TooManyCases};
 use linewright_core::diagnostics::Diagnostic;
-use linewright_core::gr1::{Domain, Expr, Formula, Specification, Variable};
+use linewright_core::gr1::monitors::Kind;
+use linewright_core::gr1::{Domain, Expr, Formula, Owner, Specification, Variable};
 
-/// The formats that [`write`](fn@write) knows.
+/// Output formats of [`write`](fn@write).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Target {
-    /// gr1c's.
+    /// gr1c's `.spc`.
     Spc,
-    /// slugs'.
+    /// slugs' `.slugsin`.
     Slugsin,
-    /// Spectra's.
+    /// The Spectra language.
     Spectra,
-    /// That of LTL synthesis, with strict semantics.
+    /// TLSF, the format of LTL synthesis, with strict semantics.
     Tlsf,
 }
 
-/// Writes a specification in another tool's format, so that this tool gives the same verdict. What
-/// the format cannot say is lowered with helper variables, or refused in the findings.
+/// An assumption or guarantee as a statement of a file in this format, such as
+/// `asm G (a -> !next(b));`.
+///
+/// `name` is the label of the statement. Returns `None` for formats other than Spectra's, if the
+/// format cannot express the formula, and if it mentions a variable that the file does not declare.
+pub fn statement(
+    format: Format,
+    specification: &Specification,
+    side: Owner,
+    name: Option<&str>,
+    kind: Kind,
+    expr: &Expr,
+) -> Option<String> {
+    match format {
+        Format::Spectra => spectra::statement(specification, side, name, kind, expr),
+        _ => None,
+    }
+}
+
+/// Writes a specification in another tool's format, with the same verdict in that tool.
+///
+/// Features that the format lacks are expressed with helper variables.
+///
+/// # Errors
+/// One finding for each formula that has too many cases for the format.
 pub fn write(specification: &Specification, target: Target) -> Result<String, Vec<Diagnostic>> {
     match target {
         Target::Spc => spc::write(specification),
@@ -44,11 +69,11 @@ pub fn write(specification: &Specification, target: Target) -> Result<String, Ve
     }
 }
 
-/// What every writer has at hand.
+/// State that all writers share.
 struct Writing<'s> {
-    /// What is written, lowered to what the format can say.
+    /// The specification to write, lowered to the features of the format.
     specification: &'s Specification,
-    /// The names of its variables in the format.
+    /// Names of the variables in the format.
     names: &'s [String],
     gates: Gates,
     findings: Vec<Diagnostic>,
@@ -64,15 +89,15 @@ impl<'s> Writing<'s> {
         }
     }
 
-    /// The gate of a formula that the format says in the words of `expr`; a finding if that takes
-    /// too many cases.
+    /// The gate of `expr`, the lowered form of `formula`; reports too many cases.
     fn gate(&mut self, formula: &Formula, expr: &Expr) -> Option<Gate> {
         let gate = self.gates.formula(self.specification, expr);
         self.unless_too_many(formula, gate)
     }
 
-    /// The same, for a format that writes each use of a gate out; at most `size` gates.
-    fn written_out(&mut self, formula: &Formula, gate: Gate, size: u64) -> Option<Gate> {
+    /// The gate, if it has at most `size` gates in a format without shared gates; otherwise reports
+    /// too many cases.
+    fn check_size(&mut self, formula: &Formula, gate: Gate, size: u64) -> Option<Gate> {
         let fits = self.gates.tree_size(gate) <= size;
         self.unless_too_many(formula, fits.then_some(gate).ok_or(TooManyCases))
     }
@@ -88,7 +113,7 @@ impl<'s> Writing<'s> {
         result.ok()
     }
 
-    /// The text, unless something could not be said.
+    /// Returns the text, or the findings if there are any.
     fn finish(self, text: String) -> Result<String, Vec<Diagnostic>> {
         if self.findings.is_empty() {
             Ok(text)
@@ -98,14 +123,14 @@ impl<'s> Writing<'s> {
     }
 }
 
-/// Names of all variables that the format takes.
-fn names_of(specification: &Specification, takes: impl Fn(&str) -> bool) -> Vec<String> {
+/// Names of all variables that the format allows.
+fn names_of(specification: &Specification, is_allowed: impl Fn(&str) -> bool) -> Vec<String> {
     let wanted = specification.variables.iter().map(|v| v.name.as_str());
-    renamed(wanted, "v_", takes)
+    renamed(wanted, "v_", is_allowed)
 }
 
-/// Whether a name has only letters, digits and `others`, begins with none but a letter or `_`, and
-/// is none of the format's words.
+/// Whether a name has only ASCII letters, digits, `_` and `others`, begins with a letter or `_`,
+/// and is not among `words`.
 fn is_plain(name: &str, others: &str, words: &[&str]) -> bool {
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '_' || others.contains(c);
     name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
@@ -113,9 +138,11 @@ fn is_plain(name: &str, others: &str, words: &[&str]) -> bool {
         && !words.contains(&name)
 }
 
-/// What became of a variable's name, its labels and its smallest value, for a comment. `from_zero`
-/// tells that numbers are counted from 0.
-fn about(variable: &Variable, name: &str, from_zero: bool) -> Option<String> {
+/// A comment about a variable: its original name, its labels, and the value that 0 represents.
+///
+/// `from_zero` is whether the format counts the values of numbers from 0. `None` if nothing
+/// changed.
+fn variable_comment(variable: &Variable, name: &str, from_zero: bool) -> Option<String> {
     let mut parts = Vec::new();
     if *name != variable.name {
         parts.push(format!("was {}", one_line(&variable.name)));
@@ -130,17 +157,17 @@ fn about(variable: &Variable, name: &str, from_zero: bool) -> Option<String> {
         }
         _ => {}
     }
-    // Helpers are in no file.
+    // Helper variables have no source location.
     if variable.internal && variable.span == linewright_core::source::Span::default() {
         parts.push("a helper".to_owned());
     }
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
-/// The same as lines of comments.
+/// The comments of all variables, one per line.
 fn legend(specification: &Specification, names: &[String], from_zero: bool) -> String {
     let variables = specification.variables.iter().zip(names);
-    let lines =
-        variables.filter_map(|(v, n)| Some(format!("# {n}: {}\n", about(v, n, from_zero)?)));
+    let lines = variables
+        .filter_map(|(v, n)| Some(format!("# {n}: {}\n", variable_comment(v, n, from_zero)?)));
     lines.collect()
 }

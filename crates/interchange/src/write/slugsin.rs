@@ -1,10 +1,10 @@
 //! Writes `.slugsin`, for slugs.
 //!
-//! The format has truth values only. A number becomes its bits, named as slugs' translator names
-//! them: `x@0.low.high` for the lowest, `x@1`, ... for the others, which hold the distance from the
-//! smallest value; where some bits make no value, lines keep them out. Sub-formulas that are used
-//! more than once become cells of a memory buffer, so that a formula stays as small as its gates.
-//! What the format has not: answering first, and invariants; see [`lower`].
+//! The format has Boolean variables only. A number becomes bits that hold the distance from its
+//! smallest value. As in slugs' translator, `x@0.low.high` is the lowest bit, and `x@1`, ... are
+//! the others; additional lines exclude bit patterns outside the domain. Subformulas that are used
+//! more than once become cells of a memory buffer, so that the text grows with the number of
+//! gates. The format has no Moore timing and no invariants; see [`lower`].
 
 use super::super::lower;
 use super::super::structured::WORDS;
@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
-    let lowered = lower::answering_second(&lower::without_invariants(specification));
+    let lowered = lower::to_mealy(&lower::without_invariants(specification));
     let names = names_of(&lowered, is_name);
     let base = Writing::new(&lowered, &names);
     let mut writer = Writer { base };
@@ -26,7 +26,7 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
     writer.base.finish(text)
 }
 
-/// Names that slugs' own tools take too.
+/// Whether slugs' own tools accept the name.
 fn is_name(name: &str) -> bool {
     is_plain(name, ".", &WORDS)
 }
@@ -79,7 +79,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Lines that keep out what the bits of a number can hold beyond its domain.
+    /// Writes lines that exclude bit patterns outside the domains.
     fn domains(&mut self, owner: Owner, time: Time, text: &mut String) {
         for (index, variable) in self.base.specification.variables.iter().enumerate() {
             let domain = &variable.domain;
@@ -101,7 +101,8 @@ impl Writer<'_> {
         }
     }
 
-    /// The line of a gate: its shared gates as cells, itself as the last one.
+    /// The line of a gate: shared gates are cells of a buffer, and the gate itself is the last
+    /// cell.
     fn line(&self, root: Gate) -> String {
         let uses = self.base.gates.uses(root);
         let shared = |gate: Gate| {
@@ -148,7 +149,7 @@ impl Writer<'_> {
                 Shape::And(a, b) => ("&".to_owned(), vec![b, a]),
                 Shape::Or(a, b) => ("|".to_owned(), vec![b, a]),
                 Shape::Xor(a, b) => ("^".to_owned(), vec![b, a]),
-                // Replaced by bits before.
+                // Unreachable: `in_bits` replaced these.
                 Shape::Within(..) => ("1".to_owned(), vec![]),
             };
             words.push(word);

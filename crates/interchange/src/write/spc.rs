@@ -1,9 +1,9 @@
 //! Writes `.spc`, for gr1c.
 //!
-//! A number `low..high` becomes `[0,high-low]`, comparisons move with it; enumerations are
-//! numbered. gr1c compares a variable with a number and has no arithmetic, so formulas are written
-//! out by [`gates`](super::gates). What the format has not: answering first, invariants, primed
-//! goals, initial conditions of the machine that refer to inputs; see [`lower`].
+//! A number `low..high` becomes `[0,high-low]`, with its comparisons shifted; enumerations are
+//! numbered. gr1c only compares a variable with a number and has no arithmetic, so formulas are
+//! expanded by [`gates`](super::gates). The format has no Moore timing, no invariants, no primed
+//! goals, and no initial conditions of the system that refer to inputs; see [`lower`].
 
 use super::super::lower;
 use super::gates::Shape;
@@ -26,8 +26,8 @@ const WORDS: Words = Words {
 const MAX_SIZE: u64 = 1 << 18;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
-    let lowered = lower::answering_second(&lower::without_invariants(specification));
-    let lowered = lower::starting_alone(&lower::goals_of_states(&lowered));
+    let lowered = lower::to_mealy(&lower::without_invariants(specification));
+    let lowered = lower::initial_to_transitions(&lower::goals_to_states(&lowered));
     let names = names_of(&lowered, is_name);
     let base = Writing::new(&lowered, &names);
     let mut writer = Writer { base };
@@ -68,7 +68,7 @@ impl Writer<'_> {
                     }
                 }
             }
-            // gr1c wants one variable at least.
+            // gr1c requires at least one variable.
             if owner == Owner::System && self.base.specification.variables.is_empty() {
                 text.push_str(" unused");
             }
@@ -106,7 +106,7 @@ impl Writer<'_> {
         let gate = self
             .base
             .gate(formula, &formula.expr)
-            .and_then(|g| self.base.written_out(formula, g, MAX_SIZE));
+            .and_then(|g| self.base.check_size(formula, g, MAX_SIZE));
         let text = gate.map(|g| WORDS.gate(&self.base.gates, g, &|shape| self.test(shape)).1);
         text.unwrap_or_default()
     }

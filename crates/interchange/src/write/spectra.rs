@@ -1,10 +1,10 @@
-//! Writes Spectra's language.
+//! Writes the Spectra language.
 //!
-//! Numbers, comparisons and sums are written as they are. What the language has not: `if`, `min`,
-//! `max`, `abs`, truth values as numbers; a comparison with one of them is taken apart, value by
-//! value, by [`gates`](super::gates), and so is one with `/` or `mod`, whose meaning for negative
-//! numbers differs between tools. Enumerations keep their labels where these can be names. A Moore
-//! machine is written as one that answers after; see [`lower`].
+//! Numbers, comparisons and sums are written directly. The language has no `if`, `min`, `max` and
+//! `abs`, and no truth values as numbers. [`gates`](super::gates) decomposes comparisons that
+//! contain these, and those with `/` or `mod`, whose meaning for negative numbers differs between
+//! tools. Enumerations keep their labels if all labels can be names. A Moore game is turned into a
+//! Mealy game; see [`lower`].
 
 use super::super::lower;
 use super::super::rename::renamed;
@@ -14,6 +14,7 @@ use super::one_line;
 use super::text::{Piece, Rank, Words, at_least};
 use super::{Writing, is_plain};
 use linewright_core::diagnostics::Diagnostic;
+use linewright_core::gr1::monitors::Kind;
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, UnaryOp, VarId,
     Variable,
@@ -32,10 +33,10 @@ const WORDS: Words = Words {
 const MAX_SIZE: u64 = 1 << 18;
 
 pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnostic>> {
-    // A step put in front would have invariants to keep.
+    // The first step that the lowering adds must not have to keep invariants.
     let lowered = match specification.timing {
         Timing::Mealy => specification.clone(),
-        Timing::Moore => lower::answering_second(&lower::without_invariants(specification)),
+        Timing::Moore => lower::to_mealy(&lower::without_invariants(specification)),
     };
     let sides = [&lowered.assumptions, &lowered.guarantees];
     let formulas: Vec<&Formula> = sides.into_iter().flat_map(Side::all).collect();
@@ -47,6 +48,41 @@ pub(super) fn write(specification: &Specification) -> Result<String, Vec<Diagnos
     let mut writer = Writer { base };
     let text = writer.file(&labels);
     writer.base.finish(text)
+}
+
+/// An assumption or guarantee over the variables of a Spectra file, as a statement of that file.
+/// `None` if Spectra cannot express it, or if it mentions a variable that the file does not
+/// declare.
+pub(super) fn statement(
+    specification: &Specification,
+    side: Owner,
+    name: Option<&str>,
+    kind: Kind,
+    expr: &Expr,
+) -> Option<String> {
+    let mut is_declared = true;
+    expr.for_each_var(&mut |v, _| is_declared &= !specification.is_auxiliary(v));
+    if !is_declared {
+        return None;
+    }
+    let names = specification.variables.iter().map(|v| v.name.clone());
+    let names: Vec<String> = names.collect();
+    let mut writer = Writer {
+        base: Writing::new(specification, &names),
+    };
+    let (_, body) = writer.truth(expr).ok()?;
+    let keyword = match side {
+        Owner::Environment => "asm",
+        Owner::System => "gar",
+    };
+    let name = name.map_or(String::new(), |name| format!(" {name}:"));
+    let operator = match kind {
+        Kind::Initial => "ini",
+        Kind::Invariant => "alw",
+        Kind::Safety => "G",
+        Kind::Justice => "GF",
+    };
+    Some(format!("{keyword}{name} {operator} ({body});"))
 }
 
 fn is_name(name: &str) -> bool {
@@ -120,8 +156,7 @@ impl Writer<'_> {
         }
     }
 
-    /// The labels of a variable's values, if they can be written: no label may look like a
-    /// variable.
+    /// The labels of a variable, if all of them can be written and none is the name of a variable.
     fn labels<'v>(&self, variable: &'v Variable) -> Option<&'v [String]> {
         match &variable.domain {
             Domain::Enum { labels, .. }
@@ -135,7 +170,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A truth value. The recursion is as deep as the formula.
+    /// The text of a truth value. The recursion is as deep as the formula.
     fn truth(&mut self, expr: &Expr) -> Result<Piece, TooManyCases> {
         use BinaryOp as B;
         let s = self.base.specification;
@@ -182,12 +217,12 @@ impl Writer<'_> {
             }
             _ => match self.comparison(expr) {
                 Some(text) => Ok((Rank::Relation, text)),
-                None => self.apart(expr),
+                None => self.decompose(expr),
             },
         }
     }
 
-    /// A comparison that can be written as it is.
+    /// The text of a comparison; `None` if it has to be decomposed.
     fn comparison(&self, expr: &Expr) -> Option<String> {
         let Expr::Binary(op, a, b) = expr else {
             return None;
@@ -210,7 +245,7 @@ impl Writer<'_> {
         Some(format!("{a} {sign} {b}"))
     }
 
-    /// A variable with labels, and what it can be compared with by name.
+    /// The texts of a variable with labels and of a label or variable to compare it with.
     fn labelled(&self, a: &Expr, b: &Expr) -> Option<(String, String)> {
         let s = self.base.specification;
         let Expr::Var(v, time) = a else { return None };
@@ -225,7 +260,7 @@ impl Writer<'_> {
         Some((self.variable(*v, *time), other))
     }
 
-    /// A number that can be written as it is.
+    /// The text of a number; `None` if the language lacks one of its operators.
     fn number(&self, expr: &Expr) -> Option<Piece> {
         use BinaryOp as B;
         match expr {
@@ -243,7 +278,7 @@ impl Writer<'_> {
                 let a = at_least(self.number(a)?, Rank::Sum);
                 let b = at_least(self.number(b)?, Rank::Product);
                 let sign = if *op == B::Add { "+" } else { "-" };
-                // Two of the latter would begin a comment.
+                // The blanks prevent `--`, which would begin a comment.
                 Some((Rank::Sum, format!("{a} {sign} {b}")))
             }
             Expr::Binary(B::Mul, a, b) => {
@@ -263,15 +298,15 @@ impl Writer<'_> {
         }
     }
 
-    /// A truth value as tests of single variables.
-    fn apart(&mut self, expr: &Expr) -> Result<Piece, TooManyCases> {
+    /// Decomposes a truth value into tests of single variables.
+    fn decompose(&mut self, expr: &Expr) -> Result<Piece, TooManyCases> {
         let gate = self.base.gates.formula(self.base.specification, expr)?;
         if self.base.gates.tree_size(gate) > MAX_SIZE {
             return Err(TooManyCases);
         }
         Ok(WORDS.gate(&self.base.gates, gate, &|shape| match shape {
             Shape::Within(v, time, low, high) => self.within(v, time, low, high),
-            // Bits are made by other writers only.
+            // Unreachable: only other writers create bits.
             _ => WORDS.truth(true),
         }))
     }

@@ -1,8 +1,8 @@
-//! Pieces of a formula as text, with as many parentheses as the reader of the format needs.
+//! Builds the text of formulas, with the necessary parentheses.
 
 use super::gates::{Gate, Gates, Shape};
 
-/// How tightly a piece binds. No format that is written binds these in another order.
+/// How tightly a piece of text binds, from loose to tight; the order fits all written formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
     Implies,
@@ -18,7 +18,7 @@ pub(super) enum Rank {
 /// A piece of text, and how tightly it binds.
 pub(super) type Piece = (Rank, String);
 
-/// The text, in parentheses where it would fall apart.
+/// The text, in parentheses if it binds more loosely than `wanted`.
 pub(super) fn at_least((rank, text): Piece, wanted: Rank) -> String {
     if rank >= wanted {
         text
@@ -27,7 +27,7 @@ pub(super) fn at_least((rank, text): Piece, wanted: Rank) -> String {
     }
 }
 
-/// The words of a format.
+/// Operators and constants of a format.
 #[derive(Debug)]
 pub(super) struct Words {
     pub truth: [&'static str; 2],
@@ -47,12 +47,12 @@ impl Words {
         (Rank::Tight, format!("{}{negated}", self.not))
     }
 
-    /// All of them; `true` if there are none.
+    /// The conjunction of the pieces; `true` for none.
     pub fn all(&self, pieces: Vec<Piece>) -> Piece {
         self.chain(pieces, Rank::And, self.and, true)
     }
 
-    /// One of them; `false` if there are none.
+    /// The disjunction of the pieces; `false` for none.
     pub fn any(&self, pieces: Vec<Piece>) -> Piece {
         self.chain(pieces, Rank::Or, self.or, false)
     }
@@ -61,7 +61,7 @@ impl Words {
         if pieces.len() < 2 {
             return pieces.pop().unwrap_or_else(|| self.truth(empty));
         }
-        // Next to each other `and` and `or` are easily misread.
+        // Parentheses avoid confusion where `and` and `or` are mixed.
         let operand = |piece: Piece| match piece.0 {
             own if own == rank => piece.1,
             _ => at_least(piece, Rank::Relation),
@@ -75,8 +75,8 @@ impl Words {
         (Rank::Iff, format!("{a} {} {b}", self.iff))
     }
 
-    /// A gate whose tests of single variables are written by `atom`. The recursion is as deep as
-    /// the gate.
+    /// The text of a gate; `atom` writes tests of single variables. The recursion is as deep as the
+    /// gate.
     pub fn gate(&self, gates: &Gates, gate: Gate, atom: &dyn Fn(Shape) -> Piece) -> Piece {
         let of = |g: Gate| self.gate(gates, g, atom);
         match gates.shape(gate) {

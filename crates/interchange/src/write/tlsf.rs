@@ -1,17 +1,17 @@
-//! Writes `.tlsf`, for tools of LTL synthesis.
+//! Writes `.tlsf`, for LTL synthesis tools.
 //!
-//! The strict semantics of the format is that of a strict GR(1) game, section by section, if
-//! everything that is asked of a next step follows `X`: an invariant is asked of step 0 under
-//! INITIALLY or PRESET, and of every next step under REQUIRE or ASSERT. A number is a bus that
-//! holds the distance from its smallest value; what its bits can hold beyond its domain is kept out
-//! like an invariant.
+//! The format's strict semantics equals that of a strict GR(1) game, section by section, if
+//! conditions on the next step are below `X`. Therefore an invariant is written twice: for step 0
+//! under INITIALLY or PRESET, and for every next step under REQUIRE or ASSERT. A number becomes a
+//! bus that holds the distance from its smallest value; another invariant excludes bit patterns
+//! outside the domain.
 
 use super::super::tlsf::is_reserved;
 use super::bits::{has_holes, width};
 use super::gates::{Gate, Shape};
 use super::one_line;
 use super::text::{Piece, Rank, Words, at_least};
-use super::{Writing, about, is_plain, names_of};
+use super::{Writing, is_plain, names_of, variable_comment};
 use linewright_core::diagnostics::Diagnostic;
 use linewright_core::gr1::{
     Domain, Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -60,18 +60,18 @@ impl Writer<'_> {
             let _ = writeln!(text, "  {head} {{");
             for (variable, name) in specification.variables.iter().zip(self.base.names) {
                 if variable.owner == owner {
-                    let about = about(variable, name, true)
+                    let comment = variable_comment(variable, name, true)
                         .map_or_else(String::new, |a| format!(" // {a}"));
                     let _ = match width(&variable.domain) {
                         _ if variable.domain == Domain::Bool => {
-                            writeln!(text, "    {name};{about}")
+                            writeln!(text, "    {name};{comment}")
                         }
                         0 => writeln!(text, "    // {name} has one value"),
-                        n => writeln!(text, "    {name}[{n}];{about}"),
+                        n => writeln!(text, "    {name}[{n}];{comment}"),
                     };
                 }
             }
-            // The format wants one signal at least.
+            // The format requires at least one signal.
             let constant = |v: &Variable| v.domain.size() == 1;
             if owner == Owner::System && specification.variables.iter().all(constant) {
                 text.push_str("    unused;\n");
@@ -127,7 +127,7 @@ impl Writer<'_> {
         commented(&self.formula(formula, from).1, &formula.name)
     }
 
-    /// A formula from this step or from the next one on.
+    /// The text of a formula; with `Time::Next`, next values replace current ones.
     fn formula(&mut self, formula: &Formula, from: Time) -> Piece {
         let expr = match from {
             Time::Now => formula.expr.clone(),
@@ -137,11 +137,11 @@ impl Writer<'_> {
             .base
             .gate(formula, &expr)
             .map(|g| self.base.gates.in_bits(self.base.specification, g))
-            .and_then(|g| self.base.written_out(formula, g, MAX_SIZE));
+            .and_then(|g| self.base.check_size(formula, g, MAX_SIZE));
         gate.map_or_else(|| WORDS.truth(true), |g| self.text(g))
     }
 
-    /// What the bits of numbers can hold beyond their domains, kept out.
+    /// Formulas that exclude bit patterns outside the domains.
     fn domains(&mut self, owner: Owner, time: Time) -> Vec<String> {
         let mut found = Vec::new();
         for (index, variable) in self.base.specification.variables.iter().enumerate() {
@@ -162,12 +162,12 @@ impl Writer<'_> {
     fn text(&self, gate: Gate) -> Piece {
         WORDS.gate(&self.base.gates, gate, &|shape| match shape {
             Shape::Bit(v, time, k) => (Rank::Tight, self.bit(v, time, k)),
-            // In bits, there are no other tests.
+            // Unreachable: `in_bits` leaves no other tests.
             _ => WORDS.truth(true),
         })
     }
 
-    /// A bit, or the whole of a Boolean.
+    /// A bit of a number, or a Boolean variable.
     fn bit(&self, v: VarId, time: Time, k: u32) -> String {
         let name = &self.base.names[v.index()];
         let next = if time == Time::Next { "X " } else { "" };

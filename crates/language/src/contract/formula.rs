@@ -1,11 +1,11 @@
-//! Classification: which part of a GR(1) specification a formula belongs to.
+//! Classification: finds the part of a GR(1) specification to which a formula belongs.
 //!
 //! Conjunctions are split, also under `always` (`G (p & G F q)` is `G p & G F q`). `forall` over
-//! temporal formulas is expanded, repeated operators are dropped. Patterns and responses
-//! (`always (p -> eventually q)`) become monitors and formulas about them. A formula that is then
-//! no initial condition, `always P` or `always eventually P` is rejected ([`refusal`]). The finding
-//! points at the smallest formula outside GR(1), and gives a GR(1) equivalent if possible ([`ltl`],
-//! [`forms`]).
+//! temporal formulas is expanded, and repeated operators are dropped. Patterns and responses
+//! (`always (p -> eventually q)`) become monitors and formulas over them. The remaining formulas
+//! have to be initial conditions, `always P` or `always eventually P`; others are rejected
+//! ([`refusal`]). The finding points at the smallest formula outside GR(1), and suggests a GR(1)
+//! form if possible ([`ltl`], [`forms`]).
 
 mod control;
 mod forms;
@@ -21,7 +21,7 @@ use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, BinaryOp, ExprKind, Quantifier};
 use refusal::EnclosingQuantifier;
 
-/// Names of a formula and its parts in reports.
+/// Name and context of an assumption or guarantee, shared by all of its parts.
 pub(super) struct Label<'t> {
     pub name: String,
     pub requirement: Option<String>,
@@ -38,14 +38,14 @@ enum Place {
     Justice,
 }
 
-/// Context of a formula.
+/// Context of a formula within the assumption or guarantee.
 #[derive(Clone)]
 struct At<'a> {
     place: Place,
-    /// Values of the enclosing quantifiers, for the formula's text.
+    /// Values of the quantified names as text, appended to the text of the formula.
     instance: String,
     /// Enclosing quantifiers.
-    around: Vec<EnclosingQuantifier<'a>>,
+    quantifiers: Vec<EnclosingQuantifier<'a>>,
 }
 
 impl At<'_> {
@@ -57,7 +57,7 @@ impl At<'_> {
     }
 }
 
-/// Returns a formula as a rule, with the operators around it.
+/// Returns a formula together with the temporal operators above it.
 fn whole(formula: &ast::Expr, place: Place) -> ast::Expr {
     let under = |kind: fn(Box<ast::Expr>) -> ExprKind, inner: ast::Expr| ast::Expr {
         span: inner.span,
@@ -73,7 +73,8 @@ fn whole(formula: &ast::Expr, place: Place) -> ast::Expr {
     }
 }
 
-/// Adds the parts of a formula to a side.
+/// Splits an assumption or guarantee into the parts of a GR(1) specification and adds them to a
+/// side. Reports parts outside GR(1).
 pub(super) fn classify<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
@@ -89,20 +90,20 @@ pub(super) fn classify<'a>(
     let at = At {
         place: Place::Top,
         instance: String::new(),
-        around: Vec::new(),
+        quantifiers: Vec::new(),
     };
     visit(e, formula, &at, label, side);
 }
 
 impl Label<'_> {
-    /// Returns the source text in one line.
+    /// Returns the source text of a formula in one line.
     fn text(&self, span: Span) -> String {
         one_line(self.sources.text(span))
     }
 }
 
-/// Returns the text of a formula in one line, without comments: a line comment would absorb the
-/// rest. Formulas contain no strings.
+/// Returns the text of a formula in one line, without comments, since a line comment would include
+/// the rest of the line. Formulas contain no strings.
 pub(super) fn one_line(text: &str) -> String {
     let mut words = String::new();
     let mut rest = text;
@@ -121,8 +122,8 @@ pub(super) fn one_line(text: &str) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Adds a formula; returns whether its shape is in GR(1). A formula outside GR(1) is rejected for
-/// all values of its quantifiers alike.
+/// Adds a formula to a side; returns whether its shape is in GR(1). A formula outside GR(1) is
+/// reported once for all values of its quantifiers.
 fn visit<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
@@ -145,13 +146,13 @@ fn visit<'a>(
         (ExprKind::Pattern(pattern), Place::Top) => {
             let origin = origin(formula, at, label);
             let obligations = patterns::lower(e, pattern, &origin);
-            promise(e, obligations, (formula, place), &origin, label, side);
+            add_obligations(e, obligations, (formula, place), &origin, label, side);
             true
         }
         (ExprKind::Eventually(inner), Place::Top) if !temporal(inner) => {
             let origin = origin(formula, at, label);
-            let obligations = patterns::promised(e, None, inner, &origin);
-            promise(e, obligations, (formula, place), &origin, label, side);
+            let obligations = patterns::response(e, None, inner, &origin);
+            add_obligations(e, obligations, (formula, place), &origin, label, side);
             true
         }
         (ExprKind::Binary(BinaryOp::Implies, p, q), Place::Always)
@@ -160,8 +161,8 @@ fn visit<'a>(
         {
             if let ExprKind::Eventually(q) = &q.kind {
                 let origin = origin(formula, at, label);
-                let obligations = patterns::promised(e, Some(p), q, &origin);
-                promise(e, obligations, (formula, place), &origin, label, side);
+                let obligations = patterns::response(e, Some(p), q, &origin);
+                add_obligations(e, obligations, (formula, place), &origin, label, side);
             }
             true
         }
@@ -188,7 +189,7 @@ fn visit<'a>(
                 };
                 let mut at = at.clone();
                 at.instance = format!("{} [{} = {shown}]", at.instance, name.text);
-                at.around.push((name, domain));
+                at.quantifiers.push((name, domain));
                 if !e.with_bound(&name.text, value, |e| visit(e, body, &at, label, side)) {
                     return false;
                 }
@@ -196,18 +197,19 @@ fn visit<'a>(
             true
         }
         _ => {
-            let finding = refusal::refusal(&e.names, formula, place, &at.around, label);
+            let finding = refusal::refusal(&e.names, formula, place, &at.quantifiers, label);
             e.findings.push(finding);
             false
         }
     }
 }
 
-/// Returns whether `always`, `eventually`, `until` or a pattern occurs.
+/// Returns whether the formula contains `always`, `eventually`, `until` or a pattern.
 fn temporal(e: &ast::Expr) -> bool {
     is_temporal(e) || e.children().into_iter().any(temporal)
 }
 
+/// Returns whether the formula itself is a temporal operator or a pattern.
 fn is_temporal(e: &ast::Expr) -> bool {
     matches!(
         e.kind,
@@ -215,8 +217,8 @@ fn is_temporal(e: &ast::Expr) -> bool {
     )
 }
 
-/// Returns whether `next` occurs, whatever its operand.
-fn speaks_of_next(e: &ast::Expr) -> bool {
+/// Returns whether the formula contains `next`, even of a constant.
+fn mentions_next(e: &ast::Expr) -> bool {
     let mut open = vec![e];
     while let Some(e) = open.pop() {
         if matches!(e.kind, ExprKind::Next(_)) {
@@ -227,15 +229,16 @@ fn speaks_of_next(e: &ast::Expr) -> bool {
     false
 }
 
-/// Returns the outermost temporal operator within.
-fn smallest(e: &ast::Expr) -> &ast::Expr {
+/// Returns the first outermost temporal operator in a formula.
+fn first_temporal(e: &ast::Expr) -> &ast::Expr {
     if is_temporal(e) {
         return e;
     }
     let mut children = e.children().into_iter();
-    children.find(|c| temporal(c)).map_or(e, smallest)
+    children.find(|c| temporal(c)).map_or(e, first_temporal)
 }
 
+/// Adds a formula without temporal operators.
 fn leaf<'a>(
     e: &mut Elaborator<'a>,
     formula: &'a ast::Expr,
@@ -250,11 +253,11 @@ fn leaf<'a>(
     let Some(expr) = e.formula(&term, formula.span) else {
         return true;
     };
-    // `always (next true -> P)` holds in every step that has a successor: a transition, not an
-    // invariant.
-    let primed = expr.mentions_next() || place == Place::Always && speaks_of_next(formula);
+    // `always (next true -> P)` is a condition on transitions, not an invariant, since it holds
+    // only in steps with a successor.
+    let primed = expr.mentions_next() || place == Place::Always && mentions_next(formula);
     if place == Place::Top && primed {
-        let finding = refusal::without_always(&e.names, formula, &at.around, label);
+        let finding = refusal::without_always(&e.names, formula, &at.quantifiers, label);
         e.findings.push(finding);
         return false;
     }
@@ -269,7 +272,7 @@ fn leaf<'a>(
         ..origin(formula, at, label)
     };
     let obligation = Obligation { kind, expr };
-    promise(
+    add_obligations(
         e,
         Some(vec![obligation]),
         (formula, place),
@@ -280,7 +283,7 @@ fn leaf<'a>(
     true
 }
 
-/// Returns the name, place and text of a formula.
+/// Returns the name, position and text of a formula.
 fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
     Origin {
         name: label.name.clone(),
@@ -290,9 +293,9 @@ fn origin(formula: &ast::Expr, at: &At<'_>, label: &Label<'_>) -> Origin {
     }
 }
 
-/// Adds formulas to a side, if it controls the variables that they constrain. An assumption about
-/// monitors is first split.
-fn promise(
+/// Adds formulas to a side, if the side controls the variables that they constrain. An assumption
+/// over monitors is split first.
+fn add_obligations(
     e: &mut Elaborator<'_>,
     obligations: Option<Vec<Obligation>>,
     (formula, place): (&ast::Expr, Place),
@@ -303,13 +306,13 @@ fn promise(
     for obligation in obligations.unwrap_or_default() {
         let parts = match &e.memory.monitors {
             Some(monitors) if !label.guarantee && monitors.occur_in(&obligation.expr) => {
-                monitors.assumed(&obligation)
+                monitors.as_assumptions(&obligation)
             }
             _ => vec![obligation],
         };
         let looks_back = parts.len() > 1;
         for part in parts {
-            // A split formula is reported as one.
+            // A split formula is reported once.
             if !control::controls(e, (formula, place), &part, looks_back, label) {
                 return;
             }

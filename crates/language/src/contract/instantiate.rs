@@ -1,8 +1,8 @@
-//! Instantiation: converts a contract's syntax tree and arguments to its specification.
+//! Instantiation: converts the syntax tree of a contract and its arguments to a specification.
 
 use super::elaborate::{Elaborator, Findings, fitted};
 use super::formula::{Label, classify};
-use super::scope::{self, Decl, Scope, double};
+use super::scope::{self, Decl, Scope, duplicate_name};
 use super::shape::measured;
 use super::value::{Term, Type, Value};
 use super::{Contract, TaxonomyCode};
@@ -15,10 +15,11 @@ use linewright_syntax::ast::{self, ContractItem, Ownership};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Argument values and their places, by name.
+/// Argument values and their positions, by name.
 pub(super) type Arguments = BTreeMap<String, (Value, Span)>;
 
-/// Evaluates arguments in the caller's scope, expecting the types of the parameters.
+/// Evaluates arguments in the caller's scope. Reports unknown and duplicate ones. The types of the
+/// parameters serve to resolve labels.
 pub(super) fn arguments<'a>(
     caller: &mut Elaborator<'a>,
     parameters: &[ast::Parameter],
@@ -48,7 +49,7 @@ pub(super) fn arguments<'a>(
         }
         if let Some((_, first)) = result.get(&name.text) {
             let first = *first;
-            caller.findings.push(double(name, first));
+            caller.findings.push(duplicate_name(name, first));
             continue;
         }
         // A label is looked up in the type of the parameter.
@@ -71,9 +72,9 @@ pub(super) fn arguments<'a>(
     result
 }
 
-/// Brings parameters into scope, from the arguments or their defaults, and returns their values. A
-/// wrong value is reported and replaced by the smallest value of the range, so that the rest can be
-/// checked too. `None` if a parameter has no value at all.
+/// Brings parameters into scope, with the values of the arguments or the defaults, and returns
+/// their values. A wrong value is reported and replaced by the smallest value of the domain, so
+/// that the rest can be checked. Returns `None` if a parameter has no value or no valid domain.
 pub(super) fn bind<'a>(
     e: &mut Elaborator<'a>,
     parameters: &'a [ast::Parameter],
@@ -91,7 +92,7 @@ pub(super) fn bind<'a>(
             e.findings.error_with(
                 codes::TYPE_MISMATCH,
                 p.domain.span,
-                "a parameter is a number, a truth value or a label",
+                "a parameter has to be a number, a truth value or a label",
                 "declare a constant array, or one parameter for each element",
             );
         }
@@ -125,12 +126,13 @@ fn missing(parameter: &ast::Parameter, call: Option<Span>) -> Diagnostic {
     match call {
         Some(call) => Diagnostic::error(codes::ARGUMENT, call, message)
             .with_help(format!("add `{} = ...`", name.text)),
-        None => Diagnostic::note(codes::ARGUMENT, name.span, message)
-            .with_help("without a default it is checked only where it is used"),
+        None => Diagnostic::note(codes::ARGUMENT, name.span, message).with_help(
+            "give it a default: without one, the declaration is checked only where it is used",
+        ),
     }
 }
 
-/// Returns the value of a parameter, if it fits.
+/// Returns the value of a parameter; reports a value of the wrong type or outside the domain.
 fn checked(
     findings: &mut Findings,
     parameter: &ast::Parameter,
@@ -169,14 +171,14 @@ fn checked(
         _ => findings.error_with(
             codes::NOT_CONSTANT,
             place,
-            format!("the value of `{name}` has to be known beforehand"),
+            format!("the value of `{name}` has to be constant"),
             "use numbers, constants and parameters only",
         ),
     }
     None
 }
 
-/// Looks up taxonomy codes and reports unknown ones.
+/// Converts taxonomy codes, and reports unknown ones.
 pub(super) fn taxonomy_codes(
     names: &[ast::Name],
     findings: &mut Vec<Diagnostic>,
@@ -202,7 +204,7 @@ pub(super) fn taxonomy_codes(
         .collect()
 }
 
-/// Returns the codes of a contract or machine, without looking them up.
+/// Returns the codes of a contract or machine, without checking them.
 pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
     header
         .codes
@@ -214,8 +216,8 @@ pub(super) fn stated_codes(header: &ast::Header) -> Vec<TaxonomyCode> {
         .collect()
 }
 
-/// Instantiates a contract. `None` if an error leaves no usable specification; the findings give
-/// it.
+/// Instantiates a contract with these arguments. Returns `None` if there is an error, which is
+/// added to the findings. `call` is the position of the use that gives the arguments.
 pub(super) fn instantiate(
     scope: &Scope<'_>,
     sources: &SourceMap,
@@ -263,7 +265,7 @@ pub(super) fn instantiate(
         };
         if let Some(name) = name {
             if let Some(first) = rules.get(name.text.as_str()) {
-                e.findings.push(double(name, *first));
+                e.findings.push(duplicate_name(name, *first));
             }
             rules.insert(&name.text, name.span);
         }
@@ -278,7 +280,7 @@ pub(super) fn instantiate(
         };
         classify(&mut e, expr, &label, &mut sides[side]);
     }
-    let broken = e.findings.refused();
+    let broken = e.findings.has_errors();
     findings.append(&mut e.findings.list);
     if broken {
         return None;
@@ -308,7 +310,7 @@ pub(super) fn instantiate(
     })
 }
 
-/// Brings the contract's own types, constants, variables and defines into scope.
+/// Brings the types, constants, variables, counters and defines of the contract into scope.
 fn declare<'a>(
     e: &mut Elaborator<'a>,
     contract: &'a ast::Contract,
@@ -317,7 +319,7 @@ fn declare<'a>(
 ) {
     let mut fresh = |e: &mut Elaborator<'_>, name: &'a ast::Name| {
         if let Some(first) = places.get(name.text.as_str()) {
-            e.findings.push(double(name, *first));
+            e.findings.push(duplicate_name(name, *first));
             return false;
         }
         places.insert(&name.text, name.span);
@@ -331,7 +333,7 @@ fn declare<'a>(
             _ => {}
         }
     }
-    scope::settle(e, &decls);
+    scope::evaluate_all(e, &decls);
     for item in &contract.items {
         match item {
             ContractItem::Variables {
@@ -350,9 +352,9 @@ fn declare<'a>(
                         e.names.broken.insert(name.text.clone());
                         continue;
                     };
-                    // A variable costs later stages much more than a node.
+                    // A variable is much more expensive for later stages than a node.
                     if e.expansion
-                        .spend(name.span, 32 * shape.leaves(), &mut e.findings)
+                        .spend(name.span, 32 * shape.leaf_count(), &mut e.findings)
                         .is_none()
                     {
                         continue;
@@ -381,7 +383,7 @@ fn declare<'a>(
                 e.names.counters.insert(name.clone(), counter);
             }
             ContractItem::Define(define) if fresh(e, &define.name) => {
-                e.findings.list.extend(scope::double_formals(define));
+                e.findings.list.extend(scope::duplicate_formals(define));
                 let name = &define.name.text;
                 e.names.constants.remove(name);
                 e.names.defines.insert(name.clone(), define);

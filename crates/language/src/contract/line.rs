@@ -2,7 +2,7 @@
 //! them.
 
 use super::machine::{Failures, Machine, RealExpr};
-use linewright_core::gr1::described;
+use linewright_core::gr1::describe_domain;
 use linewright_core::source::Span;
 use std::sync::Arc;
 
@@ -17,36 +17,36 @@ pub struct Line {
     pub parts: Vec<PartType>,
     /// End product, as an index into `parts`.
     pub product: usize,
-    /// Every place that a part can be in.
+    /// Every place in which a part can be.
     pub nodes: Vec<Node>,
-    /// Routes between places. For one part type and one `from` they are tried in order; the first
-    /// whose condition holds is taken, and the part waits until its `to` has room.
+    /// Routes between places. A part takes the first route of its type from its place whose
+    /// condition holds, and waits until the route's `to` has room.
     pub routes: Vec<Route>,
-    /// Requirements that a run is checked against.
+    /// Requirements that a run has to meet.
     pub requirements: Vec<Requirement>,
-    /// End of a run without `--parts` and `--until`.
+    /// End of a run if neither `--parts` nor `--until` is given.
     pub limit: Option<Limit>,
-    /// Working hours; `None` is around the clock.
+    /// Working hours; `None` for work around the clock.
     pub shift: Option<Shift>,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
-/// The end of a run.
+/// Condition that ends a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Limit {
-    /// After this many end products in a sink or store.
+    /// Number of end products that have arrived in a sink or store.
     Products(u64),
-    /// After this many simulated seconds.
+    /// Simulated time in seconds.
     Seconds(f64),
 }
 
 /// Daily working hours, in seconds from the start of the day; a run starts at time 0 of day 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shift {
-    /// First second of work.
+    /// Start of work.
     pub from: f64,
-    /// First second after work; later than `from`, at most 86 400.
+    /// End of work; later than `from`, at most 86 400.
     pub to: f64,
 }
 
@@ -54,7 +54,7 @@ impl Shift {
     /// Number of seconds in a day.
     pub const DAY: f64 = 86_400.0;
 
-    /// Returns the working seconds from the start of a run to this second of it.
+    /// Returns the working time from the start of a run until `second`, in seconds.
     pub fn worked_until(&self, second: f64) -> f64 {
         let days = (second / Self::DAY).floor();
         let today = (second - days * Self::DAY).clamp(self.from, self.to) - self.from;
@@ -67,19 +67,20 @@ impl Shift {
 pub struct PartType {
     /// Name of the part type.
     pub name: String,
-    /// Numbers that a part carries; arrays are flattened to `heights[0]`.
+    /// Properties that a part carries. Each element of an array is an entry of its own, such as
+    /// `heights[0]`.
     pub properties: Vec<PartProperty>,
-    /// Bill of materials: part types and their counts. Empty for a part that comes from a source or
-    /// store.
+    /// Bill of materials: part types (indices) and their counts. Empty for a part that comes from a
+    /// source or store.
     pub bill: Vec<(usize, u32)>,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
 impl PartType {
-    /// Returns the first property whose value is outside its domain. Without a domain, any finite
-    /// number is allowed.
-    pub fn misfit(&self, values: &[f64]) -> Option<usize> {
+    /// Returns the index of the first property whose value is outside its domain. A property
+    /// without a domain allows every finite number.
+    pub fn first_out_of_range(&self, values: &[f64]) -> Option<usize> {
         let mut properties = self.properties.iter().zip(values);
         properties.position(|(property, value)| match &property.domain {
             None => !value.is_finite(),
@@ -88,35 +89,35 @@ impl PartType {
     }
 }
 
-/// A number that a part carries.
+/// A property that a part carries.
 #[derive(Debug, Clone)]
 pub struct PartProperty {
     /// Name of the property.
     pub name: String,
     /// Unit; empty for a bare number.
     pub unit: String,
-    /// Domain, for truth values, labels or a range of whole numbers.
+    /// Domain of truth values, labels or a range of whole numbers; `None` for real numbers.
     pub domain: Option<linewright_core::gr1::Domain>,
     /// Value in a new part.
     pub initial: InitialValue,
 }
 
 impl PartProperty {
-    /// Formats the domain with its unit.
+    /// Formats the domain with its unit, or `finite numbers`.
     pub fn describe(&self) -> String {
         match &self.domain {
-            Some(domain) => described(domain, &self.unit),
+            Some(domain) => describe_domain(domain, &self.unit),
             None => "finite numbers".to_owned(),
         }
     }
 }
 
-/// Origin of a new part's property.
+/// Origin of a property's value in a new part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum InitialValue {
     /// A number.
     Number(f64),
-    /// Property `.1` of the first component of part type `.0` that the part was joined from.
+    /// Value of property `.1` of the part's first component of part type `.0`.
     Component(usize, usize),
 }
 
@@ -127,34 +128,33 @@ pub struct Node {
     pub name: String,
     /// Kind of place.
     pub kind: NodeKind,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
 /// Kind of a place in the line.
 #[derive(Debug, Clone)]
 pub enum NodeKind {
-    /// Makes new parts, and keeps one until there is room for it.
+    /// Makes new parts. A part that has no room in the next place stays in the source.
     Source {
-        /// Part type that it makes.
+        /// Type of the parts.
         part: usize,
-        /// When it makes parts.
+        /// Times at which parts are made.
         supply: Supply,
-        /// Maximum number of parts of the type in the line, by themselves or joined to others, at
-        /// which it stops making more. The part that it keeps counts, too.
+        /// Number of parts of this type in the line at which the source stops making parts. Counts
+        /// single parts, parts that are joined to others, and the part that waits in the source.
         most: Option<u32>,
     },
-    /// Takes parts out of the line. `reject` counts them as rejected, and each one gives the source
-    /// `reorder` (a node) a new order.
+    /// Takes parts out of the line.
     Sink {
-        /// Whether arriving parts are scrap.
+        /// Whether arriving parts count as rejected.
         reject: bool,
-        /// Source that makes a replacement.
+        /// Source that gets a new order for each arriving part, as a node index.
         reorder: Option<usize>,
     },
-    /// Takes parts in, and gives out those in stock.
+    /// Stores arriving parts, and releases parts from its stock.
     Store {
-        /// Part types and their counts at the start.
+        /// Part types (indices) and their counts at the start.
         stock: Vec<(usize, u64)>,
     },
     /// An instance of a machine that performs operations on parts, one at a time.
@@ -167,10 +167,10 @@ pub enum NodeKind {
         defects: Vec<Defect>,
         /// Setup time in seconds when the part type differs from the previous one.
         setup_seconds: f64,
-        /// Breakdowns; from the line's own statement, or else the machine's.
+        /// Breakdowns as declared in the line, or else in the machine.
         failures: Option<Failures>,
     },
-    /// A belt that carries parts in their order.
+    /// A conveyor that carries parts in their order.
     Conveyor {
         /// Capacity in parts.
         places: u32,
@@ -178,8 +178,8 @@ pub enum NodeKind {
         pitch: f64,
         /// Speed in metres per second.
         speed: f64,
-        /// Contract that moves it, if any; otherwise parts move up by themselves wherever there is
-        /// room (accumulating).
+        /// Machine that controls the conveyor. `None` for an accumulating conveyor, on which parts
+        /// move up whenever there is room.
         belt: Option<Belt>,
         /// Power drawn while moving, in watts.
         watts: f64,
@@ -191,88 +191,90 @@ pub enum NodeKind {
     },
 }
 
-/// A conveyor's machine and the wires by which the runner drives it. It is stepped every
-/// pitch/speed seconds.
+/// A conveyor that a machine controls, with the wires that connect the machine to the line. The
+/// machine is stepped every pitch/speed seconds.
 #[derive(Debug, Clone)]
 pub struct Belt {
-    /// Machine of the belt; it has no operations.
+    /// Machine that controls the conveyor; it has no operations.
     pub machine: Arc<Machine>,
-    /// Plant wire: a part is put on place 0, if that is free.
+    /// Plant wire: a part waits to be put on place 0.
     pub load: usize,
-    /// Plant wire: the next node would take the part on the last place.
+    /// Plant wire: the next node can take the part on the last place.
     pub unload_ready: usize,
     /// Component wires: place `i` is occupied.
     pub places: Vec<usize>,
-    /// Component wire: place 0 is free.
+    /// Component wire: a part can be put on place 0.
     pub ready: usize,
 }
 
-/// How a source makes parts.
+/// Times at which a source makes parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Supply {
-    /// One part per interval, the first at time 0; `limit` in total, if given.
+    /// One part per interval, the first at time 0.
     Every {
-        /// Interval in seconds; 0 means whenever there is room.
+        /// Interval in seconds; with 0 a part is made whenever there is room.
         seconds: f64,
-        /// Whether the interval is exponentially distributed with that mean.
+        /// Whether the interval is exponentially distributed with mean `seconds`.
         random: bool,
-        /// Maximum number of parts in total.
+        /// Maximum number of parts in total; `None` for no limit.
         limit: Option<u64>,
     },
-    /// On order. There are as many orders as end products are wanted (unlimited if only a time is
-    /// given), and one more for each part that a sink reorders. Each order is for the number of
-    /// these parts in one product (or in the rejected part), at least one.
+    /// Parts are made on order. There is one order for each end product of the run's limit
+    /// (unlimited if only a time is given), and one for each part that a sink reorders. An order is
+    /// for as many parts as one product (or the rejected part) contains, at least one.
     OnOrder,
 }
 
-/// Number of parts that counts as endless if they move at one instant: a run takes a million
-/// movements at one instant for no progress, and a part may make several.
-const ENDLESS: u64 = 50_000;
+/// Number of parts at one instant that counts as endless: a run reports a million movements at one
+/// instant as an error, and a part may move several times.
+const ENDLESS_COUNT: u64 = 50_000;
 
 impl Line {
-    /// Returns whether a source, or the stock of a store, has another part of this type as soon as
-    /// the previous one has left, without end. An order raises the limit of a source, so it never
-    /// runs out if a sink orders from it again.
+    /// Returns whether a node supplies parts of this type endlessly, each as soon as the previous
+    /// one has left: a source without waiting time, or a store with a large stock. A source with a
+    /// limit is endless if a sink reorders from it, since each order raises the limit.
     pub fn is_endless(&self, node: usize, part: usize) -> bool {
         match &self.nodes[node].kind {
             NodeKind::Source { supply, .. } => match *supply {
                 Supply::OnOrder => true,
                 Supply::Every { seconds, limit, .. } => {
-                    seconds <= 0.0 && (limit.is_none_or(|n| n >= ENDLESS) || self.reorders(node))
+                    seconds <= 0.0
+                        && (limit.is_none_or(|n| n >= ENDLESS_COUNT)
+                            || self.is_reordered_from(node))
                 }
             },
             NodeKind::Store { stock } => {
                 let of_part = stock.iter().filter(|(p, _)| *p == part);
-                of_part.map(|(_, n)| *n).fold(0, u64::saturating_add) >= ENDLESS
+                of_part.map(|(_, n)| *n).fold(0, u64::saturating_add) >= ENDLESS_COUNT
             }
             _ => false,
         }
     }
 
-    /// Whether a sink orders from this source again.
-    fn reorders(&self, source: usize) -> bool {
+    /// Returns whether a sink reorders from this source.
+    fn is_reordered_from(&self, source: usize) -> bool {
         let mut nodes = self.nodes.iter();
         nodes.any(|n| matches!(n.kind, NodeKind::Sink { reorder, .. } if reorder == Some(source)))
     }
 }
 
-/// A station's work on an arriving part.
+/// Work of a station on one part type.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// Part type that leaves. If its bill is empty, it is also the type that arrives; otherwise the
-    /// station waits for all components in the bill, and joins them. If routes bring parts of this
-    /// type to the station, it works on them as they are nevertheless (a camera that checks the
-    /// joined product). It joins them as well only if routes also bring all of the components, and
-    /// none of these has a separate task there.
+    /// Type of the part that leaves. If its bill is empty, parts of this type arrive. Otherwise the
+    /// station waits for all components in the bill, and joins them; but if routes bring joined
+    /// parts of this type to the station (as to a camera that checks the product), it works on
+    /// these. It then joins components as well only if routes bring all of them to the station, and
+    /// none of them has a separate task there.
     pub part: usize,
-    /// Operations in order, as indices into the machine's operations, each with the values of the
-    /// machine's parameters (index into its properties, value).
+    /// Operations in order, as indices into [`Machine::operations`], each with the values of its
+    /// parameters: pairs (index into [`Machine::properties`], value).
     pub operations: Vec<(usize, Vec<(usize, f64)>)>,
-    /// For each of the machine's properties, the part's property that it reads and writes; `None`
-    /// for parameters and for properties that the part does not carry (they have the machine's
-    /// default, and writes to them are lost).
+    /// For each of the machine's properties, the property of the part that the machine reads and
+    /// writes. `None` for parameters, and for properties that the part does not carry: these have
+    /// the machine's default, and writes to them have no effect.
     pub properties: Vec<Option<usize>>,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
@@ -283,13 +285,13 @@ pub struct Defect {
     pub part: usize,
     /// Probability, from 0 to 1.
     pub probability: f64,
-    /// Properties of which one is chosen, with equal probability.
+    /// Properties, one of which is chosen at random with equal probability.
     pub properties: Vec<usize>,
-    /// New value of the chosen property, over the part's properties before: `Property(i)` is
-    /// property `i` of the part type, and `Property(n)`, where the part type has `n` properties, is
-    /// the value of the chosen one.
+    /// New value of the chosen property, over the old properties: `Property(i)` is property `i` of
+    /// the part type. `Property(n)`, where `n` is the number of properties of the part type, is the
+    /// old value of the chosen property.
     pub value: RealExpr,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
@@ -298,39 +300,41 @@ pub struct Defect {
 pub struct Route {
     /// Part type.
     pub part: usize,
-    /// Node where it starts.
+    /// Node at which the route starts.
     pub from: usize,
-    /// Node where it ends.
+    /// Node at which the route ends.
     pub to: usize,
-    /// Condition over the part's properties: taken only if this is not 0. `None` is always.
+    /// Condition over the part's properties; any value except 0 is true. `None` for a route without
+    /// a condition.
     pub condition: Option<RealExpr>,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
-/// A requirement of a run: compares a measured value with a number.
+/// A requirement of a run: compares a metric with a number.
 #[derive(Debug, Clone)]
 pub struct Requirement {
     /// Name of the requirement.
     pub name: String,
-    /// Measured value.
+    /// Metric that is compared.
     pub metric: Metric,
     /// Comparison operator.
     pub comparison: Comparison,
     /// Bound, in the metric's unit.
     pub bound: f64,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
-/// A measured value of a run.
+/// A metric of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Metric {
     /// End products per hour in their sink or store.
     ThroughputPerHour,
     /// Seconds from the start to the last end product.
     MakespanSeconds,
-    /// Mean time from a product's first part to its end, in seconds.
+    /// Mean lead time in seconds: from when the product's first part leaves its source to when the
+    /// product arrives in its sink or store.
     LeadTimeMeanSeconds,
     /// Total energy in kilowatt hours.
     EnergyKwh,
@@ -340,7 +344,7 @@ pub enum Metric {
     Products,
     /// Number of contract violations.
     Violations,
-    /// Busy share of a station, from 0 to 1.
+    /// Share of the run in which a station (node index) is busy, from 0 to 1.
     Busy(usize),
 }
 

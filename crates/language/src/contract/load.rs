@@ -1,4 +1,4 @@
-//! Loading: follows imports and resolves every file in its own scope to a library.
+//! Loading: follows imports, resolves every file in its own scope, and builds the library.
 
 use super::instantiate::{Arguments, instantiate, taxonomy_codes};
 use super::scope::Scope;
@@ -16,10 +16,10 @@ struct File {
     tree: ast::File,
     /// Indices of the imported files.
     imports: Vec<usize>,
-    /// Places of syntax errors.
-    syntax: Vec<Span>,
-    /// Whether it was requested, and not only imported.
-    asked: bool,
+    /// Positions of syntax errors.
+    syntax_errors: Vec<Span>,
+    /// Whether the caller requested the file; otherwise it is only imported.
+    is_requested: bool,
 }
 
 struct Reader<'l> {
@@ -30,8 +30,8 @@ struct Reader<'l> {
     findings: Vec<Diagnostic>,
 }
 
-/// Parses and resolves files (name and text) and all their imports. Never fails: everything that
-/// could not be understood is in the findings, and the library has the rest.
+/// Parses and resolves files (name and text) and all their imports. Returns the library of all
+/// declarations without errors, and the findings, sorted by position.
 pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Diagnostic>) {
     let mut reader = Reader {
         sources: SourceMap::new(),
@@ -52,7 +52,7 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
     let mut library = Library::default();
     let sets: Vec<Vec<Option<Arc<Skills>>>> = files
         .iter()
-        .map(|file| sets(&file.tree, &sources, &mut findings))
+        .map(|file| skill_sets(&file.tree, &sources, &mut findings))
         .collect();
     for index in 0..files.len() {
         let mut scope = Scope::default();
@@ -60,31 +60,31 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
         for file in closure(&files, index) {
             scope.add(&files[file].tree, &sets[file], &mut own);
         }
-        scope.settle(&mut own);
+        scope.evaluate(&mut own);
         findings.append(&mut own);
         resolve(&files[index], &scope, &sources, &mut library, &mut findings);
-        keep_sets(&files[index].tree, &sets[index], &mut library);
+        add_skill_sets(&files[index].tree, &sets[index], &mut library);
     }
     for index in 0..files.len() {
         let mut found = unused(&files, index, &sources, &findings);
         findings.append(&mut found);
     }
-    // If a comparison is itself wrong, anything odd about it only follows from that.
-    let wrong: Vec<Span> = findings
+    // A suspicious comparison that contains an error is not reported.
+    let errors: Vec<Span> = findings
         .iter()
         .filter(|f| f.severity == Severity::Error)
         .filter_map(|f| f.span)
         .collect();
     findings.retain(|f| {
-        let odd = [codes::COMPARISON_DECIDED, codes::NEXT_BOTH_SIDES].contains(&f.code);
-        let holds = |span: Span| wrong.iter().any(|w| span.holds(*w));
-        !(odd && f.span.is_some_and(holds))
+        let is_suspicious = [codes::COMPARISON_DECIDED, codes::NEXT_BOTH_SIDES].contains(&f.code);
+        let holds = |span: Span| errors.iter().any(|e| span.contains(*e));
+        !(is_suspicious && f.span.is_some_and(holds))
     });
     library.sources = sources;
-    let unsound = files.iter().filter(|f| !f.syntax.is_empty());
-    library.unsound = unsound.map(|f| f.id).collect();
-    // Reports a finding once, even if several files import its file or several machines use its
-    // contract.
+    let malformed = files.iter().filter(|f| !f.syntax_errors.is_empty());
+    library.malformed_files = malformed.map(|f| f.id).collect();
+    // A finding occurs several times if several files import its file, or several machines use its
+    // contract. It is reported once.
     let mut seen = BTreeSet::new();
     let mut unique: Vec<Diagnostic> = findings
         .into_iter()
@@ -95,8 +95,8 @@ pub fn load(files: &[(String, String)], loader: &Loader<'_>) -> (Library, Vec<Di
 }
 
 impl Reader<'_> {
-    /// Reads a file and its imports, unless already read. `path` is the chain of imports to this
-    /// file.
+    /// Reads a file and its imports, unless it has been read, and returns its index. `path` is the
+    /// chain of imports that leads to this file.
     fn read(&mut self, name: &str, text: &str, path: &mut Vec<usize>) -> usize {
         if let Some(index) = self.by_name.get(name) {
             return *index;
@@ -105,7 +105,7 @@ impl Reader<'_> {
         let (tree, mut found) = linewright_syntax::parse(id, text);
         let errors = found.iter().filter(|f| f.severity == Severity::Error);
         let whole = Span::new(id, 0, text.len());
-        let syntax = errors.map(|f| f.span.unwrap_or(whole)).collect();
+        let syntax_errors = errors.map(|f| f.span.unwrap_or(whole)).collect();
         self.findings.append(&mut found);
         let index = self.files.len();
         self.by_name.insert(name.to_owned(), index);
@@ -121,8 +121,8 @@ impl Reader<'_> {
             id,
             tree,
             imports: Vec::new(),
-            syntax,
-            asked: path.is_empty(),
+            syntax_errors,
+            is_requested: path.is_empty(),
         });
         path.push(index);
         for import in wanted {
@@ -146,7 +146,7 @@ impl Reader<'_> {
                         format!("`{}` is not in the bundled library", import.path),
                     )
                     .with_help(
-                        "library names begin with `std.`; a file of your own is written in quotes",
+                        "write the name of a bundled file with `std.`, or the path of another file in quotes",
                     ),
                 );
                 return None;
@@ -171,7 +171,7 @@ impl Reader<'_> {
                             import.span,
                             format!("these files import each other: {}", circle.join(" -> ")),
                         )
-                        .with_help("move what both need into a third file"),
+                        .with_help("move the shared declarations to a third file"),
                     );
                     return None;
                 }
@@ -185,9 +185,9 @@ impl Reader<'_> {
                         format!("cannot import `{}`: {why}", import.path),
                     )
                     .with_help(if import.dotted {
-                        "`std.handling.turn` is `handling/turn.lw` of the library; `linewright din coverage` lists what there is"
+                        "`std.handling.turn` means `handling/turn.lw` in the bundled library; `linewright din coverage` lists its contracts"
                     } else {
-                        "the path is relative to the file that imports"
+                        "write the path relative to the importing file"
                     }),
                 );
                 None
@@ -196,7 +196,7 @@ impl Reader<'_> {
     }
 }
 
-/// Returns findings about declarations of a file that nothing uses.
+/// Returns the findings for unused declarations of a file.
 fn unused(
     files: &[File],
     index: usize,
@@ -204,16 +204,16 @@ fn unused(
     findings: &[Diagnostic],
 ) -> Vec<Diagnostic> {
     let file = &files[index];
-    let words = |code| {
+    let quoted = |code| {
         let of_code = findings.iter().filter(move |f| f.code == code);
         let spans = of_code.filter_map(|f| f.span);
         spans.map(|span| (sources.text(span), span)).collect()
     };
     let errors = findings.iter().filter(|f| f.severity == Severity::Error);
     let mut doubt = PossibleUses {
-        syntax: file.syntax.clone(),
-        unknown: words(codes::NAME_UNKNOWN),
-        double: words(codes::NAME_DOUBLE),
+        syntax: file.syntax_errors.clone(),
+        unknown: quoted(codes::NAME_UNKNOWN),
+        duplicates: quoted(codes::NAME_DUPLICATE),
         errors: errors.filter_map(|f| f.span).collect(),
     };
     let end = sources.file(file.id).text.len();
@@ -234,7 +234,7 @@ fn unused(
         .collect();
     let mut found = Vec::new();
     for (i, item) in file.tree.items.iter().enumerate() {
-        // An error between two items may have been part of the item before it.
+        // An error between two items can belong to the item before it.
         let next = starts.get(i + 1).copied().unwrap_or(end);
         let extent = Span::new(file.id, starts[i].min(next), next);
         found.extend(match item {
@@ -246,13 +246,15 @@ fn unused(
     let importers: Vec<usize> = (0..files.len())
         .filter(|other| *other != index && closure(files, *other).contains(&index))
         .collect();
-    // A syntax error in an importing file may hide a use as well.
-    let hidden = importers.iter().any(|i| !files[*i].syntax.is_empty());
-    if file.asked && !hidden {
+    // A syntax error in an importing file can hide a use, too.
+    let hidden = importers
+        .iter()
+        .any(|i| !files[*i].syntax_errors.is_empty());
+    if file.is_requested && !hidden {
         let trees: Vec<&ast::File> = importers.iter().map(|i| &files[*i].tree).collect();
         let whole = Span::new(file.id, 0, end);
         for (_, span) in &mut doubt.unknown {
-            // An undeclared name in an importing file may be meant for this declaration.
+            // An undeclared name in an importing file can be a misspelled use of this declaration.
             let importer = importers.iter().any(|i| files[*i].id == span.file);
             *span = if importer { whole } else { *span };
         }
@@ -261,7 +263,7 @@ fn unused(
     found
 }
 
-/// Returns the offset where an item begins, or its name.
+/// Returns the offset of an import, or of the name of any other item.
 fn start(item: &ast::Item) -> usize {
     let span = match item {
         ast::Item::Import(i) => i.span,
@@ -276,7 +278,7 @@ fn start(item: &ast::Item) -> usize {
     span.start as usize
 }
 
-/// Returns a file and everything that it imports, imports first.
+/// Returns a file and all files that it imports directly or indirectly, imports first.
 fn closure(files: &[File], index: usize) -> Vec<usize> {
     fn visit(files: &[File], index: usize, order: &mut Vec<usize>) {
         if order.contains(&index) {
@@ -294,6 +296,7 @@ fn closure(files: &[File], index: usize) -> Vec<usize> {
     order
 }
 
+/// Resolves the contracts, machines and lines of a file, and adds them to the library.
 fn resolve(
     file: &File,
     scope: &Scope<'_>,
@@ -308,7 +311,7 @@ fn resolve(
                 taxonomy_codes(&c.header.codes, findings);
                 match instantiate(scope, sources, c, &none, None, findings) {
                     Some(contract) => library.contracts.push(contract),
-                    None => library.refused.push(refused(&c.header)),
+                    None => library.refused_contracts.push(refused(&c.header)),
                 }
             }
             ast::Item::Machine(m) => {
@@ -329,8 +332,8 @@ fn resolve(
     }
 }
 
-/// Resolves a file's sets of skills, in their order.
-fn sets(
+/// Resolves a file's skill sets, in order; `None` for a set with errors.
+fn skill_sets(
     tree: &ast::File,
     sources: &SourceMap,
     findings: &mut Vec<Diagnostic>,
@@ -342,7 +345,8 @@ fn sets(
     declared.collect()
 }
 
-fn keep_sets(tree: &ast::File, sets: &[Option<Arc<Skills>>], library: &mut Library) {
+/// Adds a file's skill sets to the library.
+fn add_skill_sets(tree: &ast::File, sets: &[Option<Arc<Skills>>], library: &mut Library) {
     let declared = tree.items.iter().filter_map(|item| match item {
         ast::Item::Skills(set) => Some(&set.name),
         _ => None,

@@ -1,37 +1,37 @@
-//! Machines: a coordinator and actions, wired together, and the meaning of their numbers in the
-//! plant.
+//! Machines: a coordinator and actions that are wired together, with their durations, powers and
+//! properties in the plant.
 //!
 //! # Wires
 //!
 //! In one step a machine computes a vector of `i64` *wires*: first the plant's inputs
 //! ([`Machine::plant`]), then every output and internal variable of every component, in the order
 //! of [`Machine::components`] and of each one's specification ([`Machine::first_wire`]). Bindings
-//! are expressions over wires; `VarId(i)` with `Time::Now` is wire `i`. Only current values occur
-//! in them.
+//! are expressions over wires, in which `VarId(i)` with `Time::Now` is wire `i`. They contain only
+//! current values.
 //!
 //! # One step
 //!
-//! 1. The plant's wires are given. A value outside its domain is an error.
-//! 2. The coordinator, a Moore machine and always component 0 if there is one, puts its outputs on
-//!    its wires.
-//! 3. The actions follow in order: each one's inputs are computed from its bindings, its
-//!    assumptions are checked, and its outputs are put on its wires. A Moore component's outputs
-//!    are on its wires from the beginning of the step.
-//! 4. The coordinator's inputs are computed and its assumptions checked; then all advance together.
+//! 1. The caller sets the plant's wires. A value outside its domain is an error.
+//! 2. All Moore components write their outputs to their wires, among them the coordinators. The
+//!    machine's own coordinator is component 0 if there is one.
+//! 3. The actions follow in order: the inputs of each are computed from its bindings, its
+//!    assumptions are checked, and a Mealy action writes its outputs to its wires.
+//! 4. The inputs of the coordinators are computed and their assumptions checked; then all
+//!    components change their state together.
 //!
-//! A broken assumption ends the step with an error and changes nothing.
+//! If an assumption is violated, the step ends with an error and no state changes.
 //!
 //! # Layers
 //!
-//! A machine may have machines as components. This model is flat nevertheless: the components of an
-//! inner machine `left` are listed among the others as `left.pick`, its coordinator is an
-//! additional one, and code generation and execution see no layers. [`Layers`] keeps what proofs
-//! need of them.
+//! A machine can have machines as components. This model is flat nevertheless: the components of an
+//! inner machine `left` are listed among the others, as `left.pick`; the coordinators of all layers
+//! come first. Code generation and execution do not see the layers. [`Layers`] keeps the structure
+//! for proofs.
 
 use super::TaxonomyCode;
 use crate::order::{Level, Skills};
 use linewright_core::gr1::{
-    BinaryOp, Domain, Expr, Side, Specification, UnaryOp, Variable, described,
+    BinaryOp, Domain, Expr, Side, Specification, UnaryOp, Variable, describe_domain,
 };
 use linewright_core::source::Span;
 use std::sync::Arc;
@@ -43,95 +43,96 @@ pub struct Machine {
     pub name: String,
     /// Doc comment without slashes.
     pub doc: String,
-    /// Taxonomy codes that it implements.
+    /// Taxonomy codes that the machine implements.
     pub codes: Vec<TaxonomyCode>,
-    /// Components: the coordinator first (if there is one), then the actions in order of
-    /// declaration.
+    /// Components: the coordinator first (if there is one), followed by those of inner machines,
+    /// then the actions in order of declaration, then the watches.
     pub components: Vec<Component>,
-    /// The plant's wires.
+    /// Wires that the plant sets.
     pub plant: Vec<PlantInput>,
     /// Properties of the part and parameters of the operations, as `simulate` takes them.
     pub properties: Vec<Property>,
-    /// Operations; at least one for a machine with a coordinator. `value` of the plant input
-    /// `Operation` selects one.
+    /// Operations; at least one for a machine with a coordinator. The plant input with the source
+    /// [`PlantSource::Operation`] selects one by its [`Operation::value`].
     pub operations: Vec<Operation>,
-    /// Writes to the part by an operation: after the last step, property `.0` gets the value `.1`
-    /// (over final wires and the properties at the start). All are evaluated first, then written.
+    /// Writes to the part at the end of an operation: property `.0` gets the value `.1`, computed
+    /// from the wires after the last step and the properties at the start. All values are computed
+    /// before the first one is written.
     pub writes: Vec<(usize, RealExpr)>,
-    /// Condition over wires that the operation has ended. `None` for a machine without operations,
-    /// which is only stepped.
+    /// Whether the operation has ended, as a condition over wires. `None` for a machine without
+    /// operations, which is only stepped.
     pub done: Option<Expr>,
     /// Duration of a step in which no action is active, in seconds.
     pub step_seconds: f64,
-    /// Power drawn while an operation runs, in addition to that of the actions, in watts.
+    /// Power drawn while an operation runs, in watts, in addition to the power of the actions.
     pub base_watts: f64,
     /// Power drawn while the machine waits, in watts.
     pub idle_watts: f64,
-    /// Number of steps after which an operation has failed.
+    /// Number of steps after which an unfinished operation counts as failed.
     pub step_limit: u64,
     /// Breakdowns, if any.
     pub failures: Option<Failures>,
-    /// Contracts that it is claimed to refine.
+    /// Contracts that the machine is declared to refine.
     pub refines: Vec<RefinedContract>,
     /// Guarantees of the whole machine, over wires.
     pub guarantees: Rules,
-    /// Sets of skills that it calls, with their orders: its own, then those of inner machines.
-    pub orders: Vec<Orders>,
-    /// Machines that it was made of.
+    /// Skill sets that the machine calls, with their orders: its own, then those of inner machines.
+    pub orders: Vec<SkillOrders>,
+    /// Inner machines, for proofs layer by layer.
     pub layers: Layers,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
-/// The layers of a machine; empty for most.
+/// Inner machines of a machine; empty if it has none.
 #[derive(Debug, Clone, Default)]
 pub struct Layers {
     /// Machines one layer below, in the order of their declaration.
-    pub inner: Vec<Inner>,
-    /// The same machine as seen by proofs: an inner machine that refines a contract is one
-    /// component with that contract, and nothing else is known of it. `None` if there are no inner
-    /// machines.
-    pub abstracted: Option<Arc<Machine>>,
+    pub inner: Vec<InnerMachine>,
+    /// Abstraction of the machine for proofs: an inner machine that refines a contract is replaced
+    /// by one component with that contract. `None` if there are no inner machines.
+    pub abstraction: Option<Arc<Machine>>,
 }
 
 /// An inner machine.
 #[derive(Debug, Clone)]
-pub struct Inner {
+pub struct InnerMachine {
     /// Name within the outer machine: `left`.
     pub name: String,
-    /// The machine by itself, with its arguments in the outer machine.
+    /// The machine by itself, with the arguments that the outer machine gives it.
     pub machine: Arc<Machine>,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
-/// A contract that a machine is claimed to refine: the machine may be used wherever the contract
-/// is.
+/// A contract that a machine is declared to refine: the machine can be used wherever the contract
+/// is used.
 #[derive(Debug, Clone)]
 pub struct RefinedContract {
     /// Name of the contract.
     pub contract: String,
-    /// Formulas with these arguments.
+    /// Formulas of the contract with its arguments.
     pub specification: Arc<Specification>,
-    /// For every variable, in order, its value in the machine, over wires; `None` for the variables
-    /// of monitors.
+    /// Value of every variable of the specification in the machine, over wires; `None` for
+    /// variables of monitors.
     pub bindings: Vec<Option<Expr>>,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
-/// A set of skills that a machine calls.
+/// A skill set that a machine calls, with its orders.
 #[derive(Debug, Clone)]
-pub struct Orders {
-    /// Skills and their orders; shared by machines that call the same ones.
+pub struct SkillOrders {
+    /// Skills and their orders; shared by all machines that call them.
     pub skills: Arc<Skills>,
-    /// Level of the orders that the machine keeps.
+    /// Level of the orders that the machine has to keep.
     pub level: Level,
-    /// One condition over wires per skill, in their order: it is being called in this step.
+    /// For each skill, in order, the condition over wires that it is being called in this step.
     pub when: Vec<Expr>,
-    /// Inner machine that the skills belong to, `left.arm`; empty for the machine's own.
-    pub of: String,
-    /// Place of the set's name in the machine.
+    /// Path of the inner machine that calls the skills, such as `left.arm`; empty for the machine
+    /// itself.
+    pub caller: String,
+    /// Source position of the set's name in the machine.
     pub span: Span,
 }
 
@@ -140,7 +141,7 @@ pub struct Orders {
 pub struct Rules {
     /// The formulas.
     pub side: Side,
-    /// Variables of monitors, numbered after the wires.
+    /// Variables of monitors; their ids follow those of the wires.
     pub monitors: Vec<Variable>,
     /// Definitions of the monitors.
     pub definitions: Side,
@@ -159,26 +160,27 @@ pub struct Component {
     pub specification: Arc<Specification>,
     /// One expression over wires per input of the specification, in that order.
     pub bindings: Vec<Expr>,
-    /// Condition over wires that this action is being executed in this step. `None` for the
+    /// Whether this action is active in this step, as a condition over wires. `None` for the
     /// coordinator.
     pub active: Option<Expr>,
     /// Duration of an execution.
     pub time: Option<ActionTime>,
-    /// Power drawn while it is active, in watts, over the properties at the start of the operation.
+    /// Power drawn while the action is active, in watts, over the properties at the start of the
+    /// operation.
     pub watts: RealExpr,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
 /// Role of a component in the two layers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
-    /// The upper layer.
+    /// Decides which actions run.
     Coordinator,
-    /// The lower layer.
+    /// Runs when the coordinator requests it.
     Action,
-    /// Beside both layers: receives the calls of skills, and assumes that the orders of its set are
-    /// kept. It does nothing.
+    /// Observer: receives the calls of skills, and assumes that the orders of their set are kept.
+    /// It has no influence on the machine.
     Watch,
 }
 
@@ -187,8 +189,8 @@ pub enum Role {
 pub enum ActionTime {
     /// Duration of every step in which it is active.
     PerStep(RealExpr),
-    /// Duration of one execution (a run of consecutive active steps), independent of its number of
-    /// steps: charged to the first.
+    /// Duration of one execution (a run of consecutive active steps), regardless of the number of
+    /// steps. The first step takes all of it.
     PerExecution(RealExpr),
 }
 
@@ -199,18 +201,18 @@ pub struct PlantInput {
     pub name: String,
     /// Domain of its values.
     pub domain: Domain,
-    /// Unit, such as `deg`; empty for bare numbers.
+    /// Unit, such as `deg`; empty for a bare number.
     pub unit: String,
-    /// Origin of its value in `simulate`.
+    /// Origin of the value in `simulate`.
     pub source: PlantSource,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
 impl PlantInput {
     /// Formats the domain with its unit: `0..359 deg`.
     pub fn describe(&self) -> String {
-        described(&self.domain, &self.unit)
+        describe_domain(&self.domain, &self.unit)
     }
 }
 
@@ -219,41 +221,41 @@ impl PlantInput {
 pub enum PlantSource {
     /// Value of the running operation.
     Operation,
-    /// A signal of the plant: its value in step `i` (from 0, restarting for each call) is
-    /// `script[i % script.len()]`. Never empty; one entry is a constant.
+    /// A signal of the plant: its value in step `i` of an operation (counted from 0) is
+    /// `script[i % script.len()]`. The script is never empty; a constant has one entry.
     Signal {
         /// Values of the script.
         script: Vec<i64>,
     },
-    /// Abstraction of properties: this expression over the properties at the start, which must be
-    /// an integer of the domain.
+    /// Abstraction of properties: value of this expression over the properties at the start. It
+    /// must be an integer of the domain.
     Property(RealExpr),
 }
 
-/// A number of the part or a parameter of the operation, as `simulate` takes it. Arrays are
-/// flattened.
+/// A property of the part or a parameter of the operation, as `simulate` takes it. An array has one
+/// entry per element.
 #[derive(Debug, Clone)]
 pub struct Property {
     /// Name; an array's element is called `heights[2]`.
     pub name: String,
     /// Unit, such as `deg`; empty for a bare number.
     pub unit: String,
-    /// Value if the part or the call has none.
+    /// Value if neither the part nor the call gives one.
     pub default: f64,
-    /// Owner of the property: part or call.
+    /// Who gives the value: the part or the call.
     pub kind: PropertyKind,
-    /// Domain, for truth values, labels or a range of whole numbers.
+    /// Domain of truth values, labels or a range of whole numbers; `None` for real numbers.
     pub domain: Option<Domain>,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
-/// Owner of a property.
+/// Origin of a property's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PropertyKind {
-    /// The mobile unit carries it.
+    /// The part carries the value.
     Part,
-    /// The operation is called with it.
+    /// The call of the operation gives the value.
     Parameter,
 }
 
@@ -262,17 +264,18 @@ pub enum PropertyKind {
 pub struct Operation {
     /// Name: `emptying`.
     pub name: String,
-    /// Taxonomy codes that it implements.
+    /// Taxonomy codes that the machine implements.
     pub codes: Vec<TaxonomyCode>,
-    /// Actions that it executes, in order, as indices into [`Machine::components`].
+    /// Actions in the order of their execution, as indices into [`Machine::components`].
     pub sequence: Vec<usize>,
-    /// Value of the plant's operation wire that selects it.
+    /// Value of the plant's operation wire that selects this operation.
     pub value: i64,
-    /// Place of its declaration.
+    /// Source position of the declaration.
     pub span: Span,
 }
 
-/// Breakdowns of a machine: exponentially distributed, over its working time.
+/// Breakdowns of a machine. Times between failures and times to repair are exponentially
+/// distributed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Failures {
     /// Mean working time between failures, in seconds.
@@ -288,7 +291,7 @@ pub enum RealExpr {
     Number(f64),
     /// A property by its index.
     Property(usize),
-    /// A wire by its index, after the last step.
+    /// A wire by its index; its value after the last step.
     Wire(usize),
     /// An operator with one operand.
     Unary(RealUnary, Box<RealExpr>),
@@ -371,25 +374,25 @@ impl RealExpr {
         }
     }
 
-    /// Calls `seen` with every property and every wire in it.
-    pub fn for_each(&self, seen: &mut impl FnMut(&Self)) {
+    /// Calls `visit` with every property and every wire in the expression.
+    pub fn for_each(&self, visit: &mut impl FnMut(&Self)) {
         match self {
             Self::Number(_) => {}
-            Self::Property(_) | Self::Wire(_) => seen(self),
-            Self::Unary(_, a) => a.for_each(seen),
+            Self::Property(_) | Self::Wire(_) => visit(self),
+            Self::Unary(_, a) => a.for_each(visit),
             Self::Binary(_, a, b) => {
-                a.for_each(seen);
-                b.for_each(seen);
+                a.for_each(visit);
+                b.for_each(visit);
             }
             Self::If(c, a, b) => {
-                c.for_each(seen);
-                a.for_each(seen);
-                b.for_each(seen);
+                c.for_each(visit);
+                a.for_each(visit);
+                b.for_each(visit);
             }
         }
     }
 
-    /// Converts a whole-number expression over wires.
+    /// Converts an integer expression over wires.
     pub fn of_wires(expr: &Expr) -> Self {
         let sub = |x: &Expr| Box::new(Self::of_wires(x));
         match expr {
@@ -403,7 +406,7 @@ impl RealExpr {
                 },
                 sub(a),
             ),
-            // Division of whole numbers rounds down.
+            // Integer division rounds down.
             Expr::Binary(BinaryOp::Div, a, b) => {
                 let ratio = Self::Binary(RealBinary::Div, sub(a), sub(b));
                 Self::Unary(RealUnary::Floor, Box::new(ratio))
@@ -413,7 +416,8 @@ impl RealExpr {
         }
     }
 
-    /// Evaluates the expression with these properties and wires.
+    /// Evaluates the expression with these values of properties and wires. A comparison or a
+    /// Boolean operator returns 0 or 1.
     pub fn eval(&self, properties: &[f64], wires: &[i64]) -> f64 {
         let truth = |b: bool| if b { 1.0 } else { 0.0 };
         match self {
@@ -433,7 +437,7 @@ impl RealExpr {
             }
             Self::Binary(op, a, b) => {
                 let (a, b) = (a.eval(properties, wires), b.eval(properties, wires));
-                #[expect(clippy::float_cmp, reason = "the language's own equality")]
+                #[expect(clippy::float_cmp, reason = "the language defines equality as exact")]
                 match op {
                     RealBinary::And => truth(a != 0.0 && b != 0.0),
                     RealBinary::Or => truth(a != 0.0 || b != 0.0),
@@ -465,7 +469,8 @@ impl RealExpr {
 }
 
 impl RealBinary {
-    /// Returns the same operator on real numbers.
+    /// Returns the operator on real numbers that corresponds to an operator on integers. `Div`
+    /// becomes real division.
     pub fn of(op: BinaryOp) -> Self {
         match op {
             BinaryOp::And => Self::And,
@@ -489,7 +494,8 @@ impl RealBinary {
 }
 
 impl Machine {
-    /// Returns the first wire of component `index`.
+    /// Returns the index of the first wire of component `index`, or the number of wires if `index`
+    /// is the number of components.
     pub fn first_wire(&self, index: usize) -> usize {
         self.plant.len()
             + self.components[..index]
@@ -503,7 +509,8 @@ impl Machine {
         self.first_wire(self.components.len())
     }
 
-    /// Returns the name of a wire: `grip` for the plant's, `pick_a.stage` for a component's.
+    /// Returns the name of a wire: `grip` for a wire of the plant, `pick_a.stage` for a wire of a
+    /// component, `wire N` for an invalid index.
     pub fn wire_name(&self, wire: usize) -> String {
         if let Some(input) = self.plant.get(wire) {
             return input.name.clone();
@@ -526,7 +533,7 @@ impl Machine {
     /// Returns the domain of a wire.
     ///
     /// # Panics
-    /// When there is no such wire.
+    /// When `wire` is not below [`Machine::wire_count`].
     pub fn wire_domain(&self, wire: usize) -> &Domain {
         if let Some(input) = self.plant.get(wire) {
             return &input.domain;
@@ -541,9 +548,10 @@ impl Machine {
         domain.expect("a wire of this machine; please report this")
     }
 
-    /// Returns the machine as seen by proofs: inner machines are replaced by their promises.
-    pub fn abstracted(&self) -> &Self {
-        self.layers.abstracted.as_deref().unwrap_or(self)
+    /// Returns the abstraction of the machine for proofs, in which the inner machines are replaced
+    /// by the contracts that they refine; the machine itself if it has no inner machines.
+    pub fn abstraction(&self) -> &Self {
+        self.layers.abstraction.as_deref().unwrap_or(self)
     }
 
     /// Returns the coordinator, if there is one: component 0.
@@ -553,7 +561,7 @@ impl Machine {
             .filter(|c| c.role == Role::Coordinator)
     }
 
-    /// Returns the operation with a name.
+    /// Returns the operation with this name.
     pub fn operation(&self, name: &str) -> Option<&Operation> {
         self.operations.iter().find(|o| o.name == name)
     }

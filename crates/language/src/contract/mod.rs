@@ -20,45 +20,45 @@ mod uses;
 mod value;
 
 pub use load::load;
-pub use units::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration, is_energy};
+pub use units::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration, is_energy};
 
 use crate::order::Skills;
 use linewright_core::gr1::Specification;
 use linewright_core::source::{FileId, SourceMap, Span};
 use std::sync::Arc;
 
-/// Everything declared in some files, names resolved.
+/// All declarations of a set of files, with names resolved.
 #[derive(Debug, Clone, Default)]
 pub struct Library {
     /// Source files.
     pub sources: SourceMap,
-    /// Contracts with their default parameters, in order of file and place.
+    /// Contracts with their default parameters, in order of file and position.
     pub contracts: Vec<Contract>,
-    /// Machines, in order of file and place.
+    /// Machines, in order of file and position.
     pub machines: Vec<machine::Machine>,
-    /// Lines, in order of file and place.
+    /// Lines, in order of file and position.
     pub lines: Vec<line::Line>,
-    /// Sets of skills, in order of file and place.
+    /// Skill sets, in order of file and position.
     pub skills: Vec<Arc<Skills>>,
-    /// Contracts that were declared but cannot be used: name and place. The findings give the
-    /// reason.
-    pub refused: Vec<(String, Span)>,
-    /// Machines that cannot be used.
+    /// Contracts that cannot be used because of errors: name and its source position. The findings
+    /// give the reasons.
+    pub refused_contracts: Vec<(String, Span)>,
+    /// Machines that cannot be used because of errors.
     pub refused_machines: Vec<(String, Span)>,
-    /// Lines that cannot be used.
+    /// Lines that cannot be used because of errors.
     pub refused_lines: Vec<(String, Span)>,
-    /// Sets of skills that cannot be used.
+    /// Skill sets that cannot be used because of errors.
     pub refused_skills: Vec<(String, Span)>,
-    /// Files whose text does not follow the grammar.
-    pub unsound: Vec<FileId>,
+    /// Files with syntax errors.
+    pub malformed_files: Vec<FileId>,
 }
 
 /// A code of a standard's taxonomy: `din:4.3.1` or `vdi:Drehen`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct TaxonomyCode {
-    /// Code with its standard before the colon.
+    /// Code, with the prefix of its standard before the colon.
     pub text: String,
-    /// Place of the code.
+    /// Source position of the code.
     pub span: Span,
 }
 
@@ -69,17 +69,18 @@ pub struct Contract {
     pub name: String,
     /// Doc comment without slashes.
     pub doc: String,
-    /// Taxonomy codes that it implements.
+    /// Taxonomy codes that the contract implements.
     pub codes: Vec<TaxonomyCode>,
-    /// Parameter values, in order of declaration.
+    /// Parameters and their values, in order of declaration.
     pub arguments: Vec<(String, i64)>,
     /// Formulas of the contract.
     pub specification: Arc<Specification>,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
-/// Reads imported files. Takes the target of an `import` (a path relative to the importing file, or
-/// `std.handling.turn` of the bundled library) and the importing file's name; returns the display
-/// name and the text, or the reason for failure. Equal names are the same file.
+/// Function that reads imported files. Takes the target of an `import` (a path relative to the
+/// importing file, or the name of a bundled file such as `std.handling.turn`) and the name of the
+/// importing file. Returns the display name and the text, or the reason for the failure. Files with
+/// equal display names are the same file.
 pub type Loader<'a> = dyn Fn(&str, &str) -> Result<(String, String), String> + 'a;

@@ -1,15 +1,16 @@
-//! Specification patterns in a contract: their monitors and formulas.
+//! Lowering of specification patterns in a contract to monitors and formulas.
 //!
 //! [`gr1::monitors`](linewright_core::gr1::monitors) defines the meaning of a pattern. This module
-//! resolves its operands, and recognises LTL formulas that are equivalent to patterns
-//! (`always (p -> eventually s)`).
+//! resolves its operands, and lowers the LTL formulas that are equivalent to patterns, such as
+//! `always (p -> eventually s)`.
 
 use super::elaborate::Elaborator;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::{Obligation, Origin, Pattern, Scope};
 use linewright_syntax::ast::{self, PatternKind};
 
-/// Returns the formulas of a pattern, and creates their monitors. `None`: an error was reported.
+/// Creates the monitors of a pattern, and returns its formulas. Returns `None` if an error was
+/// reported.
 pub(super) fn lower<'a>(
     e: &mut Elaborator<'a>,
     pattern: &'a ast::Pattern,
@@ -25,8 +26,8 @@ pub(super) fn lower<'a>(
         e.findings.error_with(
             codes::PAST,
             bound.span,
-            "`never` and `always` have no bound",
-            "say how long with a scope, `never P after Q until R`; R may be a counter that has come to its end",
+            "`never` and `always` take no bound",
+            "limit the time with a scope, `never P after Q until R`, where R can be that a counter has reached its end",
         );
         return None;
     }
@@ -43,7 +44,7 @@ pub(super) fn lower<'a>(
                 e.findings.error_with(
                     codes::PAST,
                     bound.span,
-                    "`precedes` has no bound",
+                    "`precedes` takes no bound",
                     "write `always (P -> once S within n steps)`",
                 );
                 return None;
@@ -65,7 +66,7 @@ pub(super) fn lower<'a>(
         }
     };
     let scope = scope(e, &pattern.scope);
-    remember(e, &kind?, &scope?, origin)
+    add_pattern(e, &kind?, &scope?, origin)
 }
 
 fn scope<'a>(e: &mut Elaborator<'a>, scope: &'a ast::Scope) -> Option<Scope> {
@@ -84,8 +85,8 @@ fn scope<'a>(e: &mut Elaborator<'a>, scope: &'a ast::Scope) -> Option<Scope> {
     })
 }
 
-/// Lowers `always (p -> eventually s)`, or `eventually s` alone if there is no `p`.
-pub(super) fn promised<'a>(
+/// Lowers `always (p -> eventually s)`, or `eventually s` if there is no `p`.
+pub(super) fn response<'a>(
     e: &mut Elaborator<'a>,
     p: Option<&'a ast::Expr>,
     s: &'a ast::Expr,
@@ -103,10 +104,10 @@ pub(super) fn promised<'a>(
             }
         }
     };
-    remember(e, &pattern, &Scope::Globally, origin)
+    add_pattern(e, &pattern, &Scope::Globally, origin)
 }
 
-fn remember(
+fn add_pattern(
     e: &mut Elaborator<'_>,
     pattern: &Pattern,
     scope: &Scope,

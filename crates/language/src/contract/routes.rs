@@ -1,14 +1,14 @@
 //! Checks that every part has a route to the end of its line.
 //!
-//! A part type's *beginnings* are its sources, the stores that have it in stock, and the stations
-//! that join it. From there its routes are followed; at a place where it is neither taken out nor
-//! joined and no route continues, it would stay for ever.
+//! The *origins* of a part type are its sources, the stores that have it in stock, and the stations
+//! that join it. The check follows the routes from there. A part would stay for ever at a place
+//! where it is neither taken out nor joined, and from which no route leads on.
 
 use super::line::{Line, NodeKind};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use std::collections::BTreeSet;
 
-/// Adds errors in the routes to `findings`.
+/// Adds findings about the routes of a line to `findings`.
 pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
     let mut product_ends = false;
     for route in &line.routes {
@@ -20,14 +20,14 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                     route.span,
                     format!("a `{}` is sent into the source `{}`", ty.name, place.name),
                 )
-                .with_help("sources only give parts; send it to a `sink` or a `store`"),
+                .with_help("a source takes no parts: send the part to a `sink` or a `store`"),
             );
         }
     }
-    never_taken(line, findings);
+    report_never_taken(line, findings);
     for (part, ty) in line.parts.iter().enumerate() {
-        let mut open: Vec<usize> = beginnings(line, part);
-        if open.is_empty() && uses(line, part) {
+        let mut open: Vec<usize> = origins(line, part);
+        if open.is_empty() && is_used(line, part) {
             findings.push(
                 Diagnostic::error(
                     codes::LINE_ROUTE,
@@ -37,7 +37,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                 .with_help("add a `source`, stock in a `store`, or a station that performs an operation on it"),
             );
         }
-        let beginnings: BTreeSet<usize> = open.iter().copied().collect();
+        let origins: BTreeSet<usize> = open.iter().copied().collect();
         let mut seen: BTreeSet<usize> = BTreeSet::new();
         while let Some(node) = open.pop() {
             if !seen.insert(node) {
@@ -50,7 +50,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                 .filter(|r| r.part == part && r.from == node)
                 .collect();
             open.extend(routes.iter().map(|r| r.to));
-            let arrives = !beginnings.contains(&node);
+            let arrives = !origins.contains(&node);
             match &place.kind {
                 NodeKind::Sink { reject, .. } => {
                     product_ends |= part == line.product && !reject;
@@ -71,7 +71,10 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                             Diagnostic::error(
                                 codes::LINE_ROUTE,
                                 place.span,
-                                format!("`{}` does nothing with a `{}`", place.name, ty.name),
+                                format!(
+                                    "`{}` performs no operation on a `{}`",
+                                    place.name, ty.name
+                                ),
                             )
                             .with_help(format!("add `perform ... on {}`", ty.name)),
                         );
@@ -88,7 +91,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                     Diagnostic::error(
                         codes::LINE_ROUTE,
                         place.span,
-                        format!("a `{}` has no way onward from `{}`", ty.name, place.name),
+                        format!("a `{}` has no route from `{}`", ty.name, place.name),
                     )
                     .with_help(format!("add `route {}: {} -> ...`", ty.name, place.name)),
                 );
@@ -98,7 +101,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                         codes::LINE_ROUTE,
                         routes[routes.len() - 1].span,
                         format!(
-                            "a `{}` stays at `{}` when none of the conditions holds",
+                            "a `{}` stays at `{}` if none of the conditions holds",
                             ty.name, place.name
                         ),
                     )
@@ -114,15 +117,15 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                 product.span,
                 format!("no `{}` ever reaches a sink or store", product.name),
             )
-            .with_help("add a route that ends in one"),
+            .with_help("add a route to a sink or store"),
         );
     }
 }
 
-/// Reports routes after one without a condition: a part takes the first of its type's routes from a
-/// place whose condition holds. One to the same place is no mistake: `a -> m -> k` and
-/// `b -> m -> k` share their end.
-fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
+/// Reports routes that are never taken because an earlier route of the same part type from the same
+/// place has no condition: a part takes the first route whose condition holds. A route to the same
+/// place is no mistake: `a -> m -> k` and `b -> m -> k` share their end.
+fn report_never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
     for (i, route) in line.routes.iter().enumerate() {
         let mut earlier = line.routes[..i].iter();
         let always = earlier.find(|first| {
@@ -136,8 +139,8 @@ fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
             "write the route with the condition before the one without".to_owned()
         } else {
             format!(
-                "say when a part goes to `{}`: `when ...` behind the first route; several stations that share the work as \
-                 parallel machines are not in the language yet",
+                "add a condition to the first route: `when ...` for the parts that go to `{}`; the language does not support \
+                 parallel machines that share the work yet",
                 line.nodes[first.to].name
             )
         };
@@ -150,13 +153,17 @@ fn never_taken(line: &Line, findings: &mut Vec<Diagnostic>) {
                     ty.name, from.name
                 ),
             )
-            .with_label(first.span, "each takes this one, which has no condition")
+            .with_label(
+                first.span,
+                "every part takes this route, which has no condition",
+            )
             .with_help(help),
         );
     }
 }
 
-fn beginnings(line: &Line, part: usize) -> Vec<usize> {
+/// Returns the nodes at which parts of this type appear.
+fn origins(line: &Line, part: usize) -> Vec<usize> {
     line.nodes
         .iter()
         .enumerate()
@@ -172,8 +179,8 @@ fn beginnings(line: &Line, part: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Returns whether the line uses this part type.
-fn uses(line: &Line, part: usize) -> bool {
+/// Returns whether the part type is the product, or occurs in a route or a bill of materials.
+fn is_used(line: &Line, part: usize) -> bool {
     part == line.product
         || line.routes.iter().any(|r| r.part == part)
         || line

@@ -1,40 +1,40 @@
 //! The scope of a file: its own declarations and those of everything that it imports.
 
-use super::elaborate::{Elaborator, Findings, Names, Outside, fitted_value};
+use super::elaborate::{Elaborator, FileNames, Findings, Names, fitted_value};
 use super::shape::Shape;
 use super::units::Unit;
 use super::value::{Term, Type, Value};
 use crate::order::Skills;
 use linewright_core::diagnostics::{Diagnostic, codes};
-use linewright_core::gr1::{Domain, Time, shown};
+use linewright_core::gr1::{Domain, Time, show_value};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Declarations by name.
+/// Declarations that are visible in a file, by name.
 #[derive(Default, Clone)]
 pub(super) struct Scope<'a> {
     pub contracts: BTreeMap<&'a str, &'a ast::Contract>,
     pub machines: BTreeMap<&'a str, &'a ast::Machine>,
-    /// Sets of skills; `None` for those that cannot be used.
+    /// Skill sets; `None` for those that cannot be used because of errors.
     pub skills: BTreeMap<&'a str, Option<Arc<Skills>>>,
     types: Vec<&'a ast::TypeDecl>,
     constants: Vec<&'a ast::ConstDecl>,
     defines: BTreeMap<String, &'a ast::Define>,
-    /// Place where each name was declared.
+    /// Source position at which each name is declared.
     places: BTreeMap<&'a str, Span>,
-    /// Values, once [`Scope::settle`] has run.
+    /// Values of constants; empty before [`Scope::evaluate`].
     pub values: BTreeMap<String, Value>,
     pub named_types: BTreeMap<String, Type>,
     pub shapes: BTreeMap<String, Shape>,
-    /// Types and constants without a value; the findings give the reason.
+    /// Names of types and constants that could not be evaluated; the findings give the reasons.
     broken: BTreeSet<String>,
 }
 
 impl<'a> Scope<'a> {
-    /// Adds the declarations of one file, with its resolved sets of skills. Reports names that are
-    /// already declared.
+    /// Adds the declarations of one file. `skills` are its resolved skill sets, in order. Reports
+    /// names that are already declared.
     pub fn add(
         &mut self,
         file: &'a ast::File,
@@ -58,7 +58,7 @@ impl<'a> Scope<'a> {
                 ast::Item::Skills(d) => &d.name,
             };
             if let Some(first) = self.places.get(name.text.as_str()) {
-                findings.push(double(name, *first));
+                findings.push(duplicate_name(name, *first));
                 continue;
             }
             self.places.insert(&name.text, name.span);
@@ -72,7 +72,7 @@ impl<'a> Scope<'a> {
                     self.machines.insert(&d.header.name.text, d);
                 }
                 ast::Item::Define(d) => {
-                    findings.extend(double_formals(d));
+                    findings.extend(duplicate_formals(d));
                     self.defines.insert(d.name.text.clone(), d);
                 }
                 ast::Item::Skills(d) => {
@@ -83,13 +83,13 @@ impl<'a> Scope<'a> {
         }
     }
 
-    /// Evaluates types and constants, each after those that it needs.
-    pub fn settle(&mut self, findings: &mut Vec<Diagnostic>) {
+    /// Evaluates the types and constants, in the order of their dependencies.
+    pub fn evaluate(&mut self, findings: &mut Vec<Diagnostic>) {
         let mut e = Elaborator::default();
         let types = self.types.iter().copied().map(Decl::Type);
         let constants = self.constants.iter().copied().map(Decl::Constant);
         let decls: Vec<_> = types.chain(constants).collect();
-        settle(&mut e, &decls);
+        evaluate_all(&mut e, &decls);
         findings.append(&mut e.findings.list);
         self.values = std::mem::take(&mut e.names.constants);
         self.named_types = std::mem::take(&mut e.names.types);
@@ -97,7 +97,7 @@ impl<'a> Scope<'a> {
         self.broken = std::mem::take(&mut e.names.broken);
     }
 
-    /// Returns an elaborator with this scope's types and constants.
+    /// Returns an elaborator with this scope's types, constants and defines.
     pub fn elaborator(&self) -> Elaborator<'a> {
         let mut names = Names::default();
         names.constants.clone_from(&self.values);
@@ -105,7 +105,7 @@ impl<'a> Scope<'a> {
         names.shapes.clone_from(&self.shapes);
         names.defines.clone_from(&self.defines);
         names.broken.clone_from(&self.broken);
-        names.outside = Outside {
+        names.file_names = FileNames {
             constants: self.values.clone(),
             defines: self.defines.clone(),
         };
@@ -113,7 +113,7 @@ impl<'a> Scope<'a> {
     }
 }
 
-/// A declaration whose value is known before execution.
+/// A declaration that is evaluated before the formulas.
 #[derive(Clone, Copy)]
 pub(super) enum Decl<'a> {
     Type(&'a ast::TypeDecl),
@@ -128,8 +128,8 @@ impl<'a> Decl<'a> {
         }
     }
 
-    /// Returns the names that it mentions.
-    fn mentioned(self) -> Vec<&'a str> {
+    /// Returns the names that the declaration mentions.
+    fn mentioned_names(self) -> Vec<&'a str> {
         let mut names = Vec::new();
         match self {
             Self::Type(d) => names_of_domain(&d.domain, &mut names),
@@ -178,9 +178,10 @@ fn names_of<'a>(e: &'a ast::Expr, names: &mut Vec<&'a str>) {
     }
 }
 
-/// Evaluates declarations, each after those that it needs, in any order. Reports one that needs
-/// itself; one that could not be evaluated is `broken` from then on.
-pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
+/// Evaluates declarations in the order of their dependencies, independent of their order in the
+/// file. Reports a declaration that depends on itself. A declaration that could not be evaluated is
+/// added to the elaborator's `broken` names.
+pub(super) fn evaluate_all<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
     let by_name: BTreeMap<&str, usize> = decls
         .iter()
         .enumerate()
@@ -189,14 +190,14 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
     let needs: Vec<Vec<usize>> = decls
         .iter()
         .map(|d| {
-            let names = d.mentioned();
+            let names = d.mentioned_names();
             names
                 .iter()
                 .filter_map(|n| by_name.get(n).copied())
                 .collect()
         })
         .collect();
-    // Depth first, without recursion: a chain of constants may be long.
+    // Depth-first search without recursion, since a chain of constants can be long.
     let mut entered = vec![false; decls.len()];
     let mut finished = vec![false; decls.len()];
     for start in 0..decls.len() {
@@ -214,10 +215,10 @@ pub(super) fn settle<'a>(e: &mut Elaborator<'a>, decls: &[Decl<'a>]) {
                     let name = decls[needed].name();
                     if e.names.broken.insert(name.text.clone()) {
                         e.findings.error_with(
-                            codes::NAME_DOUBLE,
+                            codes::NAME_DUPLICATE,
                             name.span,
-                            format!("`{}` is defined by itself", name.text),
-                            "break the cycle: one of these needs a value of its own",
+                            format!("`{}` is defined in terms of itself", name.text),
+                            "break the cycle: give one of these declarations a value that does not depend on the others",
                         );
                     }
                 }
@@ -256,7 +257,7 @@ fn type_decl<'a>(e: &mut Elaborator<'a>, decl: &'a ast::TypeDecl) -> Option<()> 
 }
 
 fn constant<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Option<()> {
-    // With a declared type it is counted in that type's unit.
+    // A constant with a declared type has that type's unit.
     let plant = decl.domain.is_none() && uses_units(&e.names, &decl.value);
     let real = std::mem::replace(&mut e.dialect.real, plant);
     let value = constant_value(e, decl);
@@ -277,7 +278,7 @@ fn constant_value<'a>(e: &mut Elaborator<'a>, decl: &'a ast::ConstDecl) -> Optio
     Some(value)
 }
 
-/// Reports a value outside its range.
+/// Returns `None` and reports a finding if the value is outside its range.
 fn within(
     findings: &mut Findings,
     decl: &ast::ConstDecl,
@@ -291,10 +292,10 @@ fn within(
                 decl.value.span,
                 format!(
                     "{} is outside {}",
-                    shown(domain, *i, unit.map_or("", Unit::name)),
+                    show_value(domain, *i, unit.map_or("", Unit::name)),
                     domain.describe()
                 ),
-                "use a value of that range, or make the range larger",
+                "use a value in this range, or extend the range",
             );
             None
         }
@@ -309,8 +310,8 @@ fn within(
     }
 }
 
-/// Returns whether a constant is a quantity of the plant: a unit occurs in it, or another such
-/// constant.
+/// Returns whether a constant is a real quantity of the plant: its value contains a unit or another
+/// such constant.
 fn uses_units(known: &Names<'_>, value: &ast::Expr) -> bool {
     match &value.kind {
         ast::ExprKind::Quantity(..) => true,
@@ -324,29 +325,33 @@ fn uses_units(known: &Names<'_>, value: &ast::Expr) -> bool {
     }
 }
 
-/// Reports parameters of a define with the same name.
-pub(super) fn double_formals(define: &ast::Define) -> Vec<Diagnostic> {
+/// Returns findings for parameters of a define that have the same name.
+pub(super) fn duplicate_formals(define: &ast::Define) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     for (i, formal) in define.formals.iter().enumerate() {
         let mut earlier = define.formals[..i].iter().map(|f| &f.name);
         if let Some(first) = earlier.find(|n| n.text == formal.name.text) {
-            findings.push(double(&formal.name, first.span));
+            findings.push(duplicate_name(&formal.name, first.span));
         }
     }
     findings
 }
 
-/// Returns the finding about a second occurrence of a statement that is allowed only once.
-pub(super) fn stands_twice(word: &str, here: Span, first: Span, help: &str) -> Diagnostic {
-    Diagnostic::error(codes::NAME_DOUBLE, here, format!("`{word}` appears twice"))
-        .with_label(first, "first here")
-        .with_help(help)
+/// Returns the finding for a second occurrence of a statement that is allowed only once.
+pub(super) fn duplicate_statement(word: &str, here: Span, first: Span, help: &str) -> Diagnostic {
+    Diagnostic::error(
+        codes::NAME_DUPLICATE,
+        here,
+        format!("`{word}` appears twice"),
+    )
+    .with_label(first, "first here")
+    .with_help(help)
 }
 
-/// Returns the finding about a name that is already declared.
-pub(super) fn double(name: &ast::Name, first: Span) -> Diagnostic {
+/// Returns the finding for a name that is already declared.
+pub(super) fn duplicate_name(name: &ast::Name, first: Span) -> Diagnostic {
     Diagnostic::error(
-        codes::NAME_DOUBLE,
+        codes::NAME_DUPLICATE,
         name.span,
         format!("`{}` is declared twice", name.text),
     )

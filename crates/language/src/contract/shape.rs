@@ -1,7 +1,7 @@
 //! Shapes of declared types: scalars, arrays and records.
 //!
-//! Later stages only have scalar variables. So a variable of such a type becomes one scalar
-//! variable for each of its leaves, named by its path: `target.x`, `places[2].angle`.
+//! Later stages have only scalar variables. So a variable becomes one scalar variable for each leaf
+//! of its type, named by the path to the leaf: `target.x`, `places[2].angle`.
 
 use super::units::Unit;
 use super::value::Type;
@@ -16,7 +16,7 @@ pub(super) enum Shape {
     Scalar(Domain, Option<Unit>),
     /// An array: element shape and length.
     Array(Box<Shape>, usize),
-    /// Members by name.
+    /// Members by name, in the order of their declaration.
     Record(Vec<(String, Shape)>),
 }
 
@@ -32,19 +32,19 @@ impl Shape {
         }
     }
 
-    /// Returns the number of scalars that it is made of.
-    pub fn leaves(&self) -> usize {
+    /// Returns the number of scalar leaves, or `usize::MAX` if it is larger.
+    pub fn leaf_count(&self) -> usize {
         match self {
             Self::Scalar(..) => 1,
-            Self::Array(of, n) => of.leaves().saturating_mul(*n),
+            Self::Array(of, n) => of.leaf_count().saturating_mul(*n),
             Self::Record(members) => members
                 .iter()
-                .fold(0, |sum: usize, (_, s)| sum.saturating_add(s.leaves())),
+                .fold(0, |sum: usize, (_, s)| sum.saturating_add(s.leaf_count())),
         }
     }
 
-    /// Declares the variables of this shape: `add` is called for each leaf with its name, its
-    /// domain and its unit.
+    /// Declares the variables of this shape: calls `add` with the name, domain and unit of each
+    /// leaf.
     pub fn declare(
         &self,
         name: String,
@@ -80,14 +80,14 @@ pub(super) fn measured(domain: &Domain, unit: Option<Unit>) -> Type {
 pub(super) enum Entry {
     /// A scalar.
     One(VarId),
-    /// An array; shared, since indexing with a constant passes on a part of it.
+    /// An array; shared, so that cloning an entry does not copy its elements.
     Many(Arc<Vec<Entry>>),
-    /// Members by name.
+    /// Members by name, in the order of their declaration.
     Record(Vec<(String, Entry)>),
 }
 
 impl Entry {
-    /// Returns the same entry with other ids.
+    /// Returns the same entry with every id replaced by `change`.
     pub fn renumbered(&self, change: &impl Fn(VarId) -> VarId) -> Self {
         match self {
             Self::One(id) => Self::One(change(*id)),
@@ -104,9 +104,9 @@ impl Entry {
         }
     }
 
-    /// Returns the variable at the end of a path; `None` if there is none.
-    pub fn at(&self, way: &[Segment<'_>]) -> Option<VarId> {
-        match (self, way) {
+    /// Returns the variable at the end of a path; `None` if the path does not lead to a scalar.
+    pub fn at(&self, path: &[Segment<'_>]) -> Option<VarId> {
+        match (self, path) {
             (Self::One(id), []) => Some(*id),
             (Self::Many(list), [Segment::Element(i), rest @ ..]) => list.get(*i)?.at(rest),
             (Self::Record(members), [Segment::Member(name), rest @ ..]) => {
@@ -117,8 +117,8 @@ impl Entry {
         }
     }
 
-    fn insert(&mut self, way: &[Segment<'_>], id: VarId) {
-        let [first, rest @ ..] = way else {
+    fn insert(&mut self, path: &[Segment<'_>], id: VarId) {
+        let [first, rest @ ..] = path else {
             *self = Self::One(id);
             return;
         };
@@ -129,7 +129,7 @@ impl Entry {
                 }
                 if let Self::Many(list) = self {
                     let list = Arc::make_mut(list);
-                    // Leaves come in the order of their indices.
+                    // Leaves are inserted in the order of their indices.
                     if list.len() <= *i {
                         list.push(Self::Many(Arc::default()));
                     }
@@ -155,7 +155,7 @@ impl Entry {
     }
 }
 
-/// A step on the path from a variable to one of its leaves.
+/// One segment of the path from a variable to one of its leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Segment<'t> {
     /// `[2]`
@@ -164,8 +164,8 @@ pub(super) enum Segment<'t> {
     Member(&'t str),
 }
 
-/// Returns the variable that a leaf's name begins with, and the path from there.
-pub(super) fn way(leaf: &str) -> (&str, Vec<Segment<'_>>) {
+/// Splits the name of a leaf into the name of its variable and the path to the leaf.
+pub(super) fn leaf_path(leaf: &str) -> (&str, Vec<Segment<'_>>) {
     let end = leaf.find(['.', '[']).unwrap_or(leaf.len());
     let (name, rest) = leaf.split_at(end);
     let pieces = rest.split(['.', '[']).skip(1);
@@ -176,17 +176,18 @@ pub(super) fn way(leaf: &str) -> (&str, Vec<Segment<'_>>) {
     (name, segments.collect())
 }
 
-/// Builds variables of any shape from their leaves, which are in the order of their declaration.
-pub(super) fn entries<'t>(
+/// Builds the entries of variables from their leaves, which have to be in the order of their
+/// declaration.
+pub(super) fn entries_of<'t>(
     leaves: impl IntoIterator<Item = (&'t str, VarId)>,
 ) -> BTreeMap<String, Entry> {
     let mut found: BTreeMap<String, Entry> = BTreeMap::new();
     for (leaf, id) in leaves {
-        let (name, way) = way(leaf);
+        let (name, path) = leaf_path(leaf);
         found
             .entry(name.to_owned())
             .or_insert_with(|| Entry::Many(Arc::default()))
-            .insert(&way, id);
+            .insert(&path, id);
     }
     found
 }

@@ -1,15 +1,15 @@
 //! Units of length, time, angle and the like.
 //!
-//! The plant computes with real numbers in base units. A contract counts in whole numbers, in the
-//! unit of each declaration.
+//! The plant computes with real numbers in base units. A contract computes with whole numbers in
+//! the unit of each declaration.
 
-/// Dimension of a physical quantity. Values are held in the base unit given here.
+/// Dimension of a quantity. Values are stored in the base unit stated here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Dimension {
     /// A bare number.
     None,
-    /// Hundredths (`%`) as a share of 1. Allowed where a bare number is expected, but does not mix
-    /// with one: in `1 - 5 %` it would be unclear whether 1 is a hundredth.
+    /// A share of 1, written in `%`. Allowed where a bare number is expected, but not mixed with
+    /// one: in `1 - 5 %` it would be unclear whether 1 means 1 %.
     Share,
     /// Seconds.
     Time,
@@ -28,11 +28,12 @@ pub(super) enum Dimension {
 }
 
 impl Dimension {
-    /// Returns the dimension of a product. `None` if it has no known dimension.
+    /// Returns the dimension of the product of two quantities; `None` if the language has no such
+    /// dimension.
     pub fn times(self, other: Self) -> Option<Self> {
         use Dimension as D;
         match (self, other) {
-            // Twice a share is a share.
+            // A multiple of a share is a share.
             (D::Share, D::None) => Some(D::Share),
             (D::None | D::Share, d) | (d, D::None | D::Share) => Some(d),
             (D::Speed, D::Time) | (D::Time, D::Speed) => Some(D::Length),
@@ -41,8 +42,9 @@ impl Dimension {
         }
     }
 
-    /// Returns the dimension of a quotient.
-    pub fn over(self, other: Self) -> Option<Self> {
+    /// Returns the dimension of the quotient of two quantities; `None` if the language has no such
+    /// dimension.
+    pub fn divided_by(self, other: Self) -> Option<Self> {
         use Dimension as D;
         match (self, other) {
             (d, D::None) => Some(d),
@@ -55,7 +57,8 @@ impl Dimension {
         }
     }
 
-    pub fn word(self) -> &'static str {
+    /// Describes the dimension in messages, with its units.
+    pub fn describe(self) -> &'static str {
         match self {
             Self::None => "a bare number",
             Self::Share => "a share (`%`)",
@@ -70,7 +73,8 @@ impl Dimension {
     }
 }
 
-/// Returns the dimension of a unit, and its number of base units.
+/// Returns the dimension of a unit, and its factor to the base unit. Unknown names are bare
+/// numbers.
 pub(super) fn unit(name: &str) -> (Dimension, f64) {
     use Dimension as D;
     match name {
@@ -98,65 +102,67 @@ pub(super) fn unit(name: &str) -> (Dimension, f64) {
     }
 }
 
-/// Minimum duration other than 0, in seconds. The clock of a run is a double: even after
-/// [`LONGEST_SECONDS`] it distinguishes two instants this far apart.
-pub const SHORTEST_SECONDS: f64 = 1e-6;
+/// Minimum duration other than 0, in seconds. The clock of a run is an `f64`, which still
+/// distinguishes two instants at this distance after [`MAX_SECONDS`].
+pub const MIN_SECONDS: f64 = 1e-6;
 
 /// Maximum duration, in seconds: about thirty years.
-pub const LONGEST_SECONDS: f64 = 1e9;
+pub const MAX_SECONDS: f64 = 1e9;
 
 /// Maximum power, in watts.
-pub const GREATEST_WATTS: f64 = 1e12;
+pub const MAX_WATTS: f64 = 1e12;
 
-/// Returns whether a run can measure this duration: 0, or between the shortest and the longest.
+/// Returns whether this duration is allowed: 0, or from [`MIN_SECONDS`] to [`MAX_SECONDS`].
 pub fn is_duration(seconds: f64) -> bool {
-    seconds == 0.0 || (SHORTEST_SECONDS..=LONGEST_SECONDS).contains(&seconds)
+    seconds == 0.0 || (MIN_SECONDS..=MAX_SECONDS).contains(&seconds)
 }
 
-/// Returns whether an operation may use this much energy, in joules.
+/// Returns whether an operation can use this energy, in joules: at most [`MAX_WATTS`] for
+/// [`MAX_SECONDS`].
 pub fn is_energy(joules: f64) -> bool {
-    (0.0..=GREATEST_WATTS * LONGEST_SECONDS).contains(&joules)
+    (0.0..=MAX_WATTS * MAX_SECONDS).contains(&joules)
 }
 
-/// Units by name.
+/// Names of all units.
 const UNITS: &[&str] = &[
     "ms", "s", "min", "h", "d", "mm", "cm", "m", "deg", "rad", "W", "kW", "J", "Wh", "kWh", "g",
     "kg", "mm/s", "m/s", "%",
 ];
 
-/// A unit in which a contract counts.
+/// Unit of a whole number in a contract.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Unit(&'static str);
 
 impl Unit {
-    /// Returns the unit with a name; `None` for a bare number, and for `%`, which is itself a
-    /// number.
+    /// Returns the unit with this name; `None` for an unknown name, and for `%`, which contracts do
+    /// not use as a unit.
     pub fn named(name: &str) -> Option<Self> {
         let known = UNITS.iter().find(|u| **u == name && **u != "%")?;
         Some(Self(known))
     }
 
-    /// Returns all units.
+    /// Returns all units except `%`.
     pub fn all() -> impl Iterator<Item = Self> {
         UNITS.iter().filter(|u| **u != "%").map(|u| Self(u))
     }
 
-    /// Returns the name as written.
+    /// Returns the name as written in a file.
     pub fn name(self) -> &'static str {
         self.0
     }
 
-    /// Returns the dimension that the unit measures.
+    /// Returns the dimension of the unit.
     pub fn dimension(self) -> Dimension {
         unit(self.0).0
     }
 
-    /// Returns the number of base units.
+    /// Returns the factor to the base unit.
     pub fn factor(self) -> f64 {
         unit(self.0).1
     }
 
-    /// Returns this unit as a multiple of `other`, if that is a whole number.
+    /// Returns this unit as a multiple of `other`; `None` if that is not a whole number, or if the
+    /// dimensions differ.
     pub fn in_terms_of(self, other: Self) -> Option<i64> {
         if self.dimension() == other.dimension() {
             whole(self.factor() / other.factor())
@@ -165,13 +171,15 @@ impl Unit {
         }
     }
 
-    /// Returns a quantity in base units as a multiple of this unit, if that is a whole number.
+    /// Returns a quantity in base units as a multiple of this unit; `None` if that is not a whole
+    /// number.
     pub fn count(self, base: f64) -> Option<i64> {
         whole(base / self.factor())
     }
 }
 
-/// Returns the whole number that a quotient of rounded numbers approximates.
+/// Returns the whole number nearest to a quotient; `None` if they differ by more than a rounding
+/// error.
 fn whole(x: f64) -> Option<i64> {
     let near = x.round();
     ((x - near).abs() <= 1e-9 * near.abs().max(1.0) && near.abs() < 9e15).then_some(near as i64)

@@ -1,8 +1,8 @@
-//! Unused declarations (LW111), and two names for one thing (LW113).
+//! Findings for unused declarations (LW111), and for two names that seem to mean the same (LW113).
 //!
-//! Both are found from the text of a file alone, so they are reported in addition to other errors.
-//! But other errors can cast doubt on them: a syntax error may hide a use, and an undeclared name
-//! may be a misspelled use. [`Doubt`] knows both.
+//! Both are found in the syntax tree alone, so they are reported in addition to other errors. But a
+//! syntax error can hide a use of a declaration, and an undeclared name can be a misspelled use.
+//! [`PossibleUses`] collects such errors; they suppress these findings.
 
 mod alike;
 mod mentions;
@@ -12,23 +12,24 @@ use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, ContractItem, Item, MachineItem, Ownership};
 use mentions::Mentions;
 
-/// Reasons why a seemingly unused declaration may be used.
+/// Errors that can hide a use of a declaration.
 pub(super) struct PossibleUses<'d> {
-    /// Places of syntax errors.
+    /// Positions of syntax errors.
     pub syntax: Vec<Span>,
-    /// Undeclared names and their places.
+    /// Undeclared names and their positions.
     pub unknown: Vec<(&'d str, Span)>,
-    /// Names that are declared twice, and their places.
-    pub double: Vec<(&'d str, Span)>,
-    /// Places of other errors.
+    /// Names that are declared twice, and their positions.
+    pub duplicates: Vec<(&'d str, Span)>,
+    /// Positions of all errors.
     pub errors: Vec<Span>,
 }
 
 impl PossibleUses<'_> {
-    /// Returns whether a declaration is not reported, because it may be used or has to be repaired
-    /// anyway. `end` is the place of its last part, `extent` is where it can be used.
+    /// Returns whether a declaration is not reported, because it may be used or contains an error
+    /// itself. `end` is the position of its last part, `extent` is the text in which it can be
+    /// used.
     fn covers(&self, name: &ast::Name, end: Span, extent: Span) -> bool {
-        let within = |span: &Span| extent.holds(*span);
+        let within = |span: &Span| extent.contains(*span);
         let own = name.span.to(end);
         let meant = |unknown: &str| nearest(unknown, std::iter::once(name.text.as_str())).is_some();
         self.syntax.iter().any(within)
@@ -37,19 +38,20 @@ impl PossibleUses<'_> {
                 .iter()
                 .any(|(unknown, span)| within(span) && meant(unknown))
             || self
-                .double
+                .duplicates
                 .iter()
-                .any(|(double, span)| within(span) && *double == name.text)
-            || self.errors.iter().any(|span| own.holds(*span))
+                .any(|(duplicate, span)| within(span) && *duplicate == name.text)
+            || self.errors.iter().any(|span| own.contains(*span))
     }
 }
 
-/// Returns the finding about a declaration that nothing mentions.
+/// Returns the finding for an unused declaration.
 fn unused(name: &ast::Name, message: String, help: &str) -> Diagnostic {
     Diagnostic::warning(codes::UNUSED, name.span, message).with_help(help)
 }
 
-/// Returns findings about unused declarations of a contract. `extent` is the whole contract.
+/// Returns the findings for a contract: unused declarations, and two names that seem to mean the
+/// same. `extent` is the text of the whole contract.
 pub(super) fn contract(
     contract: &ast::Contract,
     extent: Span,
@@ -61,11 +63,11 @@ pub(super) fn contract(
     let mut findings = alike::find(contract, sources, |name| {
         !used.has(&name.text) && !doubt.covers(name, name.span, extent)
     });
-    let told = |findings: &[Diagnostic], name: &ast::Name| {
+    let shown = |findings: &[Diagnostic], name: &ast::Name| {
         findings.iter().any(|f| f.span == Some(name.span))
     };
     let mut add = |name: &ast::Name, end: Span, message: String, help: &str| {
-        if !used.has(&name.text) && !doubt.covers(name, end, extent) && !told(&findings, name) {
+        if !used.has(&name.text) && !doubt.covers(name, end, extent) && !shown(&findings, name) {
             findings.push(unused(name, message, help));
         }
     };
@@ -77,7 +79,7 @@ pub(super) fn contract(
             name,
             end,
             message,
-            "use it in a domain or a formula, or drop it",
+            "use it in a domain or a formula, or remove it",
         );
     }
     for item in &contract.items {
@@ -88,9 +90,9 @@ pub(super) fn contract(
                 domain,
             } => {
                 let help = if *ownership == Ownership::Input {
-                    "drop it, or say what the machine does with it"
+                    "use it in a formula, or remove it"
                 } else {
-                    "say with a guarantee what value it has, or drop it"
+                    "constrain it with a guarantee, or remove it"
                 };
                 for name in names {
                     let message = format!("no formula mentions `{}`", name.text);
@@ -99,19 +101,19 @@ pub(super) fn contract(
             }
             ContractItem::Define(d) => {
                 let message = format!("nothing uses the definition `{}`", d.name.text);
-                add(&d.name, d.value.span, message, "use it, or drop it");
+                add(&d.name, d.value.span, message, "use it, or remove it");
             }
             ContractItem::Counter(c) => {
                 let message = format!("nothing uses the counter `{}`", c.name.text);
-                add(&c.name, c.counts.span, message, "use it, or drop it");
+                add(&c.name, c.counts.span, message, "use it, or remove it");
             }
             ContractItem::Const(c) => {
                 let message = format!("nothing uses the constant `{}`", c.name.text);
-                add(&c.name, c.value.span, message, "use it, or drop it");
+                add(&c.name, c.value.span, message, "use it, or remove it");
             }
             ContractItem::Type(t) if !used.has_label_of(&t.domain) => {
                 let message = format!("nothing uses the type `{}`", t.name.text);
-                add(&t.name, t.domain.span, message, "use it, or drop it");
+                add(&t.name, t.domain.span, message, "use it, or remove it");
             }
             ContractItem::Type(_) | ContractItem::Formula { .. } => {}
         }
@@ -124,8 +126,9 @@ pub(super) fn contract(
     findings
 }
 
-/// Marks unbound inputs of contracts as used; returns whether there was a contract.
-fn take_inputs<'a, 'c>(
+/// Marks the names of unbound inputs of contracts as used, since such an input takes the signal of
+/// its name. Returns whether there was a contract.
+fn mark_inputs<'a, 'c>(
     used: &mut Mentions<'a>,
     contracts: impl Iterator<Item = &'c &'a ast::Contract>,
     bound: impl Fn(&str) -> bool,
@@ -160,7 +163,7 @@ fn typed_end(typed: &ast::TypedDecl) -> Span {
     typed.values.last().map_or(typed.domain.span, |e| e.span)
 }
 
-/// Returns findings about unused parameters of a definition.
+/// Returns the findings for unused parameters of a definition.
 fn formals(define: &ast::Define) -> Vec<Diagnostic> {
     let mut used = Mentions::default();
     used.expr(&define.value);
@@ -175,15 +178,15 @@ fn formals(define: &ast::Define) -> Vec<Diagnostic> {
             unused(
                 name,
                 message,
-                "use it, or drop it here and where the definition is used",
+                "use it, or remove it here and in the uses of the definition",
             )
         })
         .collect()
 }
 
-/// Marks unbound properties, parameters, signals and abstractions of an inner machine as used;
-/// returns whether there was a machine.
-fn take_plant<'a>(
+/// Marks the names of unbound properties, parameters, signals and abstractions of an inner machine
+/// as used. Returns whether there was a machine with this name.
+fn mark_plant<'a>(
     used: &mut Mentions<'a>,
     machines: &[&'a ast::Machine],
     name: &str,
@@ -206,8 +209,8 @@ fn take_plant<'a>(
     any
 }
 
-/// Returns findings about unused declarations of a machine. `contracts` and `machines` are those in
-/// scope: an unbound input takes the signal of its name.
+/// Returns the findings for unused declarations of a machine. `contracts` and `machines` are all
+/// that the machine can use as components. Returns none if a component is unknown.
 pub(super) fn machine<'a>(
     machine: &'a ast::Machine,
     contracts: &[&'a ast::Contract],
@@ -225,13 +228,13 @@ pub(super) fn machine<'a>(
                 let root = |b: &ast::Binding| b.name.text.split('.').next() == Some(name);
                 component.bindings.iter().any(root)
             };
-            let taken = if component.is_machine() {
-                take_plant(&mut used, machines, name, bound)
+            let is_known = if component.is_machine() {
+                mark_plant(&mut used, machines, name, bound)
             } else {
-                take_inputs(&mut used, of_name, bound)
+                mark_inputs(&mut used, of_name, bound)
             };
-            if !taken {
-                // Its inputs are unknown.
+            if !is_known {
+                // The component's inputs may take any signal.
                 return Vec::new();
             }
         }
@@ -240,7 +243,7 @@ pub(super) fn machine<'a>(
     let mut add = |name: &ast::Name, end: Span, what: &str| {
         if !used.has(&name.text) && !doubt.covers(name, end, extent) {
             let message = format!("nothing uses the {what} `{}`", name.text);
-            findings.push(unused(name, message, "use it, or drop it"));
+            findings.push(unused(name, message, "use it, or remove it"));
         }
     };
     for parameter in &machine.header.parameters {
@@ -261,8 +264,9 @@ pub(super) fn machine<'a>(
     findings
 }
 
-/// Returns findings about declarations outside of contracts and machines that neither the file nor
-/// an importing file uses. A file with nothing else is a library for others, and is not checked.
+/// Returns the findings for top-level declarations that neither the file nor an importing file
+/// uses. A file without contracts, machines and lines is a library for other files, and is not
+/// checked.
 pub(super) fn file(
     tree: &ast::File,
     importers: &[&ast::File],
@@ -285,7 +289,7 @@ pub(super) fn file(
             findings.push(unused(
                 name,
                 message,
-                "use it, or drop it; if a file that imports this one uses it, check both together",
+                "use it, or remove it; if an importing file uses it, check both files together",
             ));
         }
     };

@@ -1,15 +1,15 @@
-//! Typed terms: values of expressions of the language, before they become formulas or plant
-//! expressions.
+//! Typed terms: the values of the language's expressions, before they are converted to formulas or
+//! plant expressions.
 //!
-//! One elaborator serves contracts (finite values, current and next) and plants (real numbers,
-//! properties and wires). Both use [`Term`]; [`Term::to_expr`] and [`Term::to_real`] convert it for
-//! the later stages.
+//! One elaborator serves contracts (finite values, now and in the next state) and plants (real
+//! numbers, properties and wires). Both use [`Term`]; [`Term::to_expr`] and [`Term::to_real`]
+//! convert a term for the later stages.
 
 use super::machine::{RealBinary, RealExpr, RealUnary};
 pub(super) use super::units::{Dimension, Unit, unit};
 use linewright_core::gr1::{BinaryOp, Domain, Expr, Time, UnaryOp, VarId};
 
-/// A type.
+/// Type of a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Type {
     Bool,
@@ -17,7 +17,7 @@ pub(super) enum Type {
     Int,
     /// A real number.
     Number(Dimension),
-    /// A whole number of a unit, as a contract counts millimetres.
+    /// A whole number of a unit, such as millimetres in a contract.
     Measured(Unit),
     /// One of these labels; two enumerations with the same labels are the same type.
     Enum(Vec<String>),
@@ -39,7 +39,7 @@ impl Type {
         match self {
             Self::Bool => "a truth value".to_owned(),
             Self::Int => "a whole number".to_owned(),
-            Self::Number(d) => d.word().to_owned(),
+            Self::Number(d) => d.describe().to_owned(),
             Self::Enum(labels) => format!("one of {{{}}}", labels.join(", ")),
             Self::Measured(unit) => format!("a whole number of `{}`", unit.name()),
             Self::Array(of, n) => format!("an array of {n}, each {}", of.describe()),
@@ -54,7 +54,7 @@ impl Type {
         matches!(self, Self::Int | Self::Number(_) | Self::Measured(_))
     }
 
-    /// Returns the dimension that the type measures.
+    /// Returns the dimension of the type; `Dimension::None` for types other than quantities.
     pub fn dimension(&self) -> Dimension {
         match self {
             Self::Number(dimension) => *dimension,
@@ -136,7 +136,7 @@ impl Term {
         Self::Binary(op, Box::new(a), Box::new(b))
     }
 
-    /// Returns the number of nodes.
+    /// Returns the number of nodes of the tree.
     pub fn size(&self) -> usize {
         1 + match self {
             Self::Int(_) | Self::Real(_) | Self::Var(..) => 0,
@@ -168,7 +168,8 @@ impl Term {
         }
     }
 
-    /// Builds the conjunction, disjunction or sum of many terms, as a balanced tree.
+    /// Combines terms with an associative operator, as a balanced tree; returns `empty` if there
+    /// are no terms.
     pub fn fold(op: BinaryOp, mut terms: Vec<Self>, empty: i64) -> Self {
         if terms.is_empty() {
             return Self::Int(empty);
@@ -187,7 +188,8 @@ impl Term {
         terms.pop().unwrap_or(Self::Int(empty))
     }
 
-    /// Converts to an exact expression. `None` if a real number occurs.
+    /// Converts the term to an integer expression; `None` if the term contains a real number or a
+    /// rounding.
     pub fn to_expr(&self) -> Option<Expr> {
         Some(match self {
             Self::Int(c) => Expr::Const(*c),
@@ -205,18 +207,18 @@ impl Term {
         })
     }
 
-    /// Returns whether a variable occurs.
-    pub fn is_variable(&self) -> bool {
+    /// Returns whether the term contains a variable.
+    pub fn has_variable(&self) -> bool {
         match self {
             Self::Int(_) | Self::Real(_) => false,
             Self::Var(..) => true,
-            Self::Unary(_, a) | Self::Rounded(_, a) => a.is_variable(),
-            Self::Binary(_, a, b) => a.is_variable() || b.is_variable(),
-            Self::If(c, a, b) => c.is_variable() || a.is_variable() || b.is_variable(),
+            Self::Unary(_, a) | Self::Rounded(_, a) => a.has_variable(),
+            Self::Binary(_, a, b) => a.has_variable() || b.has_variable(),
+            Self::If(c, a, b) => c.has_variable() || a.has_variable() || b.has_variable(),
         }
     }
 
-    /// Converts an exact expression to a term.
+    /// Converts an integer expression to a term.
     pub fn from_expr(expr: &Expr) -> Self {
         let sub = |e: &Expr| Box::new(Self::from_expr(e));
         match expr {
@@ -228,8 +230,8 @@ impl Term {
         }
     }
 
-    /// Converts to a plant expression: variables below `properties` are properties, the others
-    /// wires from 0.
+    /// Converts the term to a plant expression: variables with ids below `properties` become
+    /// properties, the others become wires, numbered from 0.
     pub fn to_real(&self, properties: usize) -> RealExpr {
         let sub = |t: &Self| Box::new(t.to_real(properties));
         match self {
@@ -259,7 +261,7 @@ impl Term {
     }
 }
 
-/// Computes constant arithmetic on whole numbers, if the result is within the limits of
+/// Computes constant integer arithmetic; `None` if an operand or the result exceeds the limits of
 /// [`interval`](linewright_core::gr1::interval).
 fn exact(op: BinaryOp, x: i64, y: i64) -> Option<i64> {
     const LIMIT: u64 = 1 << 62;
@@ -285,7 +287,7 @@ pub(super) enum Value {
 }
 
 impl Value {
-    /// Returns the number of nodes of its terms.
+    /// Returns the number of nodes of all terms.
     pub fn size(&self) -> usize {
         match self {
             Self::Scalar(term, _) => term.size(),
@@ -294,7 +296,7 @@ impl Value {
         }
     }
 
-    /// Returns whether the value is a quantity of the plant.
+    /// Returns whether the value contains a real number.
     pub fn is_real(&self) -> bool {
         match self {
             Self::Scalar(_, ty) => matches!(ty, Type::Number(_)),
@@ -313,7 +315,7 @@ impl Value {
         }
     }
 
-    /// Replaces each scalar; `None` if `change` returns `None`.
+    /// Replaces each scalar by the result of `change`; `None` if `change` returns `None`.
     pub fn map(self, change: &mut impl FnMut(Term, Type) -> Option<(Term, Type)>) -> Option<Self> {
         Some(match self {
             Self::Scalar(term, ty) => {

@@ -1,15 +1,15 @@
-//! Regular expressions over skills as text.
+//! Formatting of regular expressions over skills.
 
 use super::Skills;
 use linewright_automata::regex::Regex;
 
 impl Skills {
-    /// Formats a regular expression over these skills, as in a file; repeated expressions are in
-    /// parentheses where needed.
+    /// Formats a regular expression over these skills in the syntax of a file, with as few
+    /// parentheses as needed.
     pub fn expression(&self, regex: &Regex) -> String {
         let name = |skill: &usize| self.skills[*skill].name.as_str();
         match regex {
-            // No word: any skill except all of them.
+            // The syntax has no expression without words: use any skill except all of them.
             Regex::Nothing => self.expression(&Regex::AnyBut((0..self.skills.len()).collect())),
             Regex::Empty => "()".to_owned(),
             Regex::Letter(skill) => name(skill).to_owned(),

@@ -1,10 +1,9 @@
-//! Faults of rules: rules that together allow nothing, wait for one another for ever, or exclude
-//! nothing.
+//! Faults of rules: rules that together allow no call, contradict each other, or exclude nothing.
 //!
-//! The responsible rules are found by removing one after the other for as long as the fault remains
-//! (deletion, as for the cores of contracts): none of the named rules can be omitted.
+//! The responsible rules are found by deletion, as for the cores of contracts: a rule is removed if
+//! the fault remains without it. So the fault needs every rule that is named.
 
-use super::fsm::{Fsm, telling};
+use super::fsm::{Fsm, distinguished_calls};
 use super::program::{self, DifferenceOptions};
 use super::supervisor::{Call, Options, Supervisor};
 use super::{Kind, Level, Skills};
@@ -13,15 +12,15 @@ use linewright_automata::dfa::REFUSED;
 use linewright_core::deadline::Deadline;
 use linewright_core::diagnostics::{Diagnostic, codes};
 
-/// Maximum number of automaton entries for rules to be examined. Smaller automata are fast to
-/// examine, even repeatedly.
-const MOST_EXAMINED: usize = 1 << 18;
+/// Maximum number of entries of an automaton that is examined: small enough to repeat the
+/// examination for many subsets of the rules.
+const MAX_EXAMINED_ENTRIES: usize = 1 << 18;
 
-/// Maximum number of entries of two automata compared to find out which rules exclude nothing, for
-/// all rules together.
-const MOST_COMPARED: usize = 1 << 22;
+/// Maximum number of entries that are explored to find the rules that exclude nothing, for all
+/// rules together.
+const MAX_COMPARED_ENTRIES: usize = 1 << 22;
 
-/// Returns the faults of the rules of these skills, at the level valid and then, if a rule is kept
+/// Returns the faults of the rules of a skill set: at the level valid, and then, if a rule applies
 /// only there, at the level reasonable.
 pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
@@ -45,19 +44,19 @@ pub fn examine(skills: &Skills, until: Deadline) -> Vec<Diagnostic> {
 
 fn too_large(skills: &Skills, error: &BoundExceeded) -> Diagnostic {
     let message = format!(
-        "what the rules of `{}` come to was not decided: {error}",
+        "the rules of `{}` were not fully examined: {error}",
         skills.name
     );
     let finding = Diagnostic::warning(codes::TOO_LARGE, skills.span, message);
     match error {
-        BoundExceeded::Late(late) => finding.with_help(late.remedy()).giving_up(true),
+        BoundExceeded::Stopped(late) => finding.with_help(late.remedy()).giving_up(true),
         BoundExceeded::Count { .. } => {
-            finding.with_help("fewer rules, or fewer repetitions in a sequence, let it be decided")
+            finding.with_help("use fewer rules, or fewer repetitions in a sequence")
         }
     }
 }
 
-/// Adds the findings of one level, until it gets too large.
+/// Adds the findings of one level. Those found before a bound is exceeded are kept.
 fn at_level(
     skills: &Skills,
     level: Level,
@@ -66,7 +65,7 @@ fn at_level(
 ) -> Result<(), BoundExceeded> {
     let examined = OrderExamination {
         skills,
-        calls: telling(skills),
+        calls: distinguished_calls(skills),
         options: Options {
             level,
             until,
@@ -80,9 +79,9 @@ fn at_level(
         return Ok(());
     }
     let fsm = examined.fsm(&all)?;
-    if let Some(nothing) = examined.nothing(&all)? {
-        // All other findings would follow from that.
-        findings.push(nothing);
+    if let Some(finding) = examined.no_first_call(&all)? {
+        // All other findings would follow from this one.
+        findings.push(finding);
         return Ok(());
     }
     findings.extend(examined.dead_end(&fsm, &all)?);
@@ -108,8 +107,8 @@ impl OrderExamination<'_> {
 
     fn fsm(&self, rules: &[usize]) -> Result<Fsm, BoundExceeded> {
         let skills = self.only(rules);
-        let mut supervisor = Supervisor::new(&skills, self.options)?.lean();
-        Fsm::explore_within(&mut supervisor, self.calls.clone(), MOST_EXAMINED)
+        let mut supervisor = Supervisor::new(&skills, self.options)?.track_relevant_only();
+        Fsm::explore_within(&mut supervisor, self.calls.clone(), MAX_EXAMINED_ENTRIES)
     }
 
     /// Returns a minimal set of rules with the fault.
@@ -131,7 +130,7 @@ impl OrderExamination<'_> {
         Ok(core)
     }
 
-    /// Returns whether nothing may be called after these calls, all of which are allowed.
+    /// Returns whether these calls are all allowed, and no call is allowed after them.
     fn is_stuck(&self, rules: &[usize], word: &[Call]) -> Result<bool, BoundExceeded> {
         let skills = self.only(rules);
         let mut supervisor = Supervisor::new(&skills, self.options)?;
@@ -142,50 +141,53 @@ impl OrderExamination<'_> {
                 Err(_) => return Ok(false),
             }
         }
-        // If several skills may be called at once, the first of them may be called alone.
+        // Single skills suffice: if several may be called at once, each may be called alone.
         Ok(program::allowed(&mut supervisor, &state, 1)?.is_empty())
     }
 
-    /// Finds rules with which nothing may be called at all.
-    fn nothing(&self, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
+    /// Finds rules that allow no call at the start.
+    fn no_first_call(&self, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
         if !self.is_stuck(all, &[])? {
             return Ok(None);
         }
         let core = Self::core(all, |rules| self.is_stuck(rules, &[]))?;
         let (whose, verb) = self.named(&core);
         let finding = Diagnostic::error(
-            codes::ORDER_NOTHING,
+            codes::ORDER_EMPTY,
             self.span(&core),
-            format!("{whose} {verb} no call at all at the start{}", self.at()),
+            format!("{whose} {verb} no call at the start{}", self.at()),
         );
         let help = match core.as_slice() {
-            [] => "no skill changes anything at the start: declare another initial situation"
-                .to_owned(),
+            [] => {
+                "every skill is a recall at the start: declare another initial situation".to_owned()
+            }
             _ => format!(
-                "{}let one of the skills be called there, or declare another initial situation",
+                "{}allow one of the skills as the first call, or declare another initial situation",
                 self.unit_is("at the start", &self.initial())
             ),
         };
         Ok(Some(self.labelled(finding, &core).with_help(help)))
     }
 
-    /// `there the unit is left, up: `; nothing if no component has situations.
+    /// Formats the situation for a help text: `there the unit is left, up: `; empty if no component
+    /// has situations.
     fn unit_is(&self, place: &str, situation: &[usize]) -> String {
-        match self.skills.situation(situation).as_str() {
+        match self.skills.situation_text(situation).as_str() {
             "" => String::new(),
             situation => format!("{place} the unit is {situation}: "),
         }
     }
 
-    /// Finds rules that together leave nothing to be called, although each of them alone would.
+    /// Finds rules that together, but not by themselves, allow no further call in some state.
     fn dead_end(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
-        let letters = fsm.dfa.letters();
+        let letters = fsm.dfa.letter_count();
         let is_stuck = |state: u32| (0..letters).all(|l| fsm.dfa.next(state, l) == REFUSED);
         for state in (0..fsm.states.len() as u32).filter(|s| is_stuck(*s)) {
-            let word = fsm.way_to(state as usize);
+            let word = fsm.path_to(state as usize);
             let core = Self::core(all, |rules| self.is_stuck(rules, &word))?;
             if core.len() < 2 {
-                // A single rule ends the program: a sequence that does not start again.
+                // A single rule that ends the program is no contradiction: it is a sequence that
+                // does not start again.
                 continue;
             }
             let (whose, _) = self.named(&core);
@@ -193,20 +195,20 @@ impl OrderExamination<'_> {
                 codes::ORDER_CONTRADICTION,
                 self.span(&core),
                 format!(
-                    "{whose} contradict each other{}: after {} nothing can be called any more",
+                    "{whose} contradict each other{}: after {} no further call is allowed",
                     self.at(),
                     self.word(&word)
                 ),
             );
             return Ok(Some(self.labelled(finding, &core).with_help(format!(
-                "{}let one of the rules allow a way out, or forbid what leads there",
+                "{}allow a further call there, or forbid the calls that lead there",
                 self.unit_is("there", &self.situation(&word))
             ))));
         }
         Ok(None)
     }
 
-    /// Finds skills that no program ever calls, although no rule says `never` of them.
+    /// Finds skills that no program ever calls, although no rule forbids them explicitly.
     fn never_called(
         &self,
         fsm: &Fsm,
@@ -227,7 +229,7 @@ impl OrderExamination<'_> {
                 continue;
             }
             let core = Self::core(all, |rules| Ok(!is_called(&self.fsm(rules)?, skill)))?;
-            let said = match core.as_slice() {
+            let is_explicit = match core.as_slice() {
                 [] => true,
                 [rule] => match &self.skills.rules[*rule].kind {
                     Kind::Never(_) | Kind::Sequence(_) => true,
@@ -237,7 +239,7 @@ impl OrderExamination<'_> {
                 _ => false,
             };
             let span = self.span(&core);
-            if said || findings.iter().any(|f| f.span == Some(span)) {
+            if is_explicit || findings.iter().any(|f| f.span == Some(span)) {
                 continue;
             }
             let (whose, _) = self.named(&core);
@@ -254,14 +256,14 @@ impl OrderExamination<'_> {
             };
             let finding = Diagnostic::error(codes::ORDER_CONTRADICTION, span, message);
             findings.push(self.labelled(finding, &core).with_help(format!(
-                "let `{name}` be called somewhere, or say `never {name}` if that is meant"
+                "allow `{name}` somewhere, or write `never {name}` if that is intended"
             )));
         }
         Ok(())
     }
 
-    /// Finds calls of several skills that a rule mentions and itself never allows, since it rejects
-    /// one of the skills by itself, or all of them after one.
+    /// Finds combinations of simultaneous skills that a rule mentions but never allows, because it
+    /// refuses one of the skills alone, or the event after one of the skills.
     fn never_at_once(
         &self,
         all: &[usize],
@@ -309,18 +311,18 @@ impl OrderExamination<'_> {
                     ),
                 );
                 findings.push(finding.with_note(
-                    "a call of several skills counts as each of them and as all of them at once, one after the other in every order",
+                    "a call of several skills counts as each skill alone and as all of them at once, in every order",
                 ).with_help(format!(
-                    "name either `{text}` or its skills in one rule, not both; or write `never {text}` if that is meant"
+                    "name either `{text}` or its skills in one rule, not both; or write `never {text}` if that is intended"
                 )));
             }
         }
         Ok(())
     }
 
-    /// Finds a sequence that can no longer be completed because of other rules.
+    /// Finds a sequence that cannot be completed because of other rules.
     fn unfinished(&self, fsm: &Fsm, all: &[usize]) -> Result<Option<Diagnostic>, BoundExceeded> {
-        // The first word that is a prefix of some word, but not of one that can be completed.
+        // A shortest allowed word that cannot be extended to a complete one.
         let begun = fsm.dfa.clone().prefix_closed();
         let completed = fsm.dfa.clone().trimmed().prefix_closed();
         let Some(word) = begun.difference(&completed) else {
@@ -351,18 +353,18 @@ impl OrderExamination<'_> {
             ),
         );
         Ok(Some(self.labelled(finding, &core).with_help(
-            "let the sequence go on there, or let the other rules forbid what leads there",
+            "let the sequence continue there, or forbid the calls that lead there in the other rules",
         )))
     }
 
-    /// Finds rules that forbid nothing beyond the others.
+    /// Finds rules that forbid only calls that are forbidden without them.
     fn redundant(
         &self,
         all: &[usize],
         findings: &mut Vec<Diagnostic>,
     ) -> Result<(), BoundExceeded> {
         for (at, rule) in all.iter().enumerate() {
-            // A rule of a lower level was checked there.
+            // A rule of a lower level was checked at that level.
             if self.skills.rules[*rule].level < self.options.level {
                 continue;
             }
@@ -372,24 +374,24 @@ impl OrderExamination<'_> {
             let whole = DifferenceOptions {
                 whole: true,
                 one_way: false,
-                entries: MOST_COMPARED / all.len(),
+                entries: MAX_COMPARED_ENTRIES / all.len(),
             };
             let first = Supervisor::new(&with, self.options)?;
             let second = Supervisor::new(&without, self.options)?;
             if program::difference(&first, &second, &self.calls, whole)?.is_none() {
                 let rule = &self.skills.rules[*rule];
-                let beside = if others.is_empty() && self.options.level == Level::Valid {
-                    "it forbids nothing"
+                let reason = if others.is_empty() && self.options.level == Level::Valid {
+                    "it forbids no call"
                 } else {
-                    "what it forbids is forbidden without it"
+                    "the calls that it forbids are forbidden without it"
                 };
                 let finding = Diagnostic::warning(
                     codes::ORDER_REDUNDANT,
                     rule.span,
-                    format!("the rule `{}` excludes nothing: {beside}", rule.name),
+                    format!("the rule `{}` excludes nothing: {reason}", rule.name),
                 );
                 findings.push(finding.with_help(
-                    "leave it out, or look whether it says what is meant: for `before`, `after` and `until` what holds at the start has been called",
+                    "remove the rule, or check whether it says what you mean: for `before`, `after` and `until`, the skills of the initial situation count as called",
                 ));
             }
         }
@@ -427,14 +429,14 @@ impl OrderExamination<'_> {
         }
     }
 
-    /// Returns `the rules a and b`, and the verb that follows.
+    /// Formats the rules as the subject of a message, `the rules a and b`, and returns the verb.
     fn named(&self, rules: &[usize]) -> (String, &'static str) {
         let names: Vec<String> = rules
             .iter()
             .map(|r| format!("`{}`", self.skills.rules[*r].name))
             .collect();
         match names.as_slice() {
-            [] => ("what the level forbids".to_owned(), "allows"),
+            [] => ("the ban on recalls".to_owned(), "allows"),
             [one] => (format!("the rule {one}"), "allows"),
             [others @ .., last] => (
                 format!("the rules {} and {last}", others.join(", ")),

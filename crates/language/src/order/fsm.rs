@@ -1,5 +1,5 @@
-//! The automaton of a set of rules: all situations, the states of the rules in them, and the
-//! allowed calls.
+//! The automaton of a set of rules. A state combines the situation of each component with the state
+//! of each rule; the transitions are the allowed calls.
 
 use super::Skills;
 use super::supervisor::{Call, Options, State, Supervisor};
@@ -8,16 +8,16 @@ use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_automata::search::shortest;
 use std::collections::BTreeMap;
 
-/// Maximum number of columns of an automaton: calls of one skill or of several at once.
-pub const MOST_CALLS: usize = 4096;
+/// Maximum number of columns of an automaton. Each column is a call of one skill or several at
+/// once.
+pub const MAX_CALLS: usize = 4096;
 
-/// Maximum number of entries of its table.
-pub const MOST_ENTRIES: usize = 1 << 24;
+/// Maximum number of entries of an automaton's table.
+pub const MAX_ENTRIES: usize = 1 << 24;
 
-/// Returns the calls to explore: the single skills in order, then two at once, and so on; within a
-/// size by their masks, ascending. Two skills of one component are never called at once. `most` is
-/// the requested number of skills at once; there are fewer if there would be more than
-/// [`MOST_CALLS`] calls.
+/// Returns the calls of up to `most` skills at once: the single skills in order, then two at once,
+/// and so on; calls of equal size by ascending mask. Two skills of one component are never called
+/// at once. Stops at a smaller size if there would be more than [`MAX_CALLS`] calls.
 pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     let own: Vec<u64> = skills
         .components
@@ -35,7 +35,7 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     for _ in 1..most {
         let mut larger = Vec::new();
         for call in &last {
-            // Each set once: only skills after its last one are added.
+            // Only skills after the last one are added, so that each set is found once.
             let above = call.0.ilog2() as usize + 1;
             for skill in above..count {
                 let component = skills.skills[skill].component;
@@ -43,7 +43,7 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
                     larger.push(Call(call.0 | 1 << skill));
                 }
             }
-            if all.len() + larger.len() > MOST_CALLS {
+            if all.len() + larger.len() > MAX_CALLS {
                 return all;
             }
         }
@@ -57,9 +57,10 @@ pub fn calls(skills: &Skills, most: usize) -> Vec<Call> {
     all
 }
 
-/// Returns the calls that rules distinguish: the single skills, the events of several skills that
-/// rules mention, and any two of all these at once, in the order of [`calls`].
-pub fn telling(skills: &Skills) -> Vec<Call> {
+/// Returns the calls that rules distinguish: the single skills, each combination of simultaneous
+/// skills that a rule mentions, and any two of these at once, in the order of [`calls`]. Omits the
+/// pairs if there would be more than [`MAX_CALLS`] calls.
+pub fn distinguished_calls(skills: &Skills) -> Vec<Call> {
     let count = skills.skills.len();
     let mut parts: Vec<u64> = (0..count).map(|s| 1 << s).collect();
     for rule in &skills.rules {
@@ -78,41 +79,40 @@ pub fn telling(skills: &Skills) -> Vec<Call> {
     let mut all: Vec<u64> = both.filter(fits).collect();
     all.sort_unstable_by_key(|mask| (mask.count_ones(), *mask));
     all.dedup();
-    if all.len() > MOST_CALLS {
+    if all.len() > MAX_CALLS {
         all.retain(|mask| parts.binary_search(mask).is_ok());
     }
     all.into_iter().map(Call).collect()
 }
 
-/// Returns whether some calls of up to `most` skills at once are missing from these, which
-/// [`calls`] returned.
-pub fn is_cut(calls: &[Call], skills: &Skills, most: usize) -> bool {
+/// Returns whether [`calls`] omitted calls of up to `most` skills at once from its result `calls`.
+pub fn is_truncated(calls: &[Call], skills: &Skills, most: usize) -> bool {
     let used = |c: usize| skills.skills.iter().any(|s| s.component == c);
     let components = (0..skills.components.len()).filter(|c| used(*c)).count();
     let known = calls.iter().map(|c| c.skills().count()).max().unwrap_or(0);
     known < most.min(components)
 }
 
-/// All states reachable from the start.
+/// Automaton of a skill set: all states that are reachable from the start.
 #[derive(Debug, Clone)]
 pub struct Fsm {
     /// Columns; see [`calls`].
     pub calls: Vec<Call>,
     /// States; the first is the start.
     pub states: Vec<State>,
-    /// The same as an automaton whose letters are the columns.
+    /// Transitions, as an automaton whose letters are the columns.
     pub dfa: Dfa,
 }
 
-/// A transition between two states: all minimal calls that lead from one to the other; calls that
-/// contain another one are omitted.
+/// All transitions from one state to another, as the minimal calls that lead there: a call that
+/// contains a smaller such call is omitted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Transition {
     /// Source state.
     pub from: usize,
     /// Target state.
     pub to: usize,
-    /// Calls in the order of the columns; at least one.
+    /// Minimal calls, in the order of the columns; at least one.
     pub calls: Vec<Call>,
 }
 
@@ -120,18 +120,18 @@ impl Fsm {
     /// Explores the states of a supervisor under these calls.
     ///
     /// # Errors
-    /// When the table would have more than [`MOST_ENTRIES`] entries, or the deadline has passed.
+    /// When the table would have more than [`MAX_ENTRIES`] entries, or the deadline has passed.
     pub fn explore(
         supervisor: &mut Supervisor<'_>,
         calls: Vec<Call>,
     ) -> Result<Self, BoundExceeded> {
-        Self::explore_within(supervisor, calls, MOST_ENTRIES)
+        Self::explore_within(supervisor, calls, MAX_ENTRIES)
     }
 
-    /// Like [`explore`](Self::explore), with a given limit.
+    /// Like [`explore`](Self::explore), with at most `entries` entries in the table.
     ///
     /// # Errors
-    /// When the table would have more entries than the limit, or the deadline has passed.
+    /// When the table would have more entries, or the deadline has passed.
     pub fn explore_within(
         supervisor: &mut Supervisor<'_>,
         calls: Vec<Call>,
@@ -170,26 +170,30 @@ impl Fsm {
         })
     }
 
-    /// Explores the automaton of some skills, with at most `most` of them at once.
+    /// Explores the automaton of a skill set, with calls of at most `most` skills at once.
     ///
     /// # Errors
-    /// When it is too large.
+    /// When the automaton is too large, or the deadline has passed.
     pub fn of(skills: &Skills, options: Options, most: usize) -> Result<Self, BoundExceeded> {
         let mut supervisor = Supervisor::new(skills, options)?;
         Self::explore(&mut supervisor, calls(skills, most))
     }
 
-    /// Like [`of`](Self::of), but does not track the situation of components where it decides
-    /// nothing: there are fewer states, and the same words.
+    /// Like [`of`](Self::of), but does not track components whose situation has no influence on
+    /// what is allowed: the automaton has fewer states, and accepts the same words.
     ///
     /// # Errors
-    /// When it is too large.
-    pub fn of_words(skills: &Skills, options: Options, most: usize) -> Result<Self, BoundExceeded> {
-        let mut supervisor = Supervisor::new(skills, options)?.lean();
+    /// When the automaton is too large, or the deadline has passed.
+    pub fn of_language(
+        skills: &Skills,
+        options: Options,
+        most: usize,
+    ) -> Result<Self, BoundExceeded> {
+        let mut supervisor = Supervisor::new(skills, options)?.track_relevant_only();
         Self::explore(&mut supervisor, calls(skills, most))
     }
 
-    /// Returns the automaton over single skills: its words, one skill after the other.
+    /// Returns the automaton restricted to calls of single skills; its letters are the skills.
     ///
     /// # Panics
     /// Never: the first columns are the single skills.
@@ -202,8 +206,8 @@ impl Fsm {
         .expect("no more states than before; please report this")
     }
 
-    /// Returns the shortest calls that lead to a state.
-    pub fn way_to(&self, state: usize) -> Vec<Call> {
+    /// Returns a shortest sequence of calls that leads to a state.
+    pub fn path_to(&self, state: usize) -> Vec<Call> {
         let successors = |from: &u32| {
             let columns = self.calls.iter().enumerate();
             let to = columns.map(|(column, call)| (*call, self.dfa.next(*from, column)));
@@ -213,8 +217,8 @@ impl Fsm {
         way.expect("every state was reached; please report this")
     }
 
-    /// Returns the transitions by `from`, then by `to`: one between two states, regardless of the
-    /// number of calls, as the paper counts them.
+    /// Returns the transitions, sorted by `from`, then by `to`: at most one for each pair of
+    /// states, regardless of the number of calls, as the paper counts them.
     pub fn transitions(&self) -> Vec<Transition> {
         let mut between: BTreeMap<(usize, usize), Vec<Call>> = BTreeMap::new();
         for from in 0..self.states.len() {
@@ -224,7 +228,7 @@ impl Fsm {
                     continue;
                 }
                 let calls = between.entry((from, to as usize)).or_default();
-                // Smaller calls come first.
+                // Smaller calls come first, so it suffices to compare with the earlier ones.
                 if calls.iter().all(|c| c.0 & call.0 != c.0) {
                     calls.push(*call);
                 }
@@ -349,9 +353,9 @@ pub(super) mod tests {
         (fsm.states.len(), fsm.transitions().len())
     }
 
-    /// The figures of `facts/other-seeds.md` for the paper's automata.
+    /// Numbers of states and transitions of the paper's automata (`facts/other-seeds.md`).
     #[test]
-    fn the_papers_unit_has_as_many_transitions_as_it_should() {
+    fn the_papers_unit_has_the_published_number_of_transitions() {
         let every = Options::default();
         let paper = Options {
             paper: true,
@@ -361,13 +365,13 @@ pub(super) mod tests {
         let of = |options| rules.map(|rules| counts(rules, options));
         assert_eq!(of(every), [(8, 64), (8, 40), (8, 52), (8, 32)]);
         assert_eq!(of(paper), [(8, 64), (8, 48), (8, 52), (8, 38)]);
-        // Situations mentioned by the deletions are tracked even where others are not.
+        // Situations that deletions mention are tracked, even if irrelevant situations are not.
         let skills = pick_and_place();
         for (options, states) in [(every, 2), (paper, 8)] {
             let whole = Fsm::of(&skills, options, 3).expect("it is small");
-            let lean = Fsm::of_words(&skills, options, 3).expect("it is small");
-            assert_eq!(lean.states.len(), states);
-            assert_eq!(lean.dfa.difference(&whole.dfa), None);
+            let reduced = Fsm::of_language(&skills, options, 3).expect("it is small");
+            assert_eq!(reduced.states.len(), states);
+            assert_eq!(reduced.dfa.difference(&whole.dfa), None);
         }
     }
 
@@ -377,7 +381,7 @@ pub(super) mod tests {
             serialisation: Serialisation::Some,
             ..Options::default()
         };
-        // Down and then Right is rejected, Right and then Down is not.
+        // `Down` and then `Right` is refused, `Right` and then `Down` is allowed.
         let (_, some) = counts(&[0], options);
         assert!(some > 40, "{some}");
     }

@@ -1,14 +1,14 @@
 //! Table layout for monitors: one memory access per call.
 //!
 //! States are numbered by the offset of their row, and a row has a power of two of entries, so a
-//! state plus a skill is an index. An entry that is no such state gives the reason for the refusal.
-//! The same numbers are used by the monitor of this process, the one in C and the one in Structured
-//! Text.
+//! state plus a skill is an index. An entry from [`Layout::refused`] on encodes the reason for a
+//! refusal. The monitor of this process, the one in C and the one in Structured Text use the same
+//! numbers.
 
 use super::monitor::RefusalReason;
 use super::table::{RECALL, REFUSED, TOGETHER, Table};
 
-/// Rows of single skills, and rows of sets of skills.
+/// Table of a monitor: rows for single skills, and rows for sets of skills.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Layout {
     /// Number of entries in a row of [`Layout::single`]: a power of two, at least the number of
@@ -19,9 +19,10 @@ pub struct Layout {
     pub single: Vec<u32>,
     /// Sets of two and more skills that may be called at once, as masks in ascending order.
     pub sets: Vec<u64>,
-    /// Row by row, one entry per set; one row per `stride` of states.
+    /// Row by row, one entry per set, encoded as in [`Layout::single`]; a state's row is the state
+    /// divided by `stride`.
     pub at_once: Vec<u32>,
-    /// First entry that is no state.
+    /// Smallest entry that encodes a refusal; smaller entries are states.
     pub refused: u32,
     /// State before the first call.
     pub start: u32,
@@ -33,7 +34,7 @@ impl Layout {
     /// Lays out the rows of a table.
     ///
     /// # Panics
-    /// When the table is too large for its number type.
+    /// When the number of entries does not fit in `u32`.
     pub fn new(table: &Table) -> Self {
         let stride = table.skills.len().next_power_of_two();
         let small = |number: usize| {
@@ -63,7 +64,7 @@ impl Layout {
         for state in 0..table.states {
             let row = singles.iter().map(|column| match column {
                 Some(column) => layout.entry(table, state, *column),
-                None => layout.code(RefusalReason::Unknown),
+                None => layout.refusal_code(RefusalReason::Unknown),
             });
             let row: Vec<u32> = row.collect();
             layout.single.extend(row);
@@ -79,7 +80,7 @@ impl Layout {
     fn entry(&self, table: &Table, state: usize, column: usize) -> u32 {
         let place = state * table.calls.len() + column;
         match table.next[place] {
-            REFUSED => self.code(match table.why[place] {
+            REFUSED => self.refusal_code(match table.reasons[place] {
                 RECALL => RefusalReason::Recall,
                 TOGETHER => RefusalReason::Together,
                 rule => RefusalReason::Rule(usize::from(rule)),
@@ -88,8 +89,8 @@ impl Layout {
         }
     }
 
-    /// Returns the entry for a refused call.
-    pub fn code(&self, why: RefusalReason) -> u32 {
+    /// Returns the entry that encodes a refusal.
+    pub fn refusal_code(&self, why: RefusalReason) -> u32 {
         self.refused
             + match why {
                 RefusalReason::Rule(rule) => rule as u32,
@@ -99,8 +100,9 @@ impl Layout {
             }
     }
 
-    /// Returns why a call is refused, from an entry that is no state.
-    pub fn why(&self, entry: u32) -> RefusalReason {
+    /// Decodes the reason for a refusal from an entry, which must be at least
+    /// [`Layout::refused`].
+    pub fn refusal_reason(&self, entry: u32) -> RefusalReason {
         match entry - self.refused {
             rule if rule < self.rules => RefusalReason::Rule(rule as usize),
             other if other == self.rules => RefusalReason::Recall,

@@ -1,12 +1,12 @@
-//! Rules as GR(1) safety over conditions that a skill is being called.
+//! Lowers rules to GR(1) safety formulas over conditions that express when a skill is called.
 //!
 //! A skill is *called* in the step in which its condition becomes true: in step 0 if it holds
-//! there, later if it holds and did not hold in the step before. A condition can also say when it
-//! restarts: then the condition is a call even if it held before, as for an operation that may
-//! follow itself. Each rule becomes a variable with the state of the rule's automaton (none for a
-//! rule without memory), the formulas that define it step by step, and one formula for the rule. A
-//! set of skills called in one step is one call: it is looked up in the automaton over sets that
-//! [`super::serial`] builds, so every order of them has to be allowed.
+//! there, later if it holds and did not hold in the step before. A condition can also restart: then
+//! it is a new call although it held in the step before, as for an operation that may follow
+//! itself. Each rule becomes a variable for the state of the rule's automaton (omitted if there is
+//! only one state), the formulas that define this variable step by step, and the formulas of the
+//! rule. The skills called in one step are one call: it is looked up in the automaton over sets
+//! that [`super::serial`] builds, so every order of the skills has to be allowed.
 
 use super::rule::{self, Alphabet};
 use super::serial::{Serial, StateSetId};
@@ -16,64 +16,63 @@ use linewright_automata::bound::BoundExceeded;
 use linewright_core::deadline::Deadline;
 use linewright_core::gr1::{Domain, Expr, Formula, Owner, Side, Time, VarId, Variable};
 
-/// Maximum number of combinations of state and call of a rule.
-const MOST_CASES: usize = 1 << 14;
+/// Maximum number of combinations of a state of a rule and a set of skills.
+const MAX_CASES: usize = 1 << 14;
 
 /// Suffix in the name of a formula about step 0.
-pub const AT_FIRST: &str = " at first";
+pub const INITIAL_SUFFIX: &str = " at first";
 
-/// Returns the name of the rule that a formula of this name expresses. No name in a file contains a
-/// blank.
-pub fn rule_of(formula: &str) -> Option<&str> {
-    let name = formula.strip_suffix(AT_FIRST).unwrap_or(formula);
+/// Returns the name of the rule to which a formula of this name belongs; `None` for other formulas.
+/// The names cannot clash with names in a file, which contain no blanks.
+pub fn rule_name(formula: &str) -> Option<&str> {
+    let name = formula.strip_suffix(INITIAL_SUFFIX).unwrap_or(formula);
     name.strip_prefix("order ")
 }
 
 /// Lowered form of one rule.
 #[derive(Debug, Clone)]
 pub struct LoweredRule {
-    /// Indices of the skills that it mentions.
-    pub speaks_of: Vec<usize>,
-    /// State of its automaton; `None` if there is only one. Its id is the requested one.
+    /// Indices of the skills that the rule depends on.
+    pub mentioned_skills: Vec<usize>,
+    /// State of the rule's automaton, with the requested id; `None` if there is only one state.
     pub variable: Option<Variable>,
     /// Definition of the variable.
     pub definitions: Side,
-    /// Formulas of the rule.
+    /// Formulas that express the rule.
     pub rule: Side,
 }
 
-/// When a skill is called, over the variables of the formulas, without next values.
+/// When a skill is called: expressions over the current values of the variables.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Condition {
     /// The skill is being called.
     pub holds: Expr,
-    /// If the condition holds in the next step, that is a call, whether or not it holds in this
-    /// one.
-    pub anew: Expr,
+    /// If `holds` is true in the next step, that is a new call even if it is true in this step.
+    pub restarts: Expr,
 }
 
 impl Condition {
-    /// Creates a condition that is a call only where it becomes true.
+    /// Creates a condition that is a call only when it becomes true.
     pub fn rising(holds: Expr) -> Self {
         Self {
             holds,
-            anew: Expr::FALSE,
+            restarts: Expr::FALSE,
         }
     }
 
-    /// Returns the formula that the call begins in the step after this one.
+    /// Returns a formula that is true if the call begins in the next step.
     pub fn begins(&self) -> Expr {
         let next = self.holds.substitute(&mut |v, _| Expr::Var(v, Time::Next));
-        let before = self.holds.clone().not().or(self.anew.clone());
+        let before = self.holds.clone().not().or(self.restarts.clone());
         next.and(before).simplify()
     }
 }
 
-/// Conditions for calls, by skill.
+/// Conditions, one per skill.
 pub type Conditions<'a> = &'a [Condition];
 
-/// Returns the rules of a level, including the level's implicit ones: at the level reasonable, one
-/// per skill that forbids its recall.
+/// Returns the rules of a level, including the implicit ones: at the level reasonable, one per
+/// skill with a target situation, which forbids its recall.
 pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     let own = skills.rules.iter().filter(|r| r.level <= level);
     let mut rules: Vec<Rule> = own.cloned().collect();
@@ -82,7 +81,7 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
             rules.extend(recall(skills, skill, level).map(|rule| {
                 Rule {
                     span: skills.skills[skill].span,
-                    // As cited, without its head.
+                    // The text without `order NAME at LEVEL: `.
                     text: rule
                         .text
                         .split_once(": ")
@@ -95,11 +94,11 @@ pub fn rules_of(skills: &Skills, level: Level) -> Vec<Rule> {
     rules
 }
 
-/// Lowers a rule over these conditions. `variable` is the id of the variable that it may need, and
-/// `taken` tells which names are in use.
+/// Lowers a rule over these conditions. `variable` is the id for the variable that holds the state
+/// of the rule, and `taken` returns whether a variable name is in use.
 ///
 /// # Errors
-/// When the rule's automaton is too large.
+/// When the rule's automaton, or the number of its states times the sets of skills, is too large.
 pub fn lower(
     skills: &Skills,
     rule: &Rule,
@@ -110,9 +109,9 @@ pub fn lower(
     let alphabet = Alphabet::of(skills);
     let automaton = rule::automaton(rule, skills, &alphabet, Deadline::NONE)?;
     let mut serial = Serial::new(automaton, Serialisation::Every);
-    let spoken = speaks_of(skills, &alphabet, &serial);
-    let table = Cases::new(skills, &alphabet, &mut serial, &spoken)?;
-    let states = serial.met();
+    let mentioned = mentioned_skills(skills, &alphabet, &serial);
+    let table = Cases::new(skills, &alphabet, &mut serial, &mentioned)?;
+    let states = serial.set_count();
     let at = (states > 1).then_some(variable);
     let now = |skill: usize| when[skill].holds.clone();
     let rising = |skill: usize| when[skill].begins();
@@ -129,7 +128,7 @@ pub fn lower(
         name.push('_');
     }
     let mut lowered = LoweredRule {
-        speaks_of: spoken,
+        mentioned_skills: mentioned,
         variable: at.map(|_| Variable {
             name,
             owner: Owner::System,
@@ -147,7 +146,10 @@ pub fn lower(
     if let Some(at) = at {
         let first = table.next(0, &now);
         let first = Expr::now(at).equals(first);
-        lowered.definitions.initial.push(formula(first, AT_FIRST));
+        lowered
+            .definitions
+            .initial
+            .push(formula(first, INITIAL_SUFFIX));
         let mut later = table.next(states as StateSetId - 1, &rising);
         for state in (0..states as StateSetId - 1).rev() {
             let here = Expr::now(at).equals(Expr::Const(i64::from(state)));
@@ -159,7 +161,7 @@ pub fn lower(
     }
     let first = table.allowed(0, &now);
     if first != Expr::TRUE {
-        lowered.rule.initial.push(formula(first, AT_FIRST));
+        lowered.rule.initial.push(formula(first, INITIAL_SUFFIX));
     }
     let later = (0..states as StateSetId).fold(Expr::TRUE, |all, state| {
         let allowed = table.allowed(state, &rising);
@@ -178,23 +180,23 @@ pub fn lower(
     Ok(lowered)
 }
 
-/// Converts a name to an identifier without the symbols that no variable name has.
+/// Converts a name to an identifier: replaces all but letters and digits by `_`.
 fn identifier(name: &str) -> String {
     let sign = |c: char| if c.is_alphanumeric() { c } else { '_' };
     name.chars().map(sign).collect()
 }
 
-/// Returns the skills in the letters that matter to the rule.
-fn speaks_of(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize> {
-    let mut spoken = vec![false; skills.skills.len()];
+/// Returns the skills that occur in letters with an influence on the rule.
+fn mentioned_skills(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize> {
+    let mut mentioned = vec![false; skills.skills.len()];
     for letter in 0..alphabet.len() {
         if !serial.is_idle(letter) {
             for skill in alphabet.skills_of(letter) {
-                spoken[skill] = true;
+                mentioned[skill] = true;
             }
         }
     }
-    (0..spoken.len()).filter(|s| spoken[*s]).collect()
+    (0..mentioned.len()).filter(|s| mentioned[*s]).collect()
 }
 
 /// For every state, the result of each set of skills that may be called in one step: at most one
@@ -202,8 +204,8 @@ fn speaks_of(skills: &Skills, alphabet: &Alphabet, serial: &Serial) -> Vec<usize
 struct Cases {
     /// For each component that the rule mentions, its skills that the rule mentions.
     components: Vec<Vec<usize>>,
-    /// By state: a mask of skills, and the state after it, `None` if it is refused. Smaller sets
-    /// first.
+    /// By state: sets of skills as masks, smaller sets first, each with the state after it, `None`
+    /// if the set is refused.
     after: Vec<Vec<(u64, Option<StateSetId>)>>,
 }
 
@@ -212,10 +214,10 @@ impl Cases {
         skills: &Skills,
         alphabet: &Alphabet,
         serial: &mut Serial,
-        spoken: &[usize],
+        mentioned: &[usize],
     ) -> Result<Self, BoundExceeded> {
         let components = (0..skills.components.len()).map(|c| {
-            let own = spoken.iter().copied();
+            let own = mentioned.iter().copied();
             own.filter(|s| skills.skills[*s].component == c).collect()
         });
         let components: Vec<Vec<usize>> =
@@ -227,14 +229,14 @@ impl Cases {
                 [*set].into_iter().chain(more)
             });
             sets = longer.collect();
-            if sets.len() > MOST_CASES {
+            if sets.len() > MAX_CASES {
                 return Err(too_many());
             }
         }
         sets.sort_by_key(|set| (set.count_ones(), *set));
         let mut after = Vec::new();
         let mut state = 0;
-        while state < serial.met() {
+        while state < serial.set_count() {
             let mut row = Vec::with_capacity(sets.len());
             for set in &sets {
                 let letters = alphabet.letters(*set);
@@ -242,7 +244,7 @@ impl Cases {
             }
             after.push(row);
             state += 1;
-            if state * sets.len() > MOST_CASES {
+            if state * sets.len() > MAX_CASES {
                 return Err(too_many());
             }
         }
@@ -252,7 +254,7 @@ impl Cases {
     fn to(&self, state: StateSetId, set: u64) -> Option<StateSetId> {
         let row = &self.after[state as usize];
         let found = row.iter().find(|(known, _)| *known == set);
-        found.expect("all sets are there; please report this").1
+        found.expect("all sets were computed; please report this").1
     }
 
     /// Returns the state after a call; it stays the same if the call is refused.
@@ -289,8 +291,9 @@ impl Cases {
         result
     }
 
-    /// Returns the condition on allowed calls in a state: no minimal refused set is called. A set
-    /// that contains a refused set is refused, since the skills of the smaller one may come first.
+    /// Returns the condition that a call is allowed in a state: it contains no minimal refused set.
+    /// A set that contains a refused set is refused, since the skills of the smaller one may come
+    /// first.
     fn allowed(&self, state: StateSetId, called: &impl Fn(usize) -> Expr) -> Expr {
         let mut least: Vec<u64> = Vec::new();
         for (set, to) in &self.after[state as usize] {
@@ -313,7 +316,7 @@ impl Cases {
 
 fn too_many() -> BoundExceeded {
     BoundExceeded::Count {
-        what: "combinations of what is known of a rule and what is called",
-        limit: MOST_CASES,
+        what: "combinations of a rule's state and a call",
+        limit: MAX_CASES,
     }
 }

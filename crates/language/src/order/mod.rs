@@ -49,7 +49,7 @@ use linewright_automata::regex::Regex;
 use linewright_core::source::Span;
 
 /// Maximum number of skills in a set: a call is a mask of 64 bits.
-pub const MOST_SKILLS: usize = 64;
+pub const MAX_SKILLS: usize = 64;
 
 /// Components, their skills, and rules over them.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -60,11 +60,11 @@ pub struct Skills {
     pub doc: String,
     /// Components in order of declaration.
     pub components: Vec<Component>,
-    /// Skills in order of declaration: those of the first component first. At most [`MOST_SKILLS`].
+    /// Skills in order of declaration: those of the first component first. At most [`MAX_SKILLS`].
     pub skills: Vec<Skill>,
     /// Rules in order of declaration.
     pub rules: Vec<Rule>,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
@@ -78,8 +78,8 @@ impl Skills {
         }
     }
 
-    /// Formats a situation: `left, up, open`.
-    pub fn situation(&self, situation: &[usize]) -> String {
+    /// Formats a situation, given by the situation of each component: `left, up, open`.
+    pub fn situation_text(&self, situation: &[usize]) -> String {
         let components = self.components.iter().zip(situation);
         let names = components.filter_map(|(c, s)| c.situations.get(*s).map(String::as_str));
         names.collect::<Vec<_>>().join(", ")
@@ -97,7 +97,7 @@ pub struct Component {
     pub situations: Vec<String>,
     /// Initial situation, as an index into [`Component::situations`]; 0 if there are none.
     pub initial: usize,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
@@ -112,11 +112,11 @@ pub struct Skill {
     pub component: usize,
     /// Target situation, as an index into the component's; `None` for a skill that changes nothing.
     pub effect: Option<usize>,
-    /// Place of its name.
+    /// Source position of the name.
     pub span: Span,
 }
 
-/// How much is forbidden, in ascending order. A level has all rules of those before it.
+/// Strictness of the rules, in ascending order. Each level includes the rules of the lower levels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
     /// Every call is allowed.
@@ -132,7 +132,7 @@ impl Level {
     pub const ALL: [Self; 3] = [Self::Arbitrary, Self::Valid, Self::Reasonable];
 
     /// Returns the keyword of the level.
-    pub fn word(self) -> &'static str {
+    pub fn keyword(self) -> &'static str {
         match self {
             Self::Arbitrary => "arbitrary",
             Self::Valid => "valid",
@@ -141,13 +141,13 @@ impl Level {
     }
 }
 
-/// When several skills called at once are allowed.
+/// Condition under which several skills called at once are allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Serialisation {
-    /// If every order of calling them one after the other is allowed.
+    /// Every order of calling them one after the other is allowed.
     #[default]
     Every,
-    /// If some order is allowed.
+    /// At least one order is allowed.
     Some,
 }
 
@@ -160,14 +160,14 @@ pub struct Rule {
     pub requirement: Option<String>,
     /// Doc comment without slashes.
     pub doc: String,
-    /// Lowest level at which it is kept: valid, or reasonable.
+    /// Lowest level at which the rule applies: valid, or reasonable.
     pub level: Level,
     /// Kind of rule.
     pub kind: Kind,
-    /// Transitions that a published model deletes for it; they replace the rule if that model is
-    /// requested.
+    /// Transitions that a published model deletes instead of applying this rule; used only if that
+    /// model is requested ([`supervisor::Options::paper`]).
     pub deletions: Vec<Deletion>,
-    /// Place of the rule.
+    /// Source position of the rule.
     pub span: Span,
     /// Source text, in one line.
     pub text: String,
@@ -177,33 +177,34 @@ pub struct Rule {
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Event(pub Vec<usize>);
 
-/// The condition of a rule. A list of events means any of them; none is empty.
+/// Condition of a rule. A list of events means any of them; no list is empty unless stated.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Kind {
     /// `never X`
     Never(Vec<Event>),
     /// `after X until Y: never Z`. A call that both ends and begins the window leaves it open.
     After {
-        /// Events that begin it.
+        /// Events that open the window.
         from: Vec<Event>,
-        /// Events that end it; empty for never.
+        /// Events that close the window; if empty, it stays open.
         until: Vec<Event>,
-        /// Events that must not be called in between.
+        /// Events that are forbidden in the window.
         never: Vec<Event>,
     },
-    /// `X before Y`: no `Y` until there has been an `X`. An event in both lists waits for nothing.
+    /// `X before Y`: no `Y` until there has been an `X`. An event in both lists is always
+    /// allowed.
     Before {
-        /// Events that have to come first.
+        /// Events one of which has to come first.
         first: Vec<Event>,
-        /// Events that wait for them.
+        /// Events that are forbidden until then.
         then: Vec<Event>,
     },
-    /// `X only after Y`: every `X` needs a separate `Y` since the last `X`. An `X` in the initial
-    /// situation has used up none.
+    /// `X only after Y`: every `X` needs a separate `Y` since the last `X`. An `X` that the initial
+    /// situation implies consumes no `Y`.
     OnlyAfter {
-        /// Events with the requirement.
+        /// Events that need a preceding event.
         what: Vec<Event>,
-        /// Events that are required.
+        /// Events one of which has to precede.
         after: Vec<Event>,
     },
     /// `at most N of X between Y and Z`: from a `Y` to the next `Z` there are at most N. The call
@@ -216,22 +217,22 @@ pub enum Kind {
         /// Events that begin the count, again after each end; empty if the count begins at the
         /// start.
         from: Vec<Event>,
-        /// Events that end it; empty for never.
+        /// Events that end the count; if empty, it never ends.
         until: Vec<Event>,
     },
-    /// `never X then Y then Z`: these do not follow one another directly. `never X twice in a row`
-    /// is `X then X`. Any of the words is refused, each a list of positions with the events that
-    /// match there.
+    /// `never X then Y then Z`: these must not follow one another directly. `never X twice in a
+    /// row` is `X then X`. Every listed word is refused; a word is a list of positions, each with
+    /// the events that match there.
     InARow(Vec<Vec<Vec<Event>>>),
     /// `sequence (...)`: the calls are a prefix of a word of this regular expression.
     Sequence(Regex),
 }
 
-/// Transitions between situations, given by the mentioned components: (component, situation).
+/// Transitions between situations, selected by conditions (component, situation).
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Deletion {
-    /// Situations before the transition.
+    /// Conditions on the situation before the transition.
     pub from: Vec<(usize, usize)>,
-    /// Situations after the transition.
+    /// Conditions on the situation after the transition.
     pub to: Vec<(usize, usize)>,
 }

@@ -11,14 +11,14 @@ use linewright_automata::bound::BoundExceeded;
 /// Reason why a call is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RefusalReason {
-    /// This rule forbids it, by its index in [`Table::rules`]; the first of them if there are
-    /// several.
+    /// A rule forbids the call: index in [`Table::rules`], the first if several forbid it.
     Rule(usize),
     /// The skill's component is already in its target situation, and recalls are forbidden.
     Recall,
-    /// Two of the skills are of one component, or more are called at once than the table supports.
+    /// Two of the skills belong to one component, or more skills are called at once than the
+    /// monitor supports.
     Together,
-    /// There is no such skill.
+    /// The skill does not exist.
     Unknown,
 }
 
@@ -32,10 +32,10 @@ pub enum Verdict {
     Refused(RefusalReason),
 }
 
-/// The first refused call of several.
+/// First refused call of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Refusal {
-    /// Number of calls before it.
+    /// Number of calls before the refused one.
     pub at: usize,
     /// Reason for the refusal.
     pub why: RefusalReason,
@@ -58,23 +58,22 @@ impl Verdict {
 }
 
 impl RefusalReason {
-    /// Describes the verdict: the rule with its name, or what is wrong with the call.
+    /// Formats the reason: the citation of the rule, or what is wrong with the call.
     pub fn text(self, rules: &[RuleCitation]) -> String {
         match self {
             Self::Rule(rule) => rules[rule].to_string(),
-            Self::Recall => {
-                "a recall: the component is where the skill leads it already".to_owned()
-            }
+            Self::Recall => "a recall: the component is already in the target situation".to_owned(),
             Self::Together => {
-                "two skills of one component, or more at once than this monitor knows".to_owned()
+                "two skills of one component, or more skills at once than this monitor supports"
+                    .to_owned()
             }
-            Self::Unknown => "there is no such skill".to_owned(),
+            Self::Unknown => "this skill does not exist".to_owned(),
         }
     }
 }
 
 impl<'a> Monitor<'a> {
-    /// Creates a monitor before the first call.
+    /// Creates a monitor in the state before the first call.
     pub fn new(table: &'a Table) -> Self {
         let layout = Layout::new(table);
         Self {
@@ -94,17 +93,18 @@ impl<'a> Monitor<'a> {
         self.state / self.layout.stride as u32
     }
 
-    /// Resets to before the first call.
+    /// Resets the monitor to the state before the first call.
     pub fn reset(&mut self) {
         self.state = self.layout.start;
     }
 
-    /// Calls a skill, by its index in the table.
+    /// Calls a skill, by its index in the table. A refused call changes nothing.
     pub fn call(&mut self, skill: u8) -> Verdict {
         self.take(self.single(skill))
     }
 
-    /// Calls all skills of a mask at once; no skill if the mask is empty.
+    /// Calls all skills of a mask at once. A refused call changes nothing; an empty mask is
+    /// allowed.
     pub fn call_at_once(&mut self, skills: u64) -> Verdict {
         self.take(self.at_once(skills))
     }
@@ -114,7 +114,7 @@ impl<'a> Monitor<'a> {
         self.verdict(self.at_once(skills))
     }
 
-    /// Returns the skills that may be called next, each alone, as a mask.
+    /// Returns a mask of the skills that may be called next by themselves.
     pub fn allowed(&self) -> u64 {
         let row = &self.layout.single[self.state as usize..][..self.table.skills.len()];
         let allowed = row.iter().enumerate();
@@ -123,7 +123,8 @@ impl<'a> Monitor<'a> {
             .fold(0, |mask, (skill, _)| mask | 1 << skill)
     }
 
-    /// Calls single skills one after the other, up to the first that is refused.
+    /// Calls single skills one after the other, and stops at the first refused one, which is
+    /// returned.
     pub fn run(&mut self, calls: &[u8]) -> Option<Refusal> {
         let Layout {
             stride,
@@ -141,7 +142,7 @@ impl<'a> Monitor<'a> {
             };
             if entry >= *refused {
                 self.state = state;
-                let why = self.layout.why(entry);
+                let why = self.layout.refusal_reason(entry);
                 return Some(Refusal { at, why });
             }
             state = entry;
@@ -154,7 +155,7 @@ impl<'a> Monitor<'a> {
         if entry < self.layout.refused {
             Verdict::Allowed
         } else {
-            Verdict::Refused(self.layout.why(entry))
+            Verdict::Refused(self.layout.refusal_reason(entry))
         }
     }
 
@@ -172,7 +173,7 @@ impl<'a> Monitor<'a> {
         if skill < self.layout.stride {
             self.layout.single[self.state as usize + skill]
         } else {
-            self.layout.code(RefusalReason::Unknown)
+            self.layout.refusal_code(RefusalReason::Unknown)
         }
     }
 
@@ -182,32 +183,34 @@ impl<'a> Monitor<'a> {
         match skills.count_ones() {
             0 => self.state,
             1 => self.single(skills.trailing_zeros() as u8),
-            _ if known < 64 && skills >> known != 0 => self.layout.code(RefusalReason::Unknown),
+            _ if known < 64 && skills >> known != 0 => {
+                self.layout.refusal_code(RefusalReason::Unknown)
+            }
             _ => match self.layout.sets.binary_search(&skills) {
                 Ok(set) => {
                     let row = self.state as usize / self.layout.stride;
                     self.layout.at_once[row * self.layout.sets.len() + set]
                 }
-                Err(_) => self.layout.code(RefusalReason::Together),
+                Err(_) => self.layout.refusal_code(RefusalReason::Together),
             },
         }
     }
 }
 
-/// A monitor of rules whose table would be too large: it computes the result of a call when it is
-/// made, and caches it. So the first call of its kind in a state takes longer, and allocates.
+/// A monitor for rules whose table would be too large: it computes the result of a call on demand
+/// and caches it. So the first call of its kind in a state takes longer, and allocates.
 #[derive(Debug, Clone)]
-pub struct Unfolding<'a> {
+pub struct LazyMonitor<'a> {
     supervisor: Supervisor<'a>,
     /// Maximum number of skills called at once.
     at_once: u32,
     state: State,
 }
 
-impl<'a> Unfolding<'a> {
-    /// Creates a monitor before the first call, for calls of up to `at_once` skills.
+impl<'a> LazyMonitor<'a> {
+    /// Creates a monitor in the state before the first call, for calls of up to `at_once` skills.
     pub fn new(supervisor: &Supervisor<'a>, at_once: u32) -> Self {
-        let supervisor = supervisor.clone().lean();
+        let supervisor = supervisor.clone().track_relevant_only();
         Self {
             state: supervisor.start(),
             supervisor,
@@ -215,7 +218,8 @@ impl<'a> Unfolding<'a> {
         }
     }
 
-    /// Calls all skills of a mask at once; no skill if the mask is empty.
+    /// Calls all skills of a mask at once. A refused call changes nothing; an empty mask is
+    /// allowed. A call whose result exceeds a bound is refused.
     pub fn call_at_once(&mut self, skills: u64) -> Verdict {
         let known = self.supervisor.skills().skills.len() as u32;
         if skills == 0 {
@@ -237,7 +241,7 @@ impl<'a> Unfolding<'a> {
                 Refused::Recall { .. } => RefusalReason::Recall,
                 Refused::Rule { rule, .. } | Refused::Deleted { rule } => RefusalReason::Rule(rule),
             }),
-            Err(BoundExceeded::Count { .. } | BoundExceeded::Late(_)) => {
+            Err(BoundExceeded::Count { .. } | BoundExceeded::Stopped(_)) => {
                 Verdict::Refused(RefusalReason::Together)
             }
         }

@@ -1,9 +1,9 @@
-//! The automaton of a set of rules as graphs: flat, with one state per situation and rule states,
-//! or by component, like the paper's hierarchical machine.
+//! The automaton of a set of rules as graphs: either one flat graph of all states, or one graph per
+//! component and rule, like the paper's hierarchical machine.
 //!
-//! By component, every component and every rule is a separate region, side by side (Harel,
-//! "Statecharts", 1987). The number of states is then the sum and not the product: a call is
-//! allowed if every region allows it.
+//! In the second form, the components and rules are parallel regions (Harel, "Statecharts", 1987),
+//! and the numbers of states add up instead of multiplying: a call is allowed if every region
+//! allows it.
 
 use super::fsm::Fsm;
 use super::rule::{self, Alphabet};
@@ -14,17 +14,18 @@ use linewright_automata::dfa::REFUSED;
 use linewright_core::drawing::{Edge, Graph, Region};
 use std::collections::BTreeMap;
 
-/// Maximum number of calls in an edge label; longer lists are truncated, and the JSON has them all.
-const MOST_LINES: usize = 4;
+/// Maximum number of lines in an edge label; longer labels are truncated. The JSON output lists all
+/// calls.
+const MAX_LABEL_LINES: usize = 4;
 
-/// Maximum line width; longer lines are broken.
+/// Maximum width of a line of a label in bytes; longer lines are broken between texts.
 const WIDTH: usize = 40;
 
 /// Returns the graph of all states.
 pub fn graph(skills: &Skills, fsm: &Fsm) -> Graph {
     let states = fsm.states.iter().enumerate().map(|(number, state)| {
         let mut label = vec![format!("S{number}")];
-        let situation = skills.situation(&state.situation);
+        let situation = skills.situation_text(&state.situation);
         if !situation.is_empty() {
             label.push(situation);
         }
@@ -49,7 +50,7 @@ pub fn graph(skills: &Skills, fsm: &Fsm) -> Graph {
     }
 }
 
-/// Joins texts to lines of limited width, and truncates them.
+/// Joins texts into lines of limited width, and truncates the list of lines.
 fn lines(texts: impl Iterator<Item = String>) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for text in texts {
@@ -61,15 +62,15 @@ fn lines(texts: impl Iterator<Item = String>) -> Vec<String> {
             _ => lines.push(text),
         }
     }
-    if lines.len() > MOST_LINES {
-        let more = lines.len() - MOST_LINES;
-        lines.truncate(MOST_LINES);
-        lines.push(format!("... {more} lines more"));
+    if lines.len() > MAX_LABEL_LINES {
+        let more = lines.len() - MAX_LABEL_LINES;
+        lines.truncate(MAX_LABEL_LINES);
+        lines.push(format!("... {more} more lines"));
     }
     lines
 }
 
-/// Returns one region per component, and one per kept rule.
+/// Returns one region per component, and one per rule of the level.
 ///
 /// # Errors
 /// When a rule's automaton is too large.
@@ -142,10 +143,10 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
             label: Vec::new(),
         })
         .collect();
-    for state in 0..dfa.states() {
+    for state in 0..dfa.state_count() {
         let mut refused = Vec::new();
         let mut to: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-        for l in 0..dfa.letters() {
+        for l in 0..dfa.letter_count() {
             match dfa.next(state as u32, l) {
                 REFUSED => refused.push(letter(l)),
                 same if same as usize == state => {}
@@ -158,10 +159,10 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
             refused[0].insert_str(0, "refuses ");
             label.extend(refused);
         }
-        let over = automaton.over[state];
-        if over as usize != state {
-            let label = "the call is over".to_owned();
-            to.entry(over as usize).or_default().push(label);
+        let after_call = automaton.after_call[state];
+        if after_call as usize != state {
+            let label = "end of the call".to_owned();
+            to.entry(after_call as usize).or_default().push(label);
         }
         states.push(label);
         edges.extend(to.into_iter().map(|(to, names)| Edge {
@@ -173,8 +174,8 @@ fn of_rule(skills: &Skills, alphabet: &Alphabet, automaton: &rule::Automaton) ->
     Graph { states, edges }
 }
 
-/// Returns the calls of a transition, as lists of names.
-pub fn names(skills: &Skills, calls: &[Call]) -> Vec<Vec<String>> {
+/// Returns calls as lists of skill names.
+pub fn call_names(skills: &Skills, calls: &[Call]) -> Vec<Vec<String>> {
     let of = |call: &Call| {
         call.skills()
             .map(|s| skills.skills[s].name.clone())

@@ -1,14 +1,14 @@
 //! A program of calls, checked before it is loaded: the first refused call, the reason, and
 //! possible continuations.
 
-use super::fsm::{MOST_ENTRIES, calls};
+use super::fsm::{MAX_ENTRIES, calls};
 use super::supervisor::{Call, Refusal, State, Supervisor};
 use linewright_automata::bound::BoundExceeded;
-use linewright_automata::search::{SearchNode, way};
+use linewright_automata::search::{SearchNode, path_labels};
 use rustc_hash::FxHashSet;
 
 /// Maximum number of calls explored in one search.
-pub const MOST_SOUGHT: usize = 1 << 20;
+pub const MAX_SEARCHED_CALLS: usize = 1 << 20;
 
 /// Result of checking a program.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,14 +19,14 @@ pub struct ProgramCheck {
     pub violation: Option<Violation>,
     /// State after the last allowed call.
     pub state: State,
-    /// Rules that are in the middle of a sequence there, by index.
+    /// Indices of the rules whose sequence is unfinished in that state.
     pub unfinished: Vec<usize>,
-    /// Shortest calls that would complete it; `None` if it is complete, or never can be. An error
-    /// if the search is too large.
+    /// Shortest calls that complete the program; `None` if it is complete or cannot be completed.
+    /// An error if the search is too large.
     pub completion: SearchResult,
 }
 
-/// The shortest calls that reach a goal, if there are any.
+/// Shortest calls that reach a goal; `None` if the goal is unreachable.
 pub type SearchResult = Result<Option<Vec<Call>>, BoundExceeded>;
 
 /// A refused call.
@@ -38,10 +38,10 @@ pub struct Violation {
     pub call: Call,
     /// Reason for the refusal.
     pub refusal: Refusal,
-    /// Shortest calls after which it is allowed; `None` if there are none. An error if the search
-    /// is too large.
+    /// Shortest calls after which the refused call is allowed; `None` if it never is. An error if
+    /// the search is too large.
     pub detour: SearchResult,
-    /// Calls allowed in its place: single skills, and up to as many at once as in the call.
+    /// Calls that are allowed instead: with at most as many skills at once as the refused call.
     pub instead: Vec<Call>,
 }
 
@@ -62,7 +62,7 @@ pub fn check(
                     step,
                     call: *call,
                     refusal,
-                    detour: detour(supervisor, &state, *call, MOST_SOUGHT),
+                    detour: detour(supervisor, &state, *call, MAX_SEARCHED_CALLS),
                     instead: allowed(supervisor, &state, call.skills().count())?,
                 };
                 return Ok(ProgramCheck {
@@ -89,7 +89,7 @@ pub fn check(
     })
 }
 
-/// Returns the allowed calls in a state: single skills, and up to `most` at once.
+/// Returns the allowed calls in a state, of at most `most` skills at once.
 ///
 /// # Errors
 /// When one rule mentions too many of the skills of one call.
@@ -107,8 +107,8 @@ pub fn allowed(
     Ok(allowed)
 }
 
-/// Returns the shortest sequence of single skills after which a call is allowed. `None` if there is
-/// none.
+/// Returns the shortest sequence of single skills after which a call is allowed; `None` if there is
+/// no such sequence.
 ///
 /// # Errors
 /// When more than `entries` calls would be explored, or the deadline has passed.
@@ -123,13 +123,13 @@ pub fn detour(
     })
 }
 
-/// Returns the shortest sequence of single skills after which a program may end. `None` if there is
-/// none.
+/// Returns the shortest sequence of single skills after which a program may end; `None` if there is
+/// no such sequence.
 ///
 /// # Errors
 /// When too many states would be explored, or the deadline has passed.
 pub fn completion(supervisor: &mut Supervisor<'_>, from: &State) -> SearchResult {
-    search(supervisor, from, MOST_SOUGHT, |supervisor, state| {
+    search(supervisor, from, MAX_SEARCHED_CALLS, |supervisor, state| {
         supervisor.is_complete(state)
     })
 }
@@ -143,7 +143,7 @@ fn search(
     let singles = calls(supervisor.skills(), 1);
     let limit = entries / singles.len().max(1) + 1;
     let until = supervisor.options().until;
-    let mut seen = FxHashSet::from_iter([supervisor.essence(from)]);
+    let mut seen = FxHashSet::from_iter([supervisor.relevant_part(from)]);
     let mut found: Vec<SearchNode<State, Call>> = vec![(from.clone(), None)];
     let mut at = 0;
     while at < found.len() {
@@ -156,11 +156,11 @@ fn search(
         until.check()?;
         let state = found[at].0.clone();
         if wanted(supervisor, &state) {
-            return Ok(Some(way(&found, at)));
+            return Ok(Some(path_labels(&found, at)));
         }
         for call in &singles {
             if let Ok(Ok(after)) = supervisor.call(&state, *call)
-                && seen.insert(supervisor.essence(&after))
+                && seen.insert(supervisor.relevant_part(&after))
             {
                 found.push((after, Some((at, *call))));
             }
@@ -170,25 +170,26 @@ fn search(
     Ok(None)
 }
 
-/// The shortest sequence of calls that only one of two sets of rules allows.
+/// Shortest sequence of calls that distinguishes two sets of rules.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
-    /// Calls; the last one distinguishes the sets.
+    /// Calls; only one of the sets allows the last one, or lets the program end after it.
     pub calls: Vec<Call>,
-    /// Whether the first set allows it.
+    /// Whether the first set is the one that allows it.
     pub first_allows: bool,
-    /// Why the other set refuses the last call; `None` if it only does not let the program end.
+    /// Why the other set refuses the last call; `None` if the sets differ only in whether the
+    /// program may end.
     pub refusal: Option<Refusal>,
 }
 
-/// Criteria for a difference.
+/// Options for comparing two sets of rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DifferenceOptions {
-    /// Whether programs that only one set lets end count as well.
+    /// Whether a program that may end under only one set counts as a difference.
     pub whole: bool,
-    /// Whether only calls that the first allows and the second refuses count.
+    /// Whether to report only what the first set allows and the second refuses.
     pub one_way: bool,
-    /// Maximum number of calls of pairs of states that are explored.
+    /// Maximum number of explored pairs of states, times the number of calls.
     pub entries: usize,
 }
 
@@ -197,12 +198,13 @@ impl Default for DifferenceOptions {
         Self {
             whole: false,
             one_way: false,
-            entries: MOST_ENTRIES,
+            entries: MAX_ENTRIES,
         }
     }
 }
 
-/// Finds the difference of two sets of rules over the same skills.
+/// Finds a shortest difference of two sets of rules over the same skills; `None` if they agree on
+/// all sequences of these calls.
 ///
 /// # Errors
 /// When there are too many pairs of states, or one rule mentions too many skills of one call.
@@ -210,16 +212,19 @@ pub fn difference(
     first: &Supervisor<'_>,
     second: &Supervisor<'_>,
     calls: &[Call],
-    apart: DifferenceOptions,
+    options: DifferenceOptions,
 ) -> Result<Option<Difference>, BoundExceeded> {
-    let (first, second) = (&mut first.clone().lean(), &mut second.clone().lean());
-    let limit = apart.entries / calls.len().max(1);
+    let (first, second) = (
+        &mut first.clone().track_relevant_only(),
+        &mut second.clone().track_relevant_only(),
+    );
+    let limit = options.entries / calls.len().max(1);
     let start = (first.start(), second.start());
-    // Whether the first lets a program end, if they do not agree on it.
+    // Whether the first set lets a program end, if the two sets disagree on it.
     let ends = |first: &Supervisor<'_>, second: &Supervisor<'_>, (a, b): &(State, State)| {
         let ends = first.is_complete(a);
-        let differ = ends != second.is_complete(b) && (ends || !apart.one_way);
-        (apart.whole && differ).then_some(ends)
+        let differ = ends != second.is_complete(b) && (ends || !options.one_way);
+        (options.whole && differ).then_some(ends)
     };
     if let Some(first_allows) = ends(first, second, &start) {
         return Ok(Some(Difference {
@@ -239,9 +244,9 @@ pub fn difference(
             let pair = match (first.call(&a, *call)?, second.call(&b, *call)?) {
                 (Ok(a), Ok(b)) => (a, b),
                 (Err(_), Err(_)) => continue,
-                (Err(_), Ok(_)) if apart.one_way => continue,
+                (Err(_), Ok(_)) if options.one_way => continue,
                 (allowed, refused) => {
-                    let mut calls = way(&found, at);
+                    let mut calls = path_labels(&found, at);
                     calls.push(*call);
                     return Ok(Some(Difference {
                         calls,
@@ -266,7 +271,7 @@ pub fn difference(
             found.push((pair, Some((at, *call))));
             if let Some(first_allows) = end {
                 return Ok(Some(Difference {
-                    calls: way(&found, found.len() - 1),
+                    calls: path_labels(&found, found.len() - 1),
                     first_allows,
                     refusal: None,
                 }));

@@ -1,12 +1,12 @@
-//! Renumbering of skills, so that two sets can be compared call by call.
+//! Renumbering of skills, so that two skill sets can be compared call by call.
 
 use super::{Event, Kind, Skills};
 
 impl Skills {
-    /// Returns the same set with skill `i` at `places[i]`.
+    /// Returns the same set with skill `i` moved to index `places[i]`.
     ///
     /// # Panics
-    /// When the places are not a permutation of the skills' indices.
+    /// When `places` is not a permutation of the skills' indices.
     #[must_use]
     pub fn renumbered(&self, places: &[usize]) -> Self {
         let mut skills = self.clone();

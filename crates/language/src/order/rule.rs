@@ -2,18 +2,19 @@
 //!
 //! The letters are the skills, followed by every event of several skills that a rule mentions: if
 //! `Left & Down` are called at once, the letters `Left`, `Down` and `Left & Down` come in any
-//! order. Only the `in a row` rules use the skills alone: `Left & Down` occurs where the two follow
-//! each other in one call, so nothing comes between it and its predecessor.
+//! order. The `in a row` rules ignore the letters of events: for them `Left & Down` occurs where
+//! the two skills follow each other in one call, so that no letter separates it from its
+//! predecessor.
 
-use super::standing::{Window, standing};
+use super::standing::{Window, initially_called};
 use super::{Event, Kind, Rule, Skills};
-use linewright_automata::bound::{BoundExceeded, ExplorationBound, MOST_STATES};
+use linewright_automata::bound::{BoundExceeded, ExplorationBound, MAX_DFA_STATES};
 use linewright_automata::dfa::Dfa;
 use linewright_automata::regex::{self, Regex};
 use linewright_core::deadline::Deadline;
 use std::hash::Hash;
 
-/// Letters of a set of skills.
+/// Letters over which the rules of a skill set are automata.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Alphabet {
     /// Number of skills.
@@ -31,7 +32,8 @@ fn masks(events: &[Event]) -> Vec<u64> {
 }
 
 impl Alphabet {
-    /// Returns the letters that the rules of these skills mention.
+    /// Creates the alphabet of a skill set: its skills, and each combination of simultaneous skills
+    /// that one of its rules mentions.
     pub fn of(skills: &Skills) -> Self {
         let mut at_once = Vec::new();
         for rule in &skills.rules {
@@ -71,7 +73,7 @@ impl Alphabet {
         skills.chain(events.map(|(i, _)| self.skills + i)).collect()
     }
 
-    /// Returns the skills of a letter: one, or those of an event of several.
+    /// Returns the skills of a letter: one skill, or those of an event of several.
     pub fn skills_of(&self, letter: usize) -> Vec<usize> {
         match letter.checked_sub(self.skills) {
             None => vec![letter],
@@ -97,7 +99,7 @@ impl Alphabet {
         self.skills + place.expect("an event of these rules; please report this")
     }
 
-    /// Returns, for every letter, whether it is one of these events.
+    /// Returns, for every letter, whether the letter is one of these events.
     fn set(&self, events: &[Event]) -> Vec<bool> {
         let mut set = vec![false; self.len()];
         for event in events {
@@ -108,8 +110,8 @@ impl Alphabet {
 }
 
 impl Kind {
-    /// Calls `seen` with every event, except those of regular expressions.
-    pub fn for_each_event(&self, seen: &mut impl FnMut(&Event)) {
+    /// Calls `visit` with every event, except those of regular expressions.
+    pub fn for_each_event(&self, visit: &mut impl FnMut(&Event)) {
         let lists: Vec<&Vec<Event>> = match self {
             Self::Never(events) => vec![events],
             Self::After { from, until, never } => vec![from, until, never],
@@ -121,7 +123,7 @@ impl Kind {
             Self::InARow(words) => words.iter().flatten().collect(),
             Self::Sequence(_) => Vec::new(),
         };
-        lists.into_iter().flatten().for_each(seen);
+        lists.into_iter().flatten().for_each(visit);
     }
 }
 
@@ -130,13 +132,13 @@ impl Kind {
 pub struct Automaton {
     /// Automaton over the letters of an [`Alphabet`]. Its state 0 is not always the start.
     pub dfa: Dfa,
-    /// Possible start states, ascending: with a closed and with an open window if the initial
-    /// situation does not determine which skill was called last, else one state.
+    /// Possible start states: one, or, if the window can be closed or open at the start, the state
+    /// for the closed and the state for the open window, in this order.
     pub starts: Vec<u32>,
     /// Window at the start.
     pub window: Window,
     /// For every state, the state after the end of the call.
-    pub over: Vec<u32>,
+    pub after_call: Vec<u32>,
 }
 
 impl Automaton {
@@ -145,33 +147,34 @@ impl Automaton {
         self.starts[usize::from(open).min(self.starts.len() - 1)]
     }
 
-    /// Creates an automaton for which the end of a call does not matter.
+    /// Creates an automaton that ignores the end of a call.
     fn of_letters(dfa: Dfa, starts: Vec<u32>) -> Self {
-        let over = (0..dfa.states() as u32).collect();
+        let after_call = (0..dfa.state_count() as u32).collect();
         Self {
             dfa,
             starts,
             window: Window::default(),
-            over,
+            after_call,
         }
     }
 
-    /// Explores states from several starts; `over` gives the state after the end of a call.
+    /// Explores the automaton from several starts; `end_call` returns the state after the end of a
+    /// call. Also returns what `S` each state stands for.
     ///
     /// # Errors
-    /// When there are more than [`MOST_STATES`] states, or the deadline has passed.
+    /// When there are more than [`MAX_DFA_STATES`] states, or the deadline has passed.
     pub(super) fn explore<S: Clone + Eq + Hash>(
         letters: usize,
         starts: &[S],
         until: Deadline,
         step: impl Fn(&S, usize) -> Option<S>,
-        over: impl Fn(&S) -> S,
+        end_call: impl Fn(&S) -> S,
         complete: impl Fn(&S) -> bool,
     ) -> Result<(Self, Vec<S>), BoundExceeded> {
         // The end of a call is an additional letter, so that its successors are found as well.
         let step = |state: &S, letter: usize| {
             if letter == letters {
-                Some(over(state))
+                Some(end_call(state))
             } else {
                 step(state, letter)
             }
@@ -179,16 +182,16 @@ impl Automaton {
         let found = Dfa::explore_all(
             letters + 1,
             starts,
-            ExplorationBound::new(MOST_STATES, until),
+            ExplorationBound::new(MAX_DFA_STATES, until),
             step,
             complete,
         )?;
-        let (dfa, over) = found.dfa.without_last_letter();
+        let (dfa, after_call) = found.dfa.without_last_letter();
         let automaton = Self {
             dfa,
             starts: found.starts,
             window: Window::default(),
-            over,
+            after_call,
         };
         Ok((automaton, found.states))
     }
@@ -197,7 +200,7 @@ impl Automaton {
 /// Returns the automaton of a rule.
 ///
 /// # Errors
-/// When it would have more than [`MOST_STATES`] states, or the deadline has passed.
+/// When it would have more than [`MAX_DFA_STATES`] states, or the deadline has passed.
 pub fn automaton(
     rule: &Rule,
     skills: &Skills,
@@ -206,17 +209,17 @@ pub fn automaton(
 ) -> Result<Automaton, BoundExceeded> {
     let letters = alphabet.len();
     let set = |events: &[Event]| alphabet.set(events);
-    // Whether one of these counts as called at the start.
-    let called = |events: &[Event]| standing(events, skills) != 0;
+    // Whether one of these events counts as called at the start.
+    let called = |events: &[Event]| initially_called(events, skills) != 0;
     match &rule.kind {
         Kind::Never(never) => {
             let never = set(never);
-            one(letters, &[()], |(), l| (!never[l]).then_some(()))
+            always_complete(letters, &[()], |(), l| (!never[l]).then_some(()))
         }
         Kind::After { from, until, never } => {
             let window = Window::new(from, until, skills);
             let (from, until, never) = (set(from), set(until), set(never));
-            let automaton = one(letters, &window.starts(), |open, l| {
+            let automaton = always_complete(letters, &window.starts(), |open, l| {
                 (!(*open && never[l])).then(|| from[l] || *open && !until[l])
             })?;
             Ok(Automaton {
@@ -227,14 +230,14 @@ pub fn automaton(
         Kind::Before { first, then } => {
             let start = called(first);
             let (first, then) = (set(first), set(then));
-            one(letters, &[start], |met, l| {
+            always_complete(letters, &[start], |met, l| {
                 (*met || first[l] || !then[l]).then(|| *met || first[l])
             })
         }
         Kind::OnlyAfter { what, after } => {
             let start = called(after);
             let (what, after) = (set(what), set(after));
-            one(letters, &[start], |ready, l| {
+            always_complete(letters, &[start], |ready, l| {
                 (*ready || !what[l]).then(|| after[l] || *ready && !what[l])
             })
         }
@@ -253,7 +256,7 @@ pub fn automaton(
             let starts: Vec<Option<u32>> =
                 starts.into_iter().map(|open| open.then_some(0)).collect();
             let (of, from, until) = (set(of), set(from), set(until));
-            let automaton = one(letters, &starts, |counted, l| {
+            let automaton = always_complete(letters, &starts, |counted, l| {
                 let counted = match *counted {
                     Some(n) if of[l] && n == *count => return None,
                     Some(n) if of[l] => Some(n + 1),
@@ -275,18 +278,18 @@ pub fn automaton(
     }
 }
 
-/// Creates an automaton all of whose states are complete, with several starts.
-fn one<S: Clone + Eq + Hash>(
+/// Explores an automaton whose states are all complete.
+fn always_complete<S: Clone + Eq + Hash>(
     letters: usize,
     starts: &[S],
     step: impl Fn(&S, usize) -> Option<S>,
 ) -> Result<Automaton, BoundExceeded> {
-    let explored = Dfa::explore_all(letters, starts, MOST_STATES, step, |_| true)?;
+    let explored = Dfa::explore_all(letters, starts, MAX_DFA_STATES, step, |_| true)?;
     Ok(Automaton::of_letters(explored.dfa, explored.starts))
 }
 
-/// Progress in a word: the word, the position in it, and the missing skills of an event of several
-/// skills whose other skills have just been called.
+/// Progress in a word: index of the word, position in it, and a mask of the missing skills if an
+/// event of several skills has only been called in part.
 type WordProgress = (usize, usize, u64);
 
 /// Builds the automaton of words in a row. A state is the progress in each word: the suffixes of
@@ -302,7 +305,7 @@ fn in_a_row(
         .collect();
     let step = |reached: &Vec<WordProgress>, letter: usize| {
         if letter >= alphabet.skills {
-            // The skills of an event of several are sufficient.
+            // Events of several skills are recognized by their single skills.
             return Some(reached.clone());
         }
         let skill = 1 << letter;
@@ -328,16 +331,18 @@ fn in_a_row(
         Some(next)
     };
     // The missing skills of an event have to come in the same call.
-    let over = |reached: &Vec<WordProgress>| {
+    let end_call = |reached: &Vec<WordProgress>| {
         let whole = reached.iter().filter(|(_, _, missing)| *missing == 0);
         whole.copied().collect()
     };
-    let explored = Automaton::explore(alphabet.len(), &[Vec::new()], until, step, over, |_| true);
+    let explored = Automaton::explore(alphabet.len(), &[Vec::new()], until, step, end_call, |_| {
+        true
+    });
     explored.map(|(automaton, _)| automaton)
 }
 
-/// Builds the automaton of the prefixes of a regular expression's words. An event of several skills
-/// changes nothing here.
+/// Builds the automaton of the prefixes of a regular expression's words. Letters of events of
+/// several skills change nothing.
 fn sequence(
     regex: &Regex,
     skills: &Skills,
@@ -347,7 +352,7 @@ fn sequence(
     let dfa = regex::automaton(
         regex,
         skills.skills.len(),
-        ExplorationBound::new(MOST_STATES, until),
+        ExplorationBound::new(MAX_DFA_STATES, until),
     )?;
     let count = skills.skills.len();
     let step = |state: &u32, letter: usize| {
@@ -356,6 +361,6 @@ fn sequence(
         }
         dfa.step(*state, letter)
     };
-    let dfa = Dfa::explore(letters, 0, MOST_STATES, step, |s| dfa.is_complete(*s))?;
+    let dfa = Dfa::explore(letters, 0, MAX_DFA_STATES, step, |s| dfa.is_complete(*s))?;
     Ok(Automaton::of_letters(dfa, vec![0]))
 }

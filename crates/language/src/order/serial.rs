@@ -1,10 +1,10 @@
-//! Several skills at once, as all the orders in which they may be called one after the other.
+//! Calls of several skills at once, treated as all orders of calling them one after the other.
 //!
-//! The paper tries all n! orders of n skills. This module computes the same set by set: which
-//! states can a rule be in after exactly these skills have been called? That is 2^n sets, each
-//! computed from those with one skill less (Held and Karp, "A dynamic programming approach to
-//! sequencing problems", 1962). Since orders may end in different states, the state of a rule is a
-//! set of states.
+//! The paper tries all n! orders of n skills. This module computes the same result from sets of
+//! skills: for each set, the states that a rule can be in after exactly these skills have been
+//! called. There are 2^n sets, each computed from those with one skill less (Held and Karp, "A
+//! dynamic programming approach to sequencing problems", 1962). Since different orders can end in
+//! different states, the state of a rule is a set of states.
 
 use super::Serialisation;
 use super::rule::Automaton;
@@ -12,19 +12,19 @@ use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use rustc_hash::FxHashMap;
 
-/// Maximum number of letters at once, without those that the rule does not distinguish.
-pub const MOST_AT_ONCE: usize = 16;
+/// Maximum number of letters in a call that have an influence on one rule.
+pub const MAX_AT_ONCE: usize = 16;
 
-/// Number of a set of states of one rule's automaton.
+/// Number of a set of states of a rule's automaton, assigned by [`Serial`].
 pub type StateSetId = u32;
 
-/// A rule's automaton, read call by call. The result of each call is cached, so a call is computed
-/// once.
+/// A rule's automaton that reads calls instead of letters. Its states are sets of states, found on
+/// demand; the result of each call is cached.
 #[derive(Debug, Clone)]
 pub struct Serial {
     dfa: Dfa,
     /// For every state, the state after the end of the call.
-    over: Vec<u32>,
+    after_call: Vec<u32>,
     serialisation: Serialisation,
     /// Letters that leave every state as it is.
     idle: Vec<bool>,
@@ -35,15 +35,18 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// Creates a rule's automaton before the first call: the set of number 0.
+    /// Wraps a rule's automaton. The set number 0 is the one before the first call.
     pub fn new(automaton: Automaton, serialisation: Serialisation) -> Self {
         let Automaton {
-            dfa, starts, over, ..
+            dfa,
+            starts,
+            after_call,
+            ..
         } = automaton;
-        let idle = (0..dfa.letters()).map(|l| dfa.is_idle(l)).collect();
+        let idle = (0..dfa.letter_count()).map(|l| dfa.is_idle(l)).collect();
         Self {
             dfa,
-            over,
+            after_call,
             serialisation,
             idle,
             numbers: FxHashMap::from_iter([(starts.clone(), 0)]),
@@ -53,21 +56,22 @@ impl Serial {
     }
 
     /// Returns the number of sets of states found so far.
-    pub fn met(&self) -> usize {
+    pub fn set_count(&self) -> usize {
         self.sets.len()
     }
 
-    /// Returns the states that the rule may be in.
+    /// Returns the states of a set, ascending.
     pub fn states(&self, known: StateSetId) -> &[u32] {
         &self.sets[known as usize]
     }
 
-    /// Returns whether a letter never matters.
+    /// Returns whether a letter leaves every state unchanged.
     pub fn is_idle(&self, letter: usize) -> bool {
         self.idle[letter]
     }
 
-    /// Returns whether a program may end here: in every state of the set, or in some.
+    /// Returns whether a program may end in this set: in every state of it with
+    /// [`Serialisation::Every`], in some state with [`Serialisation::Some`].
     pub fn is_complete(&self, known: StateSetId) -> bool {
         let mut states = self.states(known).iter();
         match self.serialisation {
@@ -76,10 +80,10 @@ impl Serial {
         }
     }
 
-    /// Returns the set after these letters at once; `None` if they are refused.
+    /// Returns the set after a call of these letters at once; `None` if the call is refused.
     ///
     /// # Errors
-    /// When there are more than [`MOST_AT_ONCE`] that matter.
+    /// When more than [`MAX_AT_ONCE`] letters are not idle.
     pub fn call(
         &mut self,
         known: StateSetId,
@@ -99,7 +103,7 @@ impl Serial {
         };
         let after = after.map(|mut states| {
             for state in &mut states {
-                *state = self.over[*state as usize];
+                *state = self.after_call[*state as usize];
             }
             states.sort_unstable();
             states.dedup();
@@ -128,18 +132,17 @@ impl Serial {
         (!reached.is_empty()).then_some(reached)
     }
 
-    /// Returns, for every set of these letters, by mask, the states after calling exactly those. If
-    /// an order is refused and every one has to be allowed, returns the set before, the state and
-    /// the letter instead.
+    /// Returns, for every subset of these letters (by mask), the states after calling exactly those
+    /// letters. Returns where an order is refused instead, if every order has to be allowed.
     fn reached(
         &self,
         known: StateSetId,
         letters: &[usize],
     ) -> Result<Result<Vec<Vec<u32>>, Refused>, BoundExceeded> {
-        if letters.len() > MOST_AT_ONCE {
+        if letters.len() > MAX_AT_ONCE {
             return Err(BoundExceeded::Count {
-                what: "skills at once that one rule refers to",
-                limit: MOST_AT_ONCE,
+                what: "skills at once that one rule mentions",
+                limit: MAX_AT_ONCE,
             });
         }
         let mut sets: Vec<Vec<u32>> = vec![Vec::new(); 1 << letters.len()];
@@ -176,13 +179,12 @@ impl Serial {
         Ok(Ok(sets))
     }
 
-    /// Returns a refused order of these letters, up to the refused letter; `None` if they are
-    /// allowed. With [`Serialisation::Some`], if all orders are refused, returns the given one up
-    /// to the refused letter.
+    /// Returns a refused order of these letters, up to the refused letter; `None` if the call is
+    /// allowed. With [`Serialisation::Some`] this is the given order.
     ///
     /// # Errors
-    /// When there are more than [`MOST_AT_ONCE`] that matter.
-    pub fn refusing(
+    /// When more than [`MAX_AT_ONCE`] letters are not idle.
+    pub fn refused_order(
         &self,
         known: StateSetId,
         letters: &[usize],
@@ -194,8 +196,8 @@ impl Serial {
         if refused.state == REFUSED {
             return Ok(Some(self.refused_in_order(known, &letters)));
         }
-        // Backwards from the state: some letter of the set led to it from a state of the set
-        // without it.
+        // Backwards from the refusing state: one of the letters called before led to that state,
+        // from a state in which the others had been called.
         let mut order = vec![letters[refused.letter]];
         let (mut called, mut state) = (refused.called, refused.state);
         while called != 0 {
@@ -216,7 +218,7 @@ impl Serial {
                 Some((i, rest, from))
             });
             let (i, rest, from) =
-                before.expect("a state is reached from one before; please report this");
+                before.expect("every state was reached from an earlier one; please report this");
             order.push(letters[i]);
             (called, state) = (rest, from);
         }
@@ -238,8 +240,8 @@ impl Serial {
     }
 }
 
-/// Where an order is refused: the letters called before, by mask, the state after them, and the
-/// index of the letter.
+/// Where an order is refused: mask of the letters called before, the state after them, and the
+/// index of the refused letter. The state is [`REFUSED`] if all orders are refused.
 struct Refused {
     called: usize,
     state: u32,

@@ -1,17 +1,19 @@
 //! The initial situation counts as called before the start, in some order.
 //!
 //! A unit that starts left and up has been called `Left` and `Up`, in an unknown order. So a window
-//! that one of them opens and the other closes may be open or not. Several windows depend on one
-//! another there: the result of one order for all of them is found from its end, skill by skill.
+//! that one of them opens and the other closes can be open or closed. Several windows are not
+//! independent of each other: one order has to explain the state of all of them. The possible
+//! orders are explored from the last skill backwards.
 
 use super::{Event, Skills};
-use linewright_automata::bound::{BoundExceeded, MOST_STATES};
+use linewright_automata::bound::{BoundExceeded, MAX_DFA_STATES};
 use std::collections::BTreeSet;
 
-/// Returns those of these skills that the initial situation implies, as a mask. Events of several
-/// skills are omitted: the situation does not show what was called at once.
-pub fn standing(events: &[Event], skills: &Skills) -> u64 {
-    let stands = |skill: &usize| {
+/// Returns the skills among these events that count as called at the start, as a mask: those that
+/// lead to the initial situation of their component. Events of several skills are omitted: the
+/// situation does not show what was called at once.
+pub fn initially_called(events: &[Event], skills: &Skills) -> u64 {
+    let is_initial = |skill: &usize| {
         let skill = &skills.skills[*skill];
         skill.effect == Some(skills.components[skill.component].initial)
     };
@@ -19,11 +21,11 @@ pub fn standing(events: &[Event], skills: &Skills) -> u64 {
         [skill] => Some(skill),
         _ => None,
     });
-    let standing = single.filter(|s| stands(s));
-    standing.fold(0, |mask, skill| mask | 1 << skill)
+    let initial = single.filter(|s| is_initial(s));
+    initial.fold(0, |mask, skill| mask | 1 << skill)
 }
 
-/// A window of a rule at the start: determined by the skill of these that was called last.
+/// Window of a rule at the start: open or closed by whichever of these skills was called last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Window {
     /// Skills that leave it open.
@@ -33,16 +35,17 @@ pub struct Window {
 }
 
 impl Window {
-    /// Creates the window from one of these events until one of those.
+    /// Creates the window that a `from` event opens and an `until` event closes.
     pub fn new(from: &[Event], until: &[Event], skills: &Skills) -> Self {
-        let opening = standing(from, skills);
+        let opening = initially_called(from, skills);
         Self {
             opening,
-            closing: standing(until, skills) & !opening,
+            closing: initially_called(until, skills) & !opening,
         }
     }
 
-    /// Returns whether it is open; both values if that is unknown.
+    /// Returns whether the window can be closed (`false`) and open (`true`) at the start,
+    /// ascending.
     pub fn starts(self) -> Vec<bool> {
         match (self.opening, self.closing) {
             (0, _) => vec![false],
@@ -51,19 +54,19 @@ impl Window {
         }
     }
 
-    /// Returns whether it is open if this skill was the last one; `None` if the skill is not one of
-    /// its own.
+    /// Returns whether the window is open if this skill was called last; `None` if the skill
+    /// neither opens nor closes it.
     fn after(self, skill: u32) -> Option<bool> {
         let has = |mask: u64| mask >> skill & 1 == 1;
         (has(self.opening) || has(self.closing)).then(|| has(self.opening))
     }
 }
 
-/// Returns which of these windows may be open together.
+/// Returns all joint states of these windows at the start: for each, whether each window is open.
 ///
 /// # Errors
-/// When there are too many such sets.
-pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, BoundExceeded> {
+/// When [`MAX_DFA_STATES`] combinations have been explored.
+pub fn joint_starts(windows: &[Window]) -> Result<Vec<Vec<bool>>, BoundExceeded> {
     let begin: Vec<Option<bool>> = windows
         .iter()
         .map(|w| (w.opening == 0).then_some(false))
@@ -85,14 +88,14 @@ pub fn together(windows: &[Window]) -> Result<Vec<Vec<bool>>, BoundExceeded> {
                 .zip(windows)
                 .map(|(decided, w)| decided.or_else(|| w.after(last)))
                 .collect();
-            if seen.len() < MOST_STATES && seen.insert(earlier.clone()) {
+            if seen.len() < MAX_DFA_STATES && seen.insert(earlier.clone()) {
                 waiting.push(earlier);
             }
         }
-        if seen.len() == MOST_STATES {
+        if seen.len() == MAX_DFA_STATES {
             return Err(BoundExceeded::Count {
                 what: "states",
-                limit: MOST_STATES,
+                limit: MAX_DFA_STATES,
             });
         }
     }

@@ -1,5 +1,5 @@
-//! Computation of the strongest level: which recalls and detours can be forbidden without losing
-//! reachable situations.
+//! Computation of the strongest level: finds the recalls and detours that can be forbidden without
+//! losing reachable situations.
 //!
 //! The paper leaves the reasonable level to "an engineer understanding the system and not
 //! systematically following a method", and the strongest one to future work. The method here:
@@ -10,14 +10,16 @@
 //!    `Grip Left Release`, which is `Left`). The result is the situation and the states of all
 //!    rules.
 //! 2. *Test.* A candidate is added as a rule. It is kept if two conditions hold in every state that
-//!    is still reached: every useful situation that was reachable from there without any candidate
-//!    is still reachable (again), and a program can still be completed if it could. Otherwise the
-//!    call is needed, and the situation that would be lost is named.
+//!    is still reachable: every useful situation that could be reached from there without
+//!    candidates can still be reached (again), and a program can still be completed if it could be
+//!    completed before. Otherwise the call is needed, and the situation that would be lost is
+//!    named.
 //! 3. *Order.* Recalls come first, then detours, short ones first, in the order of the skills'
-//!    declaration; each is tested together with all that have been kept. So no rejected candidate
-//!    can be added to the result: it is a strongest set of them, though others may be as strong.
+//!    declaration; each candidate is tested together with all that have been kept. So no rejected
+//!    candidate can be added to the result: it is a maximal set of candidates, though perhaps not
+//!    the only one.
 //!
-//! The engineer may specify candidates to drop, and which situations are useful; the rest is then
+//! The engineer can specify candidates to drop, and which situations are useful; the result is then
 //! recomputed.
 
 use super::fsm::Fsm;
@@ -28,26 +30,27 @@ use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_automata::search::shortest;
 use std::collections::BTreeSet;
 
-/// A partial situation: (component, situation), which selects useful situations.
+/// A partial situation that selects useful situations: pairs (component, situation).
 pub type Pattern = Vec<(usize, usize)>;
 
 /// Parameters of the search.
 #[derive(Debug, Clone)]
 pub struct Request {
-    /// Options that select the kept rules.
+    /// Options that select the rules to which candidates are added.
     pub options: Options,
-    /// Maximum number of skills in a detour; with 1 there are recalls only.
+    /// Maximum number of skills in a detour; with 1 only recalls are tested.
     pub longest: usize,
-    /// Useful situations: those that match one of these patterns. All if there is none.
+    /// Patterns of useful situations; a situation is useful if it matches one of them. If empty,
+    /// all situations are useful.
     pub useful: Vec<Pattern>,
-    /// Names of candidates that the engineer does not want.
+    /// Names of candidates that the engineer rejects.
     pub dropped: BTreeSet<String>,
 }
 
 /// A candidate rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
-    /// Rule that forbids the word; its text is as in a file, for the requested level.
+    /// Rule that forbids the word; its text is the rule's source text for the requested level.
     pub rule: Rule,
     /// Skills of the word.
     pub word: Vec<usize>,
@@ -60,35 +63,36 @@ pub struct Candidate {
 pub enum Verdict {
     /// The word can be forbidden: the rule is part of the strongest level.
     Kept,
-    /// The word is needed: after these calls the situation could no longer be reached.
+    /// The word is needed: without it, a situation could not be reached after some calls.
     Needed {
-        /// Shortest calls after which something is lost.
+        /// Shortest calls after which a situation or the completion is lost.
         after: Vec<Call>,
-        /// Lost situation; `None` if no program could be completed any more.
+        /// Situation that could not be reached; `None` if no program could be completed.
         lost: Option<Vec<usize>>,
     },
-    /// The engineer does not want the rule.
+    /// The engineer rejects the rule.
     Dropped,
 }
 
-/// The strongest level.
+/// Result of the search for the strongest level.
 #[derive(Debug, Clone)]
 pub struct Strongest {
-    /// All candidates in the order in which they were tested.
+    /// All tested candidates, in the order of the tests. A candidate that forbids nothing new is
+    /// not tested.
     pub candidates: Vec<Candidate>,
-    /// Skills with the rules of the level and those that were kept.
+    /// Skill set with its rules and the kept candidates as further rules.
     pub skills: Skills,
 }
 
 /// Finds the strongest level.
 ///
 /// # Errors
-/// When an automaton is too large.
+/// When an automaton is too large, or the deadline has passed.
 pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, BoundExceeded> {
     let base = Fsm::of(skills, request.options, 1)?;
     let mut search = Search {
         request,
-        wanted: ReachabilityGoals::new(&base, &request.useful),
+        goals: ReachabilityGoals::new(&base, &request.useful),
         allowed: base.dfa.clone().prefix_closed(),
         base,
         found: Strongest {
@@ -100,20 +104,21 @@ pub fn strongest(skills: &Skills, request: &Request) -> Result<Strongest, BoundE
     let recalls =
         (0..skills.skills.len()).filter_map(|s| recall(skills, s, level).map(|r| (vec![s], r)));
     for (word, rule) in recalls {
-        search.put_to_the_test(word, rule)?;
+        search.test_candidate(word, rule)?;
     }
     for length in 2..=request.longest {
         request.options.until.check()?;
         for word in detours(&search.base, length) {
             let rule = detour(skills, &word, level);
-            search.put_to_the_test(word, rule)?;
+            search.test_candidate(word, rule)?;
         }
     }
     Ok(search.found)
 }
 
-/// Returns the rule against a recall, as written for a level: its component is in the skill's
-/// target situation, and no other skill has led it away.
+/// Returns the rule that forbids the recall of a skill, with its text for a level: no call of the
+/// skill after one with the same target situation until a skill leads the component elsewhere.
+/// `None` if the skill has no target situation.
 pub(super) fn recall(skills: &Skills, skill: usize, level: Level) -> Option<Rule> {
     let of = &skills.skills[skill];
     let effect = of.effect?;
@@ -156,17 +161,17 @@ fn detour(skills: &Skills, word: &[usize], level: Level) -> Rule {
 }
 
 fn derived(level: Level, name: String, body: &str, kind: Kind) -> Rule {
-    // A file's rules are kept from the level valid on, or at the level reasonable.
+    // Rules in a file apply from the level valid on, or only at the level reasonable.
     let at = match level {
         Level::Arbitrary | Level::Valid => String::new(),
-        Level::Reasonable => format!(" at {}", level.word()),
+        Level::Reasonable => format!(" at {}", level.keyword()),
     };
     Rule {
         text: format!("order {name}{at}: {body}"),
         name,
         requirement: None,
         doc: String::new(),
-        // It is added to the rules of any level.
+        // The rule applies at every level.
         level: Level::Arbitrary,
         kind,
         deletions: Vec::new(),
@@ -174,16 +179,16 @@ fn derived(level: Level, name: String, body: &str, kind: Kind) -> Rule {
     }
 }
 
-/// Returns the words of this length that are allowed somewhere, and wherever they are, have the
-/// result of a shorter word.
+/// Returns the words of this length that are allowed in some state and have the result of a shorter
+/// word in every state in which they are allowed.
 fn detours(base: &Fsm, length: usize) -> Vec<Vec<usize>> {
-    let skills = base.dfa.letters();
+    let skills = base.dfa.letter_count();
     let near: Vec<BTreeSet<u32>> = (0..base.states.len() as u32)
         .map(|from| within(base, from, length - 1))
         .collect();
     let mut found = Vec::new();
     let mut word = vec![0; length];
-    // The states, each with its origin, after every prefix of the word.
+    // Pairs of the state before the word and the state after the current prefix.
     let all: Vec<(u32, u32)> = (0..base.states.len() as u32).map(|s| (s, s)).collect();
     lengthen(base, &near, &mut word, 0, &all, skills, &mut found);
     found
@@ -221,14 +226,14 @@ fn lengthen(
     }
 }
 
-/// Returns the states reached by at most this many calls.
+/// Returns the states that at most `most` calls reach from a state.
 fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
     let mut seen = BTreeSet::from([from]);
     let mut last = vec![from];
     for _ in 0..most {
         let mut next = Vec::new();
         for state in last {
-            for skill in 0..base.dfa.letters() {
+            for skill in 0..base.dfa.letter_count() {
                 let to = base.dfa.next(state, skill);
                 if to != REFUSED && seen.insert(to) {
                     next.push(to);
@@ -240,12 +245,12 @@ fn within(base: &Fsm, from: u32, most: usize) -> BTreeSet<u32> {
     seen
 }
 
-/// What must remain reachable from each state of the level without candidates.
+/// Goals that must remain reachable from each state of the level without candidates.
 struct ReachabilityGoals {
-    /// Useful situations, in order.
+    /// Useful situations, ascending.
     situations: Vec<Vec<usize>>,
-    /// For each state, which of them can be reached by one call or more; the last bit is whether a
-    /// program can be completed.
+    /// For each state, the situations that can be reached by one call or more; the last bit tells
+    /// whether a program can be completed.
     reached: Vec<Bits>,
 }
 
@@ -270,8 +275,8 @@ impl ReachabilityGoals {
     }
 }
 
-/// Returns, for each state, which of these situations can be reached by one call or more, and
-/// whether a program can be completed.
+/// Returns, for each state, which of these situations can be reached by one call or more; the last
+/// bit tells whether a program can be completed.
 fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
     let states = fsm.states.len();
     let place: Vec<Option<usize>> = fsm
@@ -289,7 +294,7 @@ fn reached(fsm: &Fsm, situations: &[Vec<usize>]) -> Vec<Bits> {
         let mut changed = false;
         for from in (0..states).rev() {
             let mut here = std::mem::take(&mut reached[from]);
-            for skill in 0..fsm.dfa.letters() {
+            for skill in 0..fsm.dfa.letter_count() {
                 let to = fsm.dfa.next(from as u32, skill);
                 if to == REFUSED {
                     continue;
@@ -338,8 +343,8 @@ impl Bits {
         changed
     }
 
-    /// Returns the smallest number in this set that is not in the other one.
-    fn first_beyond(&self, other: &Self) -> Option<usize> {
+    /// Returns the smallest number in this set that is not in `other`.
+    fn first_missing_in(&self, other: &Self) -> Option<usize> {
         let mut words = self.0.iter().zip(&other.0).enumerate();
         words.find_map(|(at, (word, other))| match word & !other {
             0 => None,
@@ -348,20 +353,20 @@ impl Bits {
     }
 }
 
-/// Intermediate result of the search.
+/// State of the search.
 struct Search<'a> {
     request: &'a Request,
     /// The level without candidates.
     base: Fsm,
-    wanted: ReachabilityGoals,
+    goals: ReachabilityGoals,
     found: Strongest,
-    /// Words allowed by the rules kept so far, with all their prefixes.
+    /// Words allowed by the rules and the candidates kept so far.
     allowed: Dfa,
 }
 
 impl Search<'_> {
-    /// Tests a candidate that forbids something allowed so far.
-    fn put_to_the_test(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), BoundExceeded> {
+    /// Tests a candidate. Ignores it if it forbids only what is already forbidden.
+    fn test_candidate(&mut self, word: Vec<usize>, rule: Rule) -> Result<(), BoundExceeded> {
         let mut with = self.found.skills.clone();
         with.rules.push(rule.clone());
         let fsm = Fsm::of(&with, self.request.options, 1)?;
@@ -372,7 +377,7 @@ impl Search<'_> {
         let verdict = if self.request.dropped.contains(&rule.name) {
             Verdict::Dropped
         } else {
-            loss(&fsm, &self.base, &self.wanted)
+            loss(&fsm, &self.base, &self.goals)
         };
         if verdict == Verdict::Kept {
             self.found.skills = with;
@@ -387,15 +392,15 @@ impl Search<'_> {
     }
 }
 
-/// Returns what is lost first, if anything: pairs each state with that of the level without
-/// candidates.
-fn loss(fsm: &Fsm, base: &Fsm, wanted: &ReachabilityGoals) -> Verdict {
-    let left = reached(fsm, &wanted.situations);
+/// Returns the verdict on a candidate: `Needed` with the first loss, or `Kept`. Explores pairs of a
+/// state with the candidate and the state of the level without candidates.
+fn loss(fsm: &Fsm, base: &Fsm, goals: &ReachabilityGoals) -> Verdict {
+    let left = reached(fsm, &goals.situations);
     let missing = |&(now, before): &(u32, u32)| {
-        wanted.reached[before as usize].first_beyond(&left[now as usize])
+        goals.reached[before as usize].first_missing_in(&left[now as usize])
     };
     let successors = |&(now, before): &(u32, u32)| -> Vec<(usize, (u32, u32))> {
-        let letters = 0..fsm.dfa.letters();
+        let letters = 0..fsm.dfa.letter_count();
         let to = letters.map(|l| (l, (fsm.dfa.next(now, l), base.dfa.next(before, l))));
         to.filter(|(_, (now, _))| *now != REFUSED).collect()
     };
@@ -405,7 +410,7 @@ fn loss(fsm: &Fsm, base: &Fsm, wanted: &ReachabilityGoals) -> Verdict {
     let end = word.iter().fold((0, 0), |(now, before), l| {
         (fsm.dfa.next(now, *l), base.dfa.next(before, *l))
     });
-    let lost = missing(&end).and_then(|i| wanted.situations.get(i).cloned());
+    let lost = missing(&end).and_then(|i| goals.situations.get(i).cloned());
     Verdict::Needed {
         after: word.into_iter().map(|l| fsm.calls[l]).collect(),
         lost,
@@ -433,7 +438,7 @@ mod tests {
                 let after: Vec<_> = after.iter().map(|c| c.text(&skills)).collect();
                 let lost = lost
                     .as_ref()
-                    .map_or_else(String::new, |l| skills.situation(l));
+                    .map_or_else(String::new, |l| skills.situation_text(l));
                 format!("needed: {} ({}: {lost})\n", c.rule.text, after.join(" "))
             }
         });

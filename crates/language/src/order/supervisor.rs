@@ -2,7 +2,7 @@
 //!
 //! A [`Supervisor`] answers each call with the state after it or the reason for refusal, in the
 //! sense of Ramadge and Wonham, "Supervisory control of a class of discrete event processes"
-//! (1987): it allows and forbids, and calls nothing itself. It computes states on demand;
+//! (1987): it allows and forbids calls, but makes none itself. It computes states on demand;
 //! [`super::fsm`] computes all of them.
 
 use super::rule::{self, Alphabet, Automaton};
@@ -12,7 +12,7 @@ use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa::{Dfa, REFUSED};
 use linewright_core::deadline::Deadline;
 
-/// One skill or several called at once, as a mask over [`Skills::skills`]. Never 0.
+/// One skill, or several called at once, as a mask over [`Skills::skills`]. Never 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Call(pub u64);
 
@@ -37,26 +37,26 @@ impl Call {
 /// Options that determine which calls are allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// Level whose rules, and those of the levels before it, are kept.
+    /// Level: its rules and those of the lower levels apply.
     pub level: Level,
-    /// When several skills at once are allowed.
+    /// Condition under which several skills called at once are allowed.
     pub serialisation: Serialisation,
-    /// Whether rules that list the transitions deleted by a published model are replaced by these
-    /// deletions.
+    /// Whether each rule that lists the transitions that a published model deletes is replaced by
+    /// these deletions.
     pub paper: bool,
     /// Deadline of the computation.
     pub until: Deadline,
 }
 
 impl Options {
-    /// Describes the options, after the name of the skills: `at the level valid`.
+    /// Formats the options: `at the level valid`.
     pub fn text(&self) -> String {
-        let mut text = format!("at the level {}", self.level.word());
+        let mut text = format!("at the level {}", self.level.keyword());
         if self.serialisation == Serialisation::Some {
-            text.push_str(", several skills at once where some order of them is allowed");
+            text.push_str(", several skills at once if some order of them is allowed");
         }
         if self.paper {
-            text.push_str(", with the transitions deleted that a published model deletes");
+            text.push_str(", with the deletions of a published model instead of its rules");
         }
         text
     }
@@ -78,8 +78,9 @@ impl Default for Options {
 pub struct State {
     /// Situation of each component.
     pub situation: Vec<usize>,
-    /// States of the automata.
-    pub known: Vec<StateSetId>,
+    /// For each rule that applies, the number of the set of states that its automaton may be in; a
+    /// single number for all rules with [`Serialisation::Some`].
+    pub rule_states: Vec<StateSetId>,
 }
 
 /// Reason why a call is refused.
@@ -89,7 +90,7 @@ pub enum Refusal {
     SameComponent {
         /// Index of the component.
         component: usize,
-        /// Two of its skills.
+        /// Two of its skills that are called, by index.
         skills: [usize; 2],
     },
     /// A skill whose component is already in its target situation, at the level reasonable.
@@ -101,24 +102,24 @@ pub enum Refusal {
     Rule {
         /// Index in [`Skills::rules`].
         rule: usize,
-        /// Order of calling the skills one after the other that the rule refuses, up to the refused
-        /// skill; events of several skills are omitted.
+        /// An order of the skills that the rule refuses, up to the refused skill. Events of several
+        /// skills are omitted.
         order: Vec<usize>,
     },
-    /// The transition was deleted.
+    /// A published model deletes the transition.
     Deleted {
-        /// Rule that lists it.
+        /// Index of the rule that lists the deletion in [`Skills::rules`].
         rule: usize,
     },
 }
 
-/// Automata that decide on calls.
+/// Automata of the rules.
 #[derive(Debug, Clone)]
 enum Automata {
-    /// One per rule: (index of the rule, its automaton).
+    /// One automaton per rule: (index of the rule, automaton).
     Each(Vec<(usize, Serial)>),
-    /// All rules together, since one order has to be allowed by all of them: the rules, their
-    /// states in each state of the product, and the product.
+    /// One product for all rules, since all of them have to allow the same order: indices of the
+    /// rules, their automata, their states in each state of the product, and the product.
     Together {
         rules: Vec<usize>,
         parts: Vec<Dfa>,
@@ -127,19 +128,19 @@ enum Automata {
     },
 }
 
-/// Allows and refuses calls.
+/// Decides which calls the rules of a level allow.
 #[derive(Debug, Clone)]
 pub struct Supervisor<'a> {
     skills: &'a Skills,
     options: Options,
     alphabet: Alphabet,
     automata: Automata,
-    /// Rules whose deletions are applied.
+    /// Indices of the rules that are replaced by their deletions.
     deleting: Vec<usize>,
-    /// For every component, whether its situation decides what is allowed.
-    decides: Vec<bool>,
-    /// Whether only those components are tracked.
-    lean: bool,
+    /// For every component, whether its situation has an influence on what is allowed.
+    is_relevant: Vec<bool>,
+    /// Whether only relevant components are tracked.
+    relevant_only: bool,
 }
 
 impl<'a> Supervisor<'a> {
@@ -168,13 +169,13 @@ impl<'a> Supervisor<'a> {
                 let serial = |(place, a)| (place, Serial::new(a, Serialisation::Every));
                 Automata::Each(each.into_iter().map(serial).collect())
             }
-            Serialisation::Some => together(each, alphabet.len(), options.until)?,
+            Serialisation::Some => product_of(each, alphabet.len(), options.until)?,
         };
         let deleting: Vec<usize> = deleting.into_iter().map(|(place, _)| place).collect();
-        let mut decides = vec![options.level >= Level::Reasonable; skills.components.len()];
+        let mut is_relevant = vec![options.level >= Level::Reasonable; skills.components.len()];
         for deletion in deleting.iter().flat_map(|r| &skills.rules[*r].deletions) {
             for (component, _) in deletion.from.iter().chain(&deletion.to) {
-                decides[*component] = true;
+                is_relevant[*component] = true;
             }
         }
         Ok(Self {
@@ -183,54 +184,55 @@ impl<'a> Supervisor<'a> {
             alphabet,
             automata,
             deleting,
-            decides,
-            lean: false,
+            is_relevant,
+            relevant_only: false,
         })
     }
 
-    /// Does not track components whose situation decides nothing: the same calls are allowed, with
-    /// fewer states.
+    /// Tracks only components whose situation has an influence on what is allowed: the same calls
+    /// are allowed, with fewer states.
     #[must_use]
-    pub fn lean(mut self) -> Self {
-        self.lean = true;
+    pub fn track_relevant_only(mut self) -> Self {
+        self.relevant_only = true;
         self
     }
 
-    /// Returns the part of a state that decides what is allowed from there on.
-    pub fn essence(&self, state: &State) -> State {
-        let situation = state.situation.iter().zip(&self.decides);
+    /// Returns the state with the situations of irrelevant components set to 0. Two states that
+    /// agree in it allow the same sequences of calls.
+    pub fn relevant_part(&self, state: &State) -> State {
+        let situation = state.situation.iter().zip(&self.is_relevant);
         State {
             situation: situation
-                .map(|(s, decides)| if *decides { *s } else { 0 })
+                .map(|(s, is_relevant)| if *is_relevant { *s } else { 0 })
                 .collect(),
-            known: state.known.clone(),
+            rule_states: state.rule_states.clone(),
         }
     }
 
-    /// Returns the supervised skills.
+    /// Returns the skill set.
     pub fn skills(&self) -> &'a Skills {
         self.skills
     }
 
-    /// Returns the options that determine which calls are allowed.
+    /// Returns the options.
     pub fn options(&self) -> Options {
         self.options
     }
 
     /// Returns the state before the first call.
     pub fn start(&self) -> State {
-        let known = match &self.automata {
+        let rule_states = match &self.automata {
             Automata::Each(each) => vec![0; each.len()],
             Automata::Together { .. } => vec![0],
         };
         State {
             situation: self.skills.components.iter().map(|c| c.initial).collect(),
-            known,
+            rule_states,
         }
     }
 
     /// Returns the situations of the components after a call, whether or not it is allowed.
-    pub fn moved(&self, state: &State, call: Call) -> Vec<usize> {
+    pub fn situation_after(&self, state: &State, call: Call) -> Vec<usize> {
         let mut situation = state.situation.clone();
         for skill in call.skills() {
             let skill = &self.skills.skills[skill];
@@ -241,10 +243,11 @@ impl<'a> Supervisor<'a> {
         situation
     }
 
-    /// Returns the state after a call, or why it is refused.
+    /// Returns the state after a call, or the reason why the call is refused.
     ///
     /// # Errors
-    /// When one rule mentions too many of its skills.
+    /// When one rule mentions more than [`MAX_AT_ONCE`](super::serial::MAX_AT_ONCE) of the call's
+    /// skills and events.
     pub fn call(
         &mut self,
         state: &State,
@@ -254,16 +257,16 @@ impl<'a> Supervisor<'a> {
             return Ok(Err(refusal));
         }
         let letters = self.alphabet.letters(call.0);
-        let mut known = Vec::with_capacity(state.known.len());
+        let mut rule_states = Vec::with_capacity(state.rule_states.len());
         match &mut self.automata {
             Automata::Each(each) => {
-                for ((rule, serial), before) in each.iter_mut().zip(&state.known) {
+                for ((rule, serial), before) in each.iter_mut().zip(&state.rule_states) {
                     let Some(after) = serial.call(*before, &letters)? else {
-                        let order = serial.refusing(*before, &letters)?.unwrap_or_default();
+                        let order = serial.refused_order(*before, &letters)?.unwrap_or_default();
                         let order = without_events(order, self.skills);
                         return Ok(Err(Refusal::Rule { rule: *rule, order }));
                     };
-                    known.push(after);
+                    rule_states.push(after);
                 }
             }
             Automata::Together {
@@ -272,8 +275,8 @@ impl<'a> Supervisor<'a> {
                 states,
                 product,
             } => {
-                let Some(after) = product.call(state.known[0], &letters)? else {
-                    let from = product.states(state.known[0])[0];
+                let Some(after) = product.call(state.rule_states[0], &letters)? else {
+                    let from = product.states(state.rule_states[0])[0];
                     let (rule, order) = first_refusal(parts, &states[from as usize], &letters);
                     let order = without_events(order, self.skills);
                     return Ok(Err(Refusal::Rule {
@@ -281,34 +284,39 @@ impl<'a> Supervisor<'a> {
                         order,
                     }));
                 };
-                known.push(after);
+                rule_states.push(after);
             }
         }
-        let mut situation = self.moved(state, call);
-        if self.lean {
-            for ((after, before), decides) in situation
+        let mut situation = self.situation_after(state, call);
+        if self.relevant_only {
+            for ((after, before), is_relevant) in situation
                 .iter_mut()
                 .zip(&state.situation)
-                .zip(&self.decides)
+                .zip(&self.is_relevant)
             {
-                if !decides {
+                if !is_relevant {
                     *after = *before;
                 }
             }
         }
         for &rule in &self.deleting {
             let deletions = &self.skills.rules[rule].deletions;
-            let stands = |at: &[(usize, usize)], in_it: &[usize]| {
-                at.iter().all(|(component, s)| in_it[*component] == *s)
+            let matches = |conditions: &[(usize, usize)], situation: &[usize]| {
+                conditions
+                    .iter()
+                    .all(|(component, s)| situation[*component] == *s)
             };
             let deleted = deletions
                 .iter()
-                .any(|d| stands(&d.from, &state.situation) && stands(&d.to, &situation));
+                .any(|d| matches(&d.from, &state.situation) && matches(&d.to, &situation));
             if deleted {
                 return Ok(Err(Refusal::Deleted { rule }));
             }
         }
-        Ok(Ok(State { situation, known }))
+        Ok(Ok(State {
+            situation,
+            rule_states,
+        }))
     }
 
     fn refused_by_components(&self, state: &State, call: Call) -> Option<Refusal> {
@@ -332,27 +340,27 @@ impl<'a> Supervisor<'a> {
         recalled.map(|skill| Refusal::Recall { skill })
     }
 
-    /// Returns whether a program may end here: no sequence is in the middle of a word.
+    /// Returns whether a program may end in this state: no sequence is in the middle of a word.
     pub fn is_complete(&self, state: &State) -> bool {
         match &self.automata {
             Automata::Each(each) => {
-                let mut automata = each.iter().zip(&state.known);
-                automata.all(|((_, serial), known)| serial.is_complete(*known))
+                let mut automata = each.iter().zip(&state.rule_states);
+                automata.all(|((_, serial), rule_states)| serial.is_complete(*rule_states))
             }
-            Automata::Together { product, .. } => product.is_complete(state.known[0]),
+            Automata::Together { product, .. } => product.is_complete(state.rule_states[0]),
         }
     }
 
-    /// Returns the rules that prevent a program from ending here, by index: sequences in the middle
-    /// of a word. If one order is enough, returns those unfinished after every order; if there are
-    /// none, those unfinished after some order.
+    /// Returns the indices of the rules that prevent a program from ending in this state: sequences
+    /// in the middle of a word. With [`Serialisation::Some`], returns the rules that are unfinished
+    /// after every order; if there are none, those that are unfinished after some order.
     pub fn unfinished(&self, state: &State) -> Vec<usize> {
         match &self.automata {
             Automata::Each(each) => {
                 let open = each
                     .iter()
-                    .zip(&state.known)
-                    .filter(|((_, serial), known)| !serial.is_complete(**known));
+                    .zip(&state.rule_states)
+                    .filter(|((_, serial), rule_states)| !serial.is_complete(**rule_states));
                 open.map(|((rule, _), _)| *rule).collect()
             }
             Automata::Together {
@@ -361,22 +369,22 @@ impl<'a> Supervisor<'a> {
                 states,
                 product,
             } if !self.is_complete(state) => {
-                let known: Vec<_> = product
-                    .states(state.known[0])
+                let rule_states: Vec<_> = product
+                    .states(state.rule_states[0])
                     .iter()
                     .map(|s| &states[*s as usize])
                     .collect();
                 let open = |rule: usize| {
-                    let states = known.iter().map(move |s| s[rule]);
+                    let states = rule_states.iter().map(move |s| s[rule]);
                     states.map(move |s| !parts[rule].is_complete(s))
                 };
-                let whatever: Vec<usize> =
+                let in_every_order: Vec<usize> =
                     (0..rules.len()).filter(|r| open(*r).all(|o| o)).collect();
-                // Else each can end after some order, but not all after the same one.
-                let open: Vec<usize> = if whatever.is_empty() {
+                // Otherwise each rule can end after some order, but not all after the same one.
+                let open: Vec<usize> = if in_every_order.is_empty() {
                     (0..rules.len()).filter(|r| open(*r).any(|o| o)).collect()
                 } else {
-                    whatever
+                    in_every_order
                 };
                 open.into_iter().map(|r| rules[r]).collect()
             }
@@ -405,15 +413,15 @@ fn first_refusal(parts: &[Dfa], from: &[u32], letters: &[usize]) -> (usize, Vec<
     (0, letters.to_vec())
 }
 
-/// Builds the product of all rules, if one order has to be allowed by all of them.
-fn together(
+/// Builds the product of all rules, for [`Serialisation::Some`].
+fn product_of(
     each: Vec<(usize, Automaton)>,
     letters: usize,
     until: Deadline,
 ) -> Result<Automata, BoundExceeded> {
     let (rules, automata): (Vec<usize>, Vec<Automaton>) = each.into_iter().unzip();
     let windows: Vec<_> = automata.iter().map(|a| a.window).collect();
-    let starts: Vec<Vec<u32>> = standing::together(&windows)?
+    let starts: Vec<Vec<u32>> = standing::joint_starts(&windows)?
         .iter()
         .map(|open| {
             automata
@@ -423,8 +431,8 @@ fn together(
                 .collect()
         })
         .collect();
-    let (parts, overs): (Vec<Dfa>, Vec<Vec<u32>>) =
-        automata.into_iter().map(|a| (a.dfa, a.over)).unzip();
+    let (parts, ends): (Vec<Dfa>, Vec<Vec<u32>>) =
+        automata.into_iter().map(|a| (a.dfa, a.after_call)).unzip();
     let step = |state: &Vec<u32>, letter| {
         let next = state
             .iter()
@@ -437,11 +445,13 @@ fn together(
         let mut states = state.iter().zip(&parts);
         states.all(|(s, dfa)| dfa.is_complete(*s))
     };
-    let over = |state: &Vec<u32>| {
-        let states = state.iter().zip(&overs);
-        states.map(|(s, over)| over[*s as usize]).collect()
+    let end_call = |state: &Vec<u32>| {
+        let states = state.iter().zip(&ends);
+        states
+            .map(|(s, after_call)| after_call[*s as usize])
+            .collect()
     };
-    let (product, states) = Automaton::explore(letters, &starts, until, step, over, complete)?;
+    let (product, states) = Automaton::explore(letters, &starts, until, step, end_call, complete)?;
     Ok(Automata::Together {
         rules,
         parts,

@@ -7,13 +7,13 @@ use super::supervisor::{Call, Refusal, Supervisor};
 use linewright_automata::bound::BoundExceeded;
 use linewright_automata::dfa;
 
-/// Entry of [`Table::next`]: the call is refused.
+/// Entry of [`Table::next`] for a refused call.
 pub const REFUSED: u32 = u32::MAX;
 
-/// Entry of [`Table::why`]: the call is a recall, and recalls are forbidden.
+/// Entry of [`Table::reasons`]: the call is a recall, and recalls are forbidden.
 pub const RECALL: u16 = u16::MAX;
 
-/// Entry of [`Table::why`]: these skills are never called at once.
+/// Entry of [`Table::reasons`]: two of the skills belong to one component.
 pub const TOGETHER: u16 = u16::MAX - 1;
 
 /// The result of every call from every state.
@@ -21,8 +21,8 @@ pub const TOGETHER: u16 = u16::MAX - 1;
 pub struct Table {
     /// Name of the skill set: `PickAndPlaceUnit`.
     pub name: String,
-    /// Description of how its rules are kept: `at the level valid`.
-    pub kept: String,
+    /// Options under which the rules apply, as text: `at the level valid`.
+    pub options_text: String,
     /// Names of the skills.
     pub skills: Vec<String>,
     /// Rules, as messages cite them.
@@ -32,9 +32,9 @@ pub struct Table {
     pub calls: Vec<u64>,
     /// Row by row, `next[state * calls.len() + column]`: the state after the call, or [`REFUSED`].
     pub next: Vec<u32>,
-    /// For every refused entry of [`Table::next`], at the same index, the first rule that refuses:
-    /// an index into [`Table::rules`], [`RECALL`] or [`TOGETHER`].
-    pub why: Vec<u16>,
+    /// For every refused entry of [`Table::next`], at the same index, the reason: the index of the
+    /// first refusing rule in [`Table::rules`], [`RECALL`] or [`TOGETHER`]. 0 for allowed calls.
+    pub reasons: Vec<u16>,
     /// Number of states.
     pub states: usize,
     /// State before the first call.
@@ -53,7 +53,7 @@ pub struct RuleCitation {
 }
 
 impl RuleCitation {
-    /// Returns a rule as it is cited.
+    /// Creates the citation of a rule.
     pub fn of(rule: &Rule) -> Self {
         Self {
             name: rule.name.clone(),
@@ -64,24 +64,24 @@ impl RuleCitation {
 }
 
 impl Table {
-    /// Explores the table of all results of these calls. Components whose situation decides nothing
-    /// are omitted.
+    /// Computes the result of each of these calls from every reachable state. Components whose
+    /// situation has no influence on later calls are not tracked.
     ///
     /// # Errors
-    /// When it would be too large, when one rule mentions too many of the skills of one call, or
-    /// when the deadline has passed.
+    /// When the table would be too large, when one rule mentions too many of the skills of one
+    /// call, or when the deadline has passed.
     pub fn explore(supervisor: &Supervisor<'_>, calls: Vec<Call>) -> Result<Self, BoundExceeded> {
-        let supervisor = &mut supervisor.clone().lean();
+        let supervisor = &mut supervisor.clone().track_relevant_only();
         let fsm = Fsm::explore(supervisor, calls)?;
         let skills = supervisor.skills();
         let mut table = Self {
             name: skills.name.clone(),
-            kept: supervisor.options().text(),
+            options_text: supervisor.options().text(),
             skills: skills.skills.iter().map(|s| s.name.clone()).collect(),
             rules: skills.rules.iter().map(RuleCitation::of).collect(),
             calls: fsm.calls.iter().map(|c| c.0).collect(),
             next: Vec::new(),
-            why: Vec::new(),
+            reasons: Vec::new(),
             states: fsm.states.len(),
             start: 0,
         };
@@ -96,7 +96,7 @@ impl Table {
                 } else {
                     None
                 };
-                table.why.push(match why {
+                table.reasons.push(match why {
                     Some(Refusal::Rule { rule, .. } | Refusal::Deleted { rule }) => rule as u16,
                     Some(Refusal::Recall { .. }) => RECALL,
                     Some(Refusal::SameComponent { .. }) => TOGETHER,

@@ -26,7 +26,7 @@ pub(super) enum Room {
 
 /// Derives the room from the contract.
 pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
-    let limits = Limits::default().within(Budget::BELT);
+    let limits = Limits::default().with_budget(Budget::CONVEYOR);
     let (variables, mut rules, mut again) = contract(&belt.machine);
     let kept: Vec<usize> = (0..rules.len()).collect();
     let wire = |wire: usize| VarId(wire as u32);
@@ -52,10 +52,10 @@ pub(super) fn room(belt: &Belt) -> Result<Room, Limit> {
     let mut may_stay = |question: usize, again: &[usize]| {
         let wanted = RunQuery {
             keep: kept.clone(),
-            again: again.to_vec(),
-            never_again: vec![first + question],
+            infinitely_often: again.to_vec(),
+            finitely_often: vec![first + question],
         };
-        runs.lasso(&wanted).map(|lasso| lasso.is_some())
+        runs.find_lasso(&wanted).map(|lasso| lasso.is_some())
     };
     if may_stay(0, &[])? {
         return Ok(Room::BringsNone);

@@ -31,7 +31,7 @@ impl ClaimBuilder<'_> {
     ) -> FormulaRef {
         let list = list_mut(&mut self.claim.goal, kind);
         let at = FormulaRef {
-            part: None,
+            component: None,
             half: ContractSide::Guarantees,
             kind,
             index: list.len(),
@@ -62,18 +62,20 @@ impl ClaimBuilder<'_> {
 
     /// Guarantees of a place.
     pub(super) fn guarantees(&self, place: usize) -> impl Iterator<Item = FormulaRef> {
-        formulas(&self.system.parts[place].guarantees).map(move |(kind, index, _)| FormulaRef {
-            part: Some(place),
-            half: ContractSide::Guarantees,
-            kind,
-            index,
+        formulas(&self.system.components[place].guarantees).map(move |(kind, index, _)| {
+            FormulaRef {
+                component: Some(place),
+                half: ContractSide::Guarantees,
+                kind,
+                index,
+            }
         })
     }
 
     /// Given formulas of a place: those that mention only its own variables and the environment
     /// variables in its contract.
     pub(super) fn given(&self, place: usize) -> Vec<FormulaRef> {
-        let part = &self.system.parts[place];
+        let part = &self.system.components[place];
         let mut known: BTreeSet<_> = part.drives.iter().copied().collect();
         for (_, _, f) in formulas(&part.guarantees) {
             f.expr.for_each_var(&mut |v, _| {
@@ -90,7 +92,7 @@ impl ClaimBuilder<'_> {
         formulas(&self.claim.given)
             .filter(|(_, _, f)| is_known(&f.expr))
             .map(|(kind, index, _)| FormulaRef {
-                part: None,
+                component: None,
                 half: ContractSide::Assumptions,
                 kind,
                 index,

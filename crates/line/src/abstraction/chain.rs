@@ -124,7 +124,7 @@ impl View<'_> {
                 {
                     let kind = &shape.types[*part];
                     Some(Reason {
-                        text: format!("{name} gives no more {kind} while {most} are in the line"),
+                        text: format!("{name} releases no {kind} while {most} are in the line"),
                         ..Reason::default()
                     })
                 }

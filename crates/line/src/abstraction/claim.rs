@@ -54,7 +54,7 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         };
         let name = format!("{}_keeps_the_way_of_{kind}", declared.name);
         let text = format!(
-            "the way of the next {kind} from {} does not change before it is taken, unless there will be none",
+            "the next {kind} from {} keeps the way it has chosen until it is taken, unless no other comes",
             declared.name
         );
         let none = model.shape.to(place, part).len();
@@ -65,7 +65,7 @@ fn given(model: Model<'_>, line: &Line) -> Side {
             let to = &model.shape.places[*to].name;
             let name = format!("{}_sends_{kind}_to_{to}", declared.name);
             let text = format!(
-                "as long as {} sends on {kind} parts, one of them goes to {to} in the end",
+                "as long as {} passes on {kind} parts, one of them eventually goes to {to}",
                 declared.name
             );
             let sent = is(decision, way).or(is(decision, none));
@@ -79,7 +79,7 @@ fn given(model: Model<'_>, line: &Line) -> Side {
         let comes = model.may_offer(place).not();
         let name = format!("{}_goes_on", declared.name);
         let text = format!(
-            "{} has another {} at some time",
+            "{} eventually has another {}",
             declared.name, model.shape.types[*part]
         );
         let span = line.nodes[declared.node].span;
@@ -99,15 +99,17 @@ fn goal(model: Model<'_>, line: &Line) -> Side {
                 list.push(formula);
             }
         };
-        let text = format!("what comes to {name} is there, and leaves it only for one other place");
+        let text = format!(
+            "a part that arrives at {name} is in {name}, and leaves it only for one other place"
+        );
         push(&mut goal.safety, NO_PART_LOST, text, kept(model, place));
-        let text = format!("{name} takes no part that it has no room for");
+        let text = format!("{name} takes only parts that it has room for");
         push(&mut goal.invariants, NO_OVERFLOW, text, fits(model, place));
         for (what, text, expr) in going_on(model, place) {
             push(&mut goal.justice, what, text, expr);
         }
     }
-    let text = "something can move, or is at work";
+    let text = "something can move, or a station is working";
     let moves = any((0..model.shape.places.len()).map(|place| can_go_on(model, place)));
     goal.invariants
         .push(formula(line.span, NO_CIRCULAR_WAIT, text, &moves));
@@ -211,19 +213,19 @@ fn going_on(model: Model<'_>, place: usize) -> Vec<(&'static str, String, Expr)>
     let name = &model.shape.places[place].name;
     let mut found = Vec::new();
     if let Some(phase) = vars.phase {
-        let text = format!("what {name} works on leaves it in the end");
+        let text = format!("a part that {name} works on eventually leaves it");
         found.push((GOES_ON, text, is(phase, 0)));
         for bill in vars.bills.iter().filter(|b| !b.is_empty()) {
-            let text = format!("what waits in {name} to be joined is joined in the end");
+            let text = format!("components that wait in {name} are eventually joined");
             let none = all(bill.iter().map(|(v, _)| is(*v, 0)));
             found.push((COMPONENTS_GO_ON, text, none));
         }
     } else if vars.queue.is_some() {
-        let text = format!("what is in {name} leaves it in the end, one part after the other");
+        let text = format!("the parts in {name} eventually leave it, one after the other");
         found.push((GOES_ON, text, model.empty(place).or(model.leaves(place))));
     } else if let PlaceKind::Supply { part, .. } = model.shape.places[place].kind {
         let kind = &model.shape.types[part];
-        let text = format!("every {kind} that {name} has comes into the line in the end");
+        let text = format!("every {kind} that {name} has eventually enters the line");
         let offered = any(model
             .shape
             .after(place)

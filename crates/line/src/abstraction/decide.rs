@@ -41,13 +41,13 @@ impl Verdict {
 
 /// Maximum number of variables if parts move at once. There, everything that takes time waits for
 /// everything that does not, so no goal involves only a few places.
-const MOST_AT_ONCE: usize = 24;
+const MAX_AT_ONCE_VARIABLES: usize = 24;
 
 /// The rules of a line: guarantees of all places, and what is given. Rules of the goal follow them.
 fn rules(abstraction: &Abstraction) -> Vec<Rule> {
     let sides = abstraction
         .system
-        .parts
+        .components
         .iter()
         .map(|p| &p.guarantees)
         .chain([&abstraction.claim.given, &abstraction.claim.goal]);
@@ -84,7 +84,7 @@ pub fn examine(
         return Ok((loose, verdict));
     }
     if let Ok(strict) = Abstraction::at_once(line)
-        && strict.system.variables.len() <= most_variables.min(MOST_AT_ONCE)
+        && strict.system.variables.len() <= most_variables.min(MAX_AT_ONCE_VARIABLES)
         && let Ok(verdict) = asked(&strict)
         && (!verdict.holds() || has_a_run(&strict, limits).is_ok_and(|has| has))
     {
@@ -130,7 +130,7 @@ pub fn has_a_run(abstraction: &Abstraction, limits: &Limits) -> Result<bool, Lim
 /// The system with places that keep their guarantees whatever others do.
 fn without_assumptions(system: &System) -> System {
     let mut alone = system.clone();
-    for part in &mut alone.parts {
+    for part in &mut alone.components {
         part.assumptions = Side::default();
     }
     alone
@@ -159,10 +159,12 @@ fn safety(abstraction: &Abstraction, limits: &Limits) -> Result<Verdict, Limit> 
             last: keep.clone(),
             broken: first_goal + place,
         };
-        verdict.open.extend(runs.step(&slip)?.map(|trace| Open {
-            what,
-            why: Refutation::Trace(trace),
-        }));
+        verdict
+            .open
+            .extend(runs.find_violation(&slip)?.map(|trace| Open {
+                what,
+                why: Refutation::Trace(trace),
+            }));
     }
     Ok(verdict)
 }

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// The findings of a verdict: at most one per problem.
 pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let mut told = false;
+    let mut shown = false;
     for open in &verdict.open {
         let name = &abstraction.goal(open.what).name;
         match &open.why {
@@ -22,7 +22,7 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
             Refutation::Lasso(lasso) => {
                 // If one place does not proceed, the places before it do not either, and orders are
                 // not finished.
-                if !std::mem::replace(&mut told, true) {
+                if !std::mem::replace(&mut shown, true) {
                     let run: Vec<&Vec<i64>> = lasso.prefix.iter().chain(&lasso.cycle).collect();
                     found.push(unfinished(line, abstraction, open, &run, &lasso.cycle));
                 }
@@ -31,9 +31,9 @@ pub fn findings(line: &Line, abstraction: &Abstraction, verdict: &Verdict) -> Ve
                 Diagnostic::error(
                     codes::LINE_PART_LOST,
                     line.span,
-                    format!("the line's abstraction breaks its own rule {name}: this is a mistake in Linewright"),
+                    format!("the abstraction of the line violates its own rule {name}: this is a fault of linewright"),
                 )
-                .with_help("please report this with the line's files"),
+                .with_help("please report it with the files of the line"),
             ),
         }
     }
@@ -71,7 +71,7 @@ fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnost
     let states: Vec<&Vec<i64>> = trace.iter().collect();
     finding
         .with_note(format!(
-            "it comes to that, whatever the times, when {}",
+            "whatever the times, this happens when {}",
             there.join(", ")
         ))
         .with_note(format!(
@@ -108,12 +108,14 @@ fn unfinished(
         let product = &abstraction.shape.types[abstraction.shape.product];
         (
             codes::LINE_UNFINISHED,
-            format!("it may be that no {product} is finished any more, though more are ordered"),
+            format!(
+                "it is possible that no {product} is finished any more, though more are ordered"
+            ),
         )
     } else {
         (
             codes::LINE_UNFINISHED,
-            format!("it need not be so that {}", goal.text),
+            format!("this may fail: {}", goal.text),
         )
     };
     if !chain.texts.is_empty() {
@@ -130,7 +132,7 @@ fn unfinished(
     );
     finding
         .with_note(format!("before that, {}", moves(abstraction, run)))
-        .with_note(format!("from then on, again and again, {going}"))
+        .with_note(format!("from then on, repeatedly, {going}"))
         .with_help(advice(line, abstraction, &chain))
 }
 
@@ -177,10 +179,10 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
             })
             .collect();
         return if limits.is_empty() {
-            "See that what is missing can come: it must not wait behind parts that are not needed yet."
+            "Make sure that the missing part can arrive: it must not wait behind parts that are not needed yet."
                 .to_owned()
         } else {
-            format!("See what is missing; {}.", limits.join(", "))
+            format!("Find out why the part is missing; {}.", limits.join(", "))
         };
     }
     let places = chain.places.iter().map(|place| &shape.places[*place]);

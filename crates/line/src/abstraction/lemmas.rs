@@ -57,7 +57,7 @@ fn components(
                 let kind = &model.shape.types[component];
                 let name = format!("{kind}_comes_to_{}", declared.name);
                 let text = format!(
-                    "{} has the {kind} that it joins, again and again",
+                    "again and again, {} receives a {kind} to join",
                     declared.name
                 );
                 let full = is(*there, *most as usize);

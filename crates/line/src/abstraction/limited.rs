@@ -175,7 +175,7 @@ impl<'a> LimitedSupply<'a> {
         let kept = later(&total);
         let kept = sum([kept].into_iter().chain(left)).equals(came);
         let text = format!(
-            "each {part} that {name} gives is in one place, alone or in something else, until it leaves the line"
+            "each {part} that {name} releases is in one place, by itself or joined to others, until it leaves the line"
         );
         let title = format!("{part}_goes_from_place_to_place");
         let kept = book.lemma(
@@ -196,7 +196,7 @@ impl<'a> LimitedSupply<'a> {
         }
         let counted = Expr::now(self.in_line).equals(total);
         let title = format!("{name}_counts_right");
-        let text = format!("what {name} counts is what is in the line");
+        let text = format!("the count of {name} equals the number of its parts in the line");
         book.lemma(
             self.supply,
             RuleKind::Invariant,
@@ -229,7 +229,7 @@ impl<'a> LimitedSupply<'a> {
             .map(|p| self.model.shape.places[*p].name.as_str())
             .collect();
         let text = format!(
-            "at most {} of {} are in {}, alone or in something else",
+            "at most {} of {} are in {}, by themselves or joined to others",
             self.most,
             self.model.shape.types[self.part],
             names.join(", ")
@@ -281,7 +281,7 @@ impl<'a> LimitedSupply<'a> {
             let stay = gone.clone().and(gives.clone().not()).implies(stay);
             let name = format!("{part}_stays_gone_up_to_{here}");
             let text = format!(
-                "where {supply} gives nothing and the places up to the {here} are empty of what it gave, they stay so, and nothing comes from there"
+                "while {supply} releases nothing and the places up to the {here} hold none of its parts, they stay that way, and none comes from there"
             );
             let safe = about
                 .iter()
@@ -301,7 +301,7 @@ impl<'a> LimitedSupply<'a> {
             let again = gives.clone().or(gone);
             let name = format!("{part}_is_gone_up_to_{here}");
             let text = format!(
-                "{supply} gives something, or all places up to the {here} get empty of what it gave"
+                "{supply} releases a part, or all places up to the {here} eventually hold none of its parts"
             );
             let words = (name.as_str(), text.as_str());
             let next_one = book.lemma(place, RuleKind::Justice, words, &again, about, Reach::Named);
@@ -326,7 +326,7 @@ impl<'a> LimitedSupply<'a> {
         from.extend(gone);
         let gives = self.model.leaves(self.supply);
         let title = format!("{name}_gives_again");
-        let text = format!("{name} lets another part into the line, again and again");
+        let text = format!("{name} admits another part to the line, again and again");
         let words = (title.as_str(), text.as_str());
         book.lemma(
             self.supply,
@@ -378,8 +378,8 @@ impl<'a> LimitedSupply<'a> {
                 &self.model.shape.places[place].name,
             );
             let text = match stage.at.bill {
-                Some(_) => format!("{name} has the {kind} that it joins, again and again"),
-                None => format!("{} comes to {name}, again and again", an(kind)),
+                Some(_) => format!("again and again, {name} receives a {kind} to join"),
+                None => format!("{} arrives at {name}, again and again", an(kind)),
             };
             let reach = match stage.at.bill {
                 Some(_) => Reach::Near,

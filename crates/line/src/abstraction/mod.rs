@@ -109,7 +109,7 @@ impl Abstraction {
         let parts = (0..shape.places.len()).map(|p| parts::part(model, line, p, settled.as_ref()));
         let system = System {
             variables: vocabulary.variables.clone(),
-            parts: parts.collect(),
+            components: parts.collect(),
         };
         let claim = claim::claim(model, line, &system);
         Ok(Self {

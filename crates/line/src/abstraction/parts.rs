@@ -8,7 +8,7 @@
 use super::shape::PlaceKind;
 use super::vocabulary::{Model, Phase, Queue};
 use super::words::{all, any, becomes, choose, count, is, later, stays, sum, within};
-use linewright_algebra::system::Part;
+use linewright_algebra::system::Component;
 use linewright_core::gr1::{BinaryOp, Expr, Formula, Side, Timing, VarId};
 use linewright_core::source::Span;
 use linewright_language::contract::line::Line;
@@ -27,7 +27,12 @@ pub(super) fn formula(span: Span, name: &str, text: &str, expr: &Expr) -> Formul
 
 /// The contract of a place. With `settled`, everything that takes time waits until everything that
 /// moves at once has moved.
-pub(super) fn part(model: Model<'_>, line: &Line, place: usize, settled: Option<&Expr>) -> Part {
+pub(super) fn part(
+    model: Model<'_>,
+    line: &Line,
+    place: usize,
+    settled: Option<&Expr>,
+) -> Component {
     let declared = &model.shape.places[place];
     let mut writer = Writer {
         model,
@@ -61,7 +66,7 @@ pub(super) fn part(model: Model<'_>, line: &Line, place: usize, settled: Option<
     drives.extend(vars.in_line.map(|(v, _)| v));
     drives.extend(vars.earlier.iter().map(|(_, _, v)| *v));
     drives.extend(vars.takes);
-    Part {
+    Component {
         name: declared.name.clone(),
         timing: Timing::Moore,
         drives,
@@ -114,7 +119,7 @@ impl Writer<'_> {
             });
             let name = format!("{}_holds_what_it_offers", self.name(*from));
             let text = format!(
-                "{} keeps the part that waits there until it is taken",
+                "{} keeps its waiting part until that is taken",
                 self.name(*from)
             );
             let rule = formula(self.span, &name, &text, &all(kept));
@@ -127,7 +132,7 @@ impl Writer<'_> {
             let rule = later(&taken).implies(model.offers_any(place, to).and(taken.clone().not()));
             let name = format!("{}_takes_what_is_offered", self.name(to));
             let text = format!(
-                "{} takes from here only a part that waits to go there, and each one once",
+                "{} takes from here only parts that wait to go there, and each of them once",
                 self.name(to)
             );
             let first = format!("{name}_at_first");
@@ -167,7 +172,7 @@ impl Writer<'_> {
         );
         self.safety(
             "lets_others_move_first",
-            "what takes time here ends only when nothing moves at once any more anywhere",
+            "work that takes time ends only when nothing in the line can move at once",
             &settled.clone().or(all(still)),
         );
     }
@@ -191,7 +196,7 @@ impl Writer<'_> {
             .map(|(value, task)| becomes(takes, *value).implies(model.complete(place, *task)));
         self.safety(
             "takes_only_what_is_offered",
-            "it takes a part only where one waits to come here, and joins only what is complete",
+            "it takes a part only from a place where one waits for it, and joins only complete bills",
             &all(offered.chain(join)),
         );
         // Takers that can lack room; sinks and stores always have room.
@@ -217,19 +222,17 @@ impl Writer<'_> {
         );
         self.safety(
             "one_at_a_time",
-            "after a part was taken there is a step without",
+            "after a step in which a part was taken, none is taken in the next",
             &is(takes, 0).or(becomes(takes, 0)),
         );
         self.turns();
         let text = match model.shape.places[place].kind {
             PlaceKind::Conveyor { places, sure, .. } if sure < places => format!(
-                "where a part waits to come here, one is taken in the end, if fewer than {sure} are on it or the first one \
-                 has not come to the end yet"
+                "if a part waits to come here, one is eventually taken, as long as fewer than {sure} are on it or the first \
+                 one has not reached the end"
             ),
-            _ => {
-                "where a part waits to come here and there is room for it, one is taken in the end"
-                    .to_owned()
-            }
+            _ => "if a part waits to come here and there is room for it, one is eventually taken"
+                .to_owned(),
         };
         self.justice(
             "takes_in_the_end",
@@ -296,13 +299,13 @@ impl Writer<'_> {
         if !initial.is_empty() {
             self.initial(
                 "some_order_at_first",
-                "those that wait come in some order",
+                "waiting parts are in some order",
                 &all(initial),
             );
         }
         self.safety(
             "first_come_first_served",
-            "of those that there is room for, the one that has waited longest is taken",
+            "of the waiting parts that there is room for, the one that has waited longest is taken",
             &all(rules),
         );
     }
@@ -393,7 +396,7 @@ impl Writer<'_> {
         }
         self.safety(
             "chooses_a_way",
-            "when its work on a part ends, the part waits for the way that its properties ask for",
+            "when its work on a part ends, the part waits for the next place, which its properties determine",
             &all(works),
         );
         self.safety(
@@ -403,7 +406,7 @@ impl Writer<'_> {
         );
         self.safety(
             "hands_over_at_once",
-            "a part that is taken is gone from here, and the station free",
+            "a part that is taken leaves, and the station is free",
             &all(hands),
         );
         self.bills();
@@ -415,7 +418,7 @@ impl Writer<'_> {
         let working = any(working.map(|(i, _)| is(phase, i + 1)));
         self.justice(
             "ends_its_work",
-            "its work on every part ends",
+            "its work on every part eventually ends",
             &working.not(),
         );
     }
@@ -516,32 +519,32 @@ impl Writer<'_> {
                 .and(came.not().and(Expr::now(open)).implies(Expr::next(open)));
             self.safety(
                 "clears_its_first_place",
-                "its first place is taken by a part that comes on, for some time, and then free until the next one",
+                "its first place is occupied for some time by each part that comes on, and then free until the next one",
                 &rule,
             );
             self.justice(
                 "clears_in_the_end",
-                "its first place becomes free again",
+                "its first place eventually becomes free again",
                 &Expr::now(open),
             );
         }
         self.safety(
             "keeps_parts_in_order",
-            "a part that is taken comes in behind the others, the first one leaves when it is taken, the others stay",
+            "a part that is taken joins the end of the queue, the first one leaves when it is taken, the others stay",
             &rule,
         );
         if let Some(end) = vars.end {
             let travels = matches!(model.shape.places[place].kind, PlaceKind::Conveyor { .. });
             self.end(end, &|part| model.first_is(place, part), if travels {
-                "the first part comes to the end at some time, and waits for the way that its properties ask for"
+                "the first part eventually reaches the end, and waits for the next place, which its properties determine"
             } else {
-                "the first part waits for the way that its properties ask for"
+                "the first part waits for the next place, which its properties determine"
             });
             let came = is(end, 0).not().or(model.empty(place));
             let text = if travels {
-                "what is on it comes to its end"
+                "parts on it eventually reach its end"
             } else {
-                "what is in it asks for its way"
+                "the first part in it eventually waits for its next place"
             };
             self.justice("brings_to_the_end", text, &came);
         }
@@ -579,7 +582,7 @@ impl Writer<'_> {
         );
         self.safety(
             "hands_over_at_once",
-            "a part that is taken does not wait here any more",
+            "a part that is taken no longer waits here",
             &all(hands),
         );
     }
@@ -621,7 +624,7 @@ impl Writer<'_> {
             );
             self.safety(
                 "counts_what_is_in_the_line",
-                "it counts one more when it gives a part, and those less that leave the line",
+                "its count increases by one with each part it releases, and decreases with each that leaves the line",
                 &Expr::next(in_line).equals(then),
             );
         }
@@ -630,7 +633,7 @@ impl Writer<'_> {
             self.end(
                 end,
                 &|_| room.clone(),
-                "its next part comes at some time, and only while the line takes more",
+                "its next part eventually comes, but only while its limit allows it",
             );
         }
     }

@@ -329,7 +329,7 @@ impl Shape {
                 && let Some(to) = self.at_once_from(start, true)
             {
                 return Err(UndecidedReason::because(format!(
-                    "parts go from {} to {}, and no time passes",
+                    "parts go from {} to {} without any time passing",
                     declared.name, self.places[to].name
                 )));
             }
@@ -364,7 +364,7 @@ impl Shape {
             });
             if waits {
                 return Err(UndecidedReason::because(format!(
-                    "{name} has a limit and may lie in a store"
+                    "{name} has a limit and may be in a store"
                 )));
             }
         }
@@ -465,7 +465,7 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), UndecidedReaso
             Some((_, room)) => *room,
             None => belt::room(belt).map_err(|limit| UndecidedReason {
                 why: format!(
-                    "the contract of {} is too large to be asked about its room: {limit}",
+                    "the contract of {} is too large to determine its capacity: {limit}",
                     place.name
                 ),
                 limit: Some(limit),
@@ -476,13 +476,13 @@ fn look_at_belts(line: &Line, places: &mut [Place]) -> Result<(), UndecidedReaso
             Room::Sure(number) => *sure = number,
             Room::TakesNone => {
                 return Err(UndecidedReason::because(format!(
-                    "the contract of {} does not say that it takes a part while it is empty",
+                    "the contract of {} does not guarantee that it takes a part when it is empty",
                     place.name
                 )));
             }
             Room::BringsNone => {
                 return Err(UndecidedReason::because(format!(
-                    "the contract of {} does not say that a part on it comes to its end",
+                    "the contract of {} does not guarantee that a part on it reaches its end",
                     place.name
                 )));
             }

@@ -17,12 +17,12 @@ use linewright_language::contract::line::Line;
 use std::collections::BTreeMap;
 
 /// Maximum number of slots for parts of different types.
-const MOST_SLOTS: usize = 64;
+const MAX_SLOTS: usize = 64;
 /// Maximum number of places whose parts wait for the same one: their turns take a formula for every
 /// three of them.
-const MOST_WAITING: usize = 48;
+const MAX_WAITING: usize = 48;
 /// Maximum length of a queue of parts of one type.
-const MOST_COUNTED: u32 = 4_096;
+const MAX_COUNTED: u32 = 4_096;
 
 /// The variables of a place.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -104,9 +104,9 @@ impl Vocabulary {
             }
             new.places.push(vars);
         }
-        if slots > MOST_SLOTS {
+        if slots > MAX_SLOTS {
             return Err(UndecidedReason::because(format!(
-                "its queues have {slots} places for parts of different types, and at most {MOST_SLOTS} are distinguished"
+                "its queues have {slots} places for parts of different types, and at most {MAX_SLOTS} are distinguished"
             )));
         }
         for (place, declared) in shape.places.iter().enumerate() {
@@ -211,9 +211,9 @@ impl Vocabulary {
                 if matches!(declared.kind, PlaceKind::Conveyor { machine: false, .. }) {
                     vars.open = Some(add("open", Domain::Bool));
                 }
-                if *capacity > MOST_COUNTED {
+                if *capacity > MAX_COUNTED {
                     return Err(UndecidedReason::because(format!(
-                        "{} has room for {capacity} parts, and at most {MOST_COUNTED} are counted",
+                        "{} has room for {capacity} parts, and at most {MAX_COUNTED} are counted",
                         declared.name
                     )));
                 }
@@ -227,9 +227,9 @@ impl Vocabulary {
                 } else {
                     let mut labels = vec!["none".to_owned()];
                     labels.extend(types.iter().map(|t| shape.types[*t].clone()));
-                    if *capacity as usize > MOST_SLOTS {
+                    if *capacity as usize > MAX_SLOTS {
                         return Err(UndecidedReason::because(format!(
-                            "{} has {capacity} places for parts of different types, and at most {MOST_SLOTS} are distinguished",
+                            "{} has {capacity} places for parts of different types, and at most {MAX_SLOTS} are distinguished",
                             declared.name
                         )));
                     }
@@ -247,9 +247,9 @@ impl Vocabulary {
         if takers.len() > 1 {
             let turns = !matches!(declared.kind, PlaceKind::End { .. });
             let waiting = takers.len() - 1;
-            if turns && waiting > MOST_WAITING {
+            if turns && waiting > MAX_WAITING {
                 return Err(UndecidedReason::because(format!(
-                    "parts come to {} from {waiting} places, and the turns of at most {MOST_WAITING} are distinguished",
+                    "parts come to {} from {waiting} places, and the turns of at most {MAX_WAITING} are distinguished",
                     declared.name
                 )));
             }

@@ -28,7 +28,7 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
         if let Some(wire) = constant_outside(&belt.machine) {
             let input = &belt.machine.plant[wire];
             let message = format!(
-                "{}: the plant input `{}` gets a value that is not one of {}",
+                "{}: the plant input `{}` gets a value outside {}",
                 declared.name,
                 input.name,
                 input.describe()
@@ -43,19 +43,19 @@ pub(super) fn examine(line: &Line, limits: &Limits, calls: &mut Calls) {
             Ok(found) => calls.findings.extend(found.into_iter().map(|what| match what {
                 BeltViolation::Assumption(text, formula) => {
                     Diagnostic::warning(
-                        codes::LINE_ASKS,
+                        codes::LINE_FORBIDDEN_REQUEST,
                         declared.span,
                         format!("{} may be asked for what {text} forbids: {}", declared.name, formula.text),
                     )
                     .with_label(formula.span, "this would be broken")
-                    .with_help("a line only sees to it that a part that waits to come on goes on waiting; weaken the assumption")
+                    .with_help("a line guarantees only that a part that waits to come on keeps waiting; weaken the assumption")
                 }
                 BeltViolation::Keeping => Diagnostic::warning(
                     codes::LINE_PART_LOST,
                     declared.span,
-                    format!("the contract of {} does not say that every part on it stays on it, in its order, until it is taken", declared.name),
+                    format!("the contract of {} does not guarantee that parts stay on it, in order, until they are taken", declared.name),
                 )
-                .with_help("see what it guarantees of each place in terms of the places before it"),
+                .with_help("compare the guarantee about each place with those about the places before it"),
             })),
             Err(limit) => calls.undecided.push((node, limit.into())),
         }
@@ -83,12 +83,12 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<BeltViolation>, Limit> {
     let machine = &belt.machine;
     let (mut system, claim) = of_machine(machine);
     // Justice is examined elsewhere, with the whole line.
-    for part in &mut system.parts {
+    for part in &mut system.components {
         part.assumptions.justice.clear();
         part.guarantees.justice.clear();
     }
     let assumed = system
-        .parts
+        .components
         .iter()
         .any(|p| formulas(&p.assumptions).next().is_some());
     let claim = Claim {
@@ -102,17 +102,17 @@ fn open(belt: &Belt, limits: &Limits) -> Result<Vec<BeltViolation>, Limit> {
         return Err(Limit::Size);
     }
     let mut found = Vec::new();
-    let mut told = std::collections::BTreeSet::new();
+    let mut shown = std::collections::BTreeSet::new();
     for open in proof.open {
-        match open.what.part {
+        match open.what.component {
             Some(part) => {
-                let side = &system.parts[part].assumptions;
+                let side = &system.components[part].assumptions;
                 let formula =
                     linewright_algebra::system::list(side, open.what.kind)[open.what.index].clone();
                 let component = &machine.components[part];
-                if told.insert((part, formula.span)) {
+                if shown.insert((part, formula.span)) {
                     found.push(BeltViolation::Assumption(
-                        messages::assumed(component, &formula),
+                        messages::describe_assumption(component, &formula),
                         formula,
                     ));
                 }
@@ -148,7 +148,7 @@ fn given(belt: &Belt) -> Side {
         .implies(later(&on(belt.load)));
     side.safety.push(formula(
         belt,
-        "what waits to come on goes on waiting",
+        "a part that waits to come on keeps waiting",
         &waits,
     ));
     let defaults: Vec<f64> = belt.machine.properties.iter().map(|p| p.default).collect();
@@ -166,7 +166,7 @@ fn given(belt: &Belt) -> Side {
             .into_iter()
             .map(|v| wire.clone().equals(Expr::Const(v))));
         side.invariants
-            .push(formula(belt, "inputs of the machine's file", &known));
+            .push(formula(belt, "inputs that the machine's file sets", &known));
     }
     side
 }

@@ -90,7 +90,7 @@ impl<'a> Branch<'a> {
     fn made_surely(&self, part: usize, depth: usize) -> bool {
         let vertices = &self.walk.vertices;
         let counts = |v: &usize| self.comes[*v] && vertices[*v].part == part;
-        let mut sources = self.walk.births.iter().copied().filter(counts);
+        let mut sources = self.walk.origins.iter().copied().filter(counts);
         let joined = (0..vertices.len()).filter(|v| vertices[*v].stage == Stage::Joined);
         let mut joined = joined.filter(counts);
         let of_component = || {

@@ -1,6 +1,6 @@
 //! Findings about the parts of a line, in words, with the way of the part as evidence.
 
-use super::desk::Refusal;
+use super::station::Refusal;
 use super::walk::{Choice, RangeViolation, Stage, Vertex, Walk};
 use super::{Calls, machine_of};
 use crate::abstraction::words::an;
@@ -12,7 +12,7 @@ use linewright_station::{ErrorCode, messages};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum number of operations or value changes listed on the way to a mistake.
-const MOST_TOLD: usize = 8;
+const MAX_LISTED: usize = 8;
 
 /// Adds all findings.
 pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
@@ -24,7 +24,7 @@ pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
     for node in 0..walk.line.nodes.len() {
         writer.refusals(node, &mut calls.findings);
     }
-    writer.misfits(&mut calls.findings);
+    writer.range_violations(&mut calls.findings);
     writer.stranded(&mut calls.findings);
     if walk.is_complete() {
         writer.dead_routes(calls);
@@ -36,15 +36,15 @@ pub(super) fn add(walk: &Walk<'_>, calls: &mut Calls) {
 /// depends on what is left open.
 fn certain(walk: &Walk<'_>) -> Vec<bool> {
     let mut certain = vec![false; walk.vertices.len()];
-    let mut open: Vec<usize> = walk.births.clone();
+    let mut open: Vec<usize> = walk.origins.clone();
     while let Some(at) = open.pop() {
         if std::mem::replace(&mut certain[at], true) {
             continue;
         }
         let vertex = &walk.vertices[at];
         let refused = vertex.call.is_some_and(|call| {
-            let desk = walk.desks[vertex.node].as_ref();
-            desk.is_some_and(|d| d.calls[call].answers.values().any(Result::is_err))
+            let station = walk.stations[vertex.node].as_ref();
+            station.is_some_and(|d| d.calls[call].answers.values().any(Result::is_err))
         });
         let decided = vertex.choice == Choice::Chance || vertex.next.len() == 1;
         if decided && !refused {
@@ -82,15 +82,16 @@ impl Writer<'_> {
     /// One finding per operation and kind of problem: the most certain, then the one with the
     /// shortest way.
     fn refusals(&self, node: usize, findings: &mut Vec<Diagnostic>) {
-        let (Some(machine), Some(desk)) = (machine_of(self.line(), node), &self.walk.desks[node])
+        let (Some(machine), Some(station)) =
+            (machine_of(self.line(), node), &self.walk.stations[node])
         else {
             return;
         };
         let mut best: BTreeMap<(usize, i32, String), (Rank, Refused<'_>)> = BTreeMap::new();
         for (call, state, refusal) in self.walk.refusals(node) {
-            let always = desk.calls[call].answers.values().all(Result::is_err);
-            let before = desk.way_to(state).len();
-            for at in self.walk.askers(node, call) {
+            let always = station.calls[call].answers.values().all(Result::is_err);
+            let before = station.way_to(state).len();
+            for at in self.walk.callers(node, call) {
                 let way = self.depth[*at];
                 let rank = (!(always && self.certain[*at]), before, way, *at);
                 let what = refusal
@@ -124,18 +125,18 @@ impl Writer<'_> {
             .as_ref()
             .and_then(|rule| formula_of(machine, rule));
         let kind = &self.line().parts[vertex.part].name;
-        let way = self.walk.desks[vertex.node].as_ref();
-        let earlier = way.map_or(Vec::new(), |desk| desk.way_to(refused.state));
+        let way = self.walk.stations[vertex.node].as_ref();
+        let earlier = way.map_or(Vec::new(), |station| station.way_to(refused.state));
         let of_order = error.code == ErrorCode::Order || !refused.always;
         let is_assumed = matches!(error.code, ErrorCode::Order | ErrorCode::Assumption);
         let mut finding = match rule.filter(|_| of_order && is_assumed) {
             Some((component, formula)) => {
-                let forbids = messages::assumed(component, formula);
+                let forbids = messages::describe_assumption(component, formula);
                 let message = format!(
                     "{} may be asked for what {forbids} forbids: {}",
                     node.name, formula.text
                 );
-                Diagnostic::warning(codes::LINE_ASKS, node.span, message)
+                Diagnostic::warning(codes::LINE_FORBIDDEN_REQUEST, node.span, message)
             }
             None if of_order || !self.certain[refused.at] => {
                 let message = format!("{} may refuse {}: {}", node.name, an(kind), error.message);
@@ -152,14 +153,14 @@ impl Writer<'_> {
         if of_order {
             let asked = self.operations(vertex.node, machine, &earlier, refused);
             finding = finding.with_note(format!(
-                "it comes to that when {} is asked for {}: {} is refused, and the part at work is taken out of the line",
+                "this happens when {} is asked for {}: {} is refused, and the current part is removed from the line",
                 node.name,
                 in_turn(&asked),
-                if asked.len() == 1 { "that" } else { "the last of these" }
+                if asked.len() == 1 { "this" } else { "the last of these" }
             ));
         }
         if !self.line().parts[vertex.part].properties.is_empty() {
-            finding = finding.with_note(self.story(refused.at));
+            finding = finding.with_note(self.history(refused.at));
         }
         finding.with_help(self.help(refused, machine, of_order))
     }
@@ -168,31 +169,31 @@ impl Writer<'_> {
         let vertex = &self.walk.vertices[refused.at];
         match refused.refusal.error.code {
             ErrorCode::Limit => {
-                let desk = self.walk.desks[vertex.node].as_ref();
+                let station = self.walk.stations[vertex.node].as_ref();
                 let NodeKind::Station { tasks, .. } = &self.line().nodes[vertex.node].kind else {
                     return String::new();
                 };
-                let needed = desk.and_then(|desk| {
-                    let call = &desk.calls[refused.call];
-                    desk.steps_needed(refused.state, &tasks[call.task], call, self.walk.bounds.steps)
+                let needed = station.and_then(|station| {
+                    let call = &station.calls[refused.call];
+                    station.steps_needed(refused.state, &tasks[call.task], call, self.walk.bounds.steps)
                 });
                 match needed {
                     Some(steps) => format!(
                         "it would take {steps} steps, and `{}` allows {}: write `limit {steps} steps`, or a larger number",
                         machine.name, machine.step_limit
                     ),
-                    None => "the operation does not end with a far larger limit either: see what its actions wait for"
+                    None => "the operation does not end with a far larger limit either: find out what its actions wait for"
                         .to_owned(),
                 }
             }
             ErrorCode::Domain => {
-                "keep such values away by a route with a condition, or let the machine's expressions and ranges allow for them"
+                "keep such values away by a route with a condition, or extend the machine's expressions and ranges to them"
                     .to_owned()
             }
             _ if of_order => {
                 "let the station perform other operations, or the same ones in another order; or weaken what forbids it".to_owned()
             }
-            _ => "keep such parts away by a route with a condition, change what the machine makes of their values, or weaken the assumption"
+            _ => "keep such parts away by a route with a condition, change the `abstract` that maps their values, or weaken the assumption"
                 .to_owned(),
         }
     }
@@ -208,10 +209,10 @@ impl Writer<'_> {
         let NodeKind::Station { tasks, .. } = &self.line().nodes[node].kind else {
             return Vec::new();
         };
-        let Some(desk) = &self.walk.desks[node] else {
+        let Some(station) = &self.walk.stations[node] else {
             return Vec::new();
         };
-        let of_call = |call: usize| tasks[desk.calls[call].task].operations.iter();
+        let of_call = |call: usize| tasks[station.calls[call].task].operations.iter();
         let name = |operation: usize| machine.operations[operation].name.as_str();
         let mut asked: Vec<&str> = earlier
             .iter()
@@ -227,22 +228,27 @@ impl Writer<'_> {
         asked
     }
 
-    fn misfits(&self, findings: &mut Vec<Diagnostic>) {
-        let mut told = BTreeSet::new();
-        for misfit in &self.walk.misfits {
-            let vertex = &self.walk.vertices[misfit.vertex];
-            if told.insert((vertex.node, vertex.part, misfit.property, misfit.defect)) {
-                findings.push(self.misfit(misfit, vertex));
+    fn range_violations(&self, findings: &mut Vec<Diagnostic>) {
+        let mut shown = BTreeSet::new();
+        for violation in &self.walk.range_violations {
+            let vertex = &self.walk.vertices[violation.vertex];
+            if shown.insert((
+                vertex.node,
+                vertex.part,
+                violation.property,
+                violation.defect,
+            )) {
+                findings.push(self.violation(violation, vertex));
             }
         }
     }
 
-    fn misfit(&self, misfit: &RangeViolation, vertex: &Vertex) -> Diagnostic {
+    fn violation(&self, violation: &RangeViolation, vertex: &Vertex) -> Diagnostic {
         let node = &self.line().nodes[vertex.node];
         let part = &self.line().parts[vertex.part];
-        let property = &part.properties[misfit.property];
+        let property = &part.properties[violation.property];
         let defect = match &node.kind {
-            NodeKind::Station { defects, .. } => misfit.defect.map(|d| &defects[d]),
+            NodeKind::Station { defects, .. } => violation.defect.map(|d| &defects[d]),
             _ => None,
         };
         let range = property.describe();
@@ -252,25 +258,25 @@ impl Writer<'_> {
             (None, _) => format!("the work of {}", node.name),
         };
         let message = format!(
-            "{who} gives `{}` of {} the value {}, which is not one of {range}",
-            property.name, part.name, misfit.value
+            "{who} sets `{}` of {} to {}, which is outside {range}",
+            property.name, part.name, violation.value
         );
         let span = defect.map_or(node.span, |d| d.span);
-        let finding = if self.certain[misfit.vertex] {
+        let finding = if self.certain[violation.vertex] {
             Diagnostic::error(codes::LINE_VALUE, span, message)
         } else {
             Diagnostic::warning(codes::LINE_VALUE, span, message)
         };
         finding
-            .with_note(self.story(misfit.vertex))
+            .with_note(self.history(violation.vertex))
             .with_help("keep the value in its range with `min`, `max` or `mod`, or declare a wider range for the property")
     }
 
     fn stranded(&self, findings: &mut Vec<Diagnostic>) {
-        let mut told = BTreeSet::new();
+        let mut shown = BTreeSet::new();
         for at in &self.walk.stranded {
             let vertex = &self.walk.vertices[*at];
-            if !told.insert((vertex.node, vertex.part)) {
+            if !shown.insert((vertex.node, vertex.part)) {
                 continue;
             }
             let (node, kind) = (
@@ -289,7 +295,7 @@ impl Writer<'_> {
             };
             findings.push(
                 finding
-                    .with_note(self.story(*at))
+                    .with_note(self.history(*at))
                     .with_help("end the last route with `otherwise`"),
             );
         }
@@ -315,7 +321,7 @@ impl Writer<'_> {
             let why = if route.condition.is_some() {
                 "its condition never holds there"
             } else {
-                "the routes before this one take them all"
+                "the routes before it take all of them"
             };
             let message = format!(
                 "no {kind} ever goes from {} to {}: {why}",
@@ -323,8 +329,9 @@ impl Writer<'_> {
                 self.name(route.to)
             );
             calls.remarks.push(
-                Diagnostic::warning(codes::LINE_ROUTE, route.span, message)
-                    .with_help("see which values the part can have there; or leave the route out"),
+                Diagnostic::warning(codes::LINE_ROUTE, route.span, message).with_help(
+                    "check the values that the part can have there, or remove the route",
+                ),
             );
         }
     }
@@ -349,12 +356,12 @@ impl Writer<'_> {
                 }
                 let kind = &line.parts[part].name;
                 let message = format!(
-                    "no {kind} ever leaves {}: it has none in stock, and none comes to it",
+                    "no {kind} ever leaves {}: it has none in stock, and none arrives",
                     declared.name
                 );
                 calls.remarks.push(
                     Diagnostic::warning(codes::LINE_ROUTE, declared.span, message)
-                        .with_help("give it a stock, or leave the route out"),
+                        .with_help("give it a stock, or remove the route"),
                 );
             }
         }
@@ -377,18 +384,18 @@ impl Writer<'_> {
     }
 
     /// `the way of that part: it is made at s with x = 0; m makes it x = 1; it comes to n`.
-    fn story(&self, at: usize) -> String {
+    fn history(&self, at: usize) -> String {
         let way = self.way(at);
-        let mut told: Vec<String> = Vec::new();
+        let mut shown: Vec<String> = Vec::new();
         let mut last: Option<&Vertex> = None;
         for vertex in way.iter().map(|v| &self.walk.vertices[*v]) {
             let node = self.name(vertex.node);
             let all = self.values(vertex, None);
             match last {
-                None => told.push(format!("made at {node}{}", with(&all))),
+                None => shown.push(format!("made at {node}{}", with(&all))),
                 Some(before) if before.part != vertex.part => {
                     let kind = &self.line().parts[vertex.part].name;
-                    told.push(format!("joined to {} at {node}{}", an(kind), with(&all)));
+                    shown.push(format!("joined to {} at {node}{}", an(kind), with(&all)));
                 }
                 Some(before) => {
                     let changed = self.values(vertex, Some(before));
@@ -397,18 +404,18 @@ impl Writer<'_> {
                             Stage::Leaves => format!("a defect at {node}"),
                             _ => node.to_owned(),
                         };
-                        told.push(format!("{how} makes {}", changed.join(", ")));
+                        shown.push(format!("{how} makes {}", changed.join(", ")));
                     }
                 }
             }
             last = Some(vertex);
         }
-        let left_out = told.len().saturating_sub(MOST_TOLD + 1);
+        let left_out = shown.len().saturating_sub(MAX_LISTED + 1);
         if left_out > 0 {
             let rest = format!("{left_out} more changes");
-            told.splice(1..=left_out, [rest]);
+            shown.splice(1..=left_out, [rest]);
         }
-        format!("the way of that part: {}", told.join("; "))
+        format!("the way of this part: {}", shown.join("; "))
     }
 
     /// The values of a part, or only those that changed.
@@ -465,7 +472,7 @@ fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'
             &component.specification.guarantees,
         ];
         let mut formulas = sides.into_iter().flat_map(linewright_core::gr1::Side::all);
-        let formula = formulas.find(|f| messages::rule(component, f) == rule)?;
+        let formula = formulas.find(|f| messages::rule_name(component, f) == rule)?;
         Some((component, formula))
     })
 }
@@ -473,11 +480,11 @@ fn formula_of<'m>(machine: &'m Machine, rule: &str) -> Option<(&'m Component, &'
 /// Operations in order, for a message: `` `left` twice, then `right` ``. Only the end of a long
 /// sequence.
 pub fn in_turn(operations: &[&str]) -> String {
-    let mut told: Vec<(&str, usize)> = Vec::new();
+    let mut shown: Vec<(&str, usize)> = Vec::new();
     for name in operations {
-        match told.last_mut() {
+        match shown.last_mut() {
             Some((last, times)) if last == name => *times += 1,
-            _ => told.push((name, 1)),
+            _ => shown.push((name, 1)),
         }
     }
     let text = |(name, times): &(&str, usize)| match times {
@@ -485,11 +492,11 @@ pub fn in_turn(operations: &[&str]) -> String {
         2 => format!("`{name}` twice"),
         times => format!("`{name}` {times} times"),
     };
-    let left_out = told.len().saturating_sub(MOST_TOLD);
+    let left_out = shown.len().saturating_sub(MAX_LISTED);
     let mut texts: Vec<String> = Vec::new();
     if left_out > 0 {
         texts.push(format!("{left_out} others"));
     }
-    texts.extend(told[left_out..].iter().map(text));
+    texts.extend(shown[left_out..].iter().map(text));
     texts.join(", then ")
 }

@@ -15,7 +15,7 @@
 //! part. So the calls of a line are explored one by one, with the same interpreter that the station
 //! libraries are tested against ([`linewright_station::interpret`]). The order in which parts reach
 //! a station is left open: every possible part is tried in every state that calls can lead to
-//! (`desk.rs`). Chance branches. All other information about times and orders is dropped, so the
+//! (`station.rs`). Chance branches. All other information about times and orders is dropped, so the
 //! exploration covers at least everything that can happen.
 //!
 //! - What can be explored within the limits is exact except for the order of parts: a refusal that
@@ -29,9 +29,9 @@
 mod attractor;
 mod belt;
 mod chance;
-mod desk;
 mod findings;
 mod premises;
+mod station;
 mod time;
 mod unread;
 mod walk;

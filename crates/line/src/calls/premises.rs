@@ -27,7 +27,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
                 ..
             } => found.push(Premise {
                 name: format!("more_from_{name}"),
-                text: format!("{name} goes on after its limit of {n}"),
+                text: format!("{name} continues beyond its limit of {n}"),
             }),
             NodeKind::Source {
                 part,
@@ -44,7 +44,7 @@ pub fn premises(line: &Line, calls: &Calls) -> Vec<Premise> {
             let premise = Premise {
                 name: format!("{from}_sends_{kind}_to_{to}"),
                 text: format!(
-                    "as long as {kind} parts leave {from}, one of them goes to {to} in the end"
+                    "as long as {kind} parts leave {from}, one of them eventually goes to {to}"
                 ),
             };
             if !found.contains(&premise) {
@@ -69,7 +69,7 @@ fn stock(line: &Line, calls: &Calls, node: usize, found: &mut Vec<Premise>) {
         found.push(if comes {
             Premise {
                 name: format!("more_{kind}_at_{store}"),
-                text: format!("{store} has another {kind} again and again"),
+                text: format!("{store} receives another {kind} again and again"),
             }
         } else {
             Premise {
@@ -113,7 +113,7 @@ fn orders(line: &Line, calls: &Calls, source: usize, part: usize) -> Option<Prem
     Some(Premise {
         name: format!("more_orders_for_{name}"),
         text: format!(
-            "{name} gets further orders: for {} that ends at {to} nothing is ordered again from {name}",
+            "{name} gets further orders: for {} that ends at {to}, no replacement is ordered from {name}",
             an(kind)
         ),
     })

@@ -1,6 +1,6 @@
 //! Determines whether parts can keep moving at one instant.
 //!
-//! Moving, waiting in a buffer or a store, and work shorter than [`SHORTEST_SECONDS`] take no time.
+//! Moving, waiting in a buffer or a store, and work shorter than [`MIN_SECONDS`] take no time.
 //! Such ways are followed with the values of parts, so that a part that goes round three times and
 //! then leaves is no circle. Parts move for ever at one instant
 //!
@@ -11,7 +11,7 @@
 
 use super::attractor::attractor;
 use super::walk::{Stage, Vertex, Walk};
-use linewright_language::contract::SHORTEST_SECONDS;
+use linewright_language::contract::MIN_SECONDS;
 use linewright_language::contract::line::NodeKind;
 use std::collections::BTreeSet;
 
@@ -52,7 +52,7 @@ pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
         edges: all.map(|at| edges(walk, at)).collect(),
     };
     let (from, to, always) = timed.circle().or_else(|| timed.endless())?;
-    let stations = 0..walk.desks.len();
+    let stations = 0..walk.stations.len();
     Some(Timeless {
         from,
         to,
@@ -63,15 +63,15 @@ pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
 
 /// Durations of the answers to a call.
 fn seconds(walk: &Walk<'_>, node: usize, call: usize) -> impl Iterator<Item = f64> {
-    let desk = walk.desks[node].iter();
-    let answers = desk.flat_map(move |d| d.calls[call].answers.values());
+    let station = walk.stations[node].iter();
+    let answers = station.flat_map(move |d| d.calls[call].answers.values());
     answers.flatten().map(|a| a.seconds.0)
 }
 
 /// Whether a station may work on a part in no time.
 fn is_quick(walk: &Walk<'_>, node: usize) -> bool {
-    let calls = walk.desks[node].as_ref().map_or(0, |d| d.calls.len());
-    (0..calls).any(|call| seconds(walk, node, call).any(|s| s < SHORTEST_SECONDS))
+    let calls = walk.stations[node].as_ref().map_or(0, |d| d.calls.len());
+    (0..calls).any(|call| seconds(walk, node, call).any(|s| s < MIN_SECONDS))
 }
 
 fn edges(walk: &Walk<'_>, at: usize) -> Vec<Edge> {
@@ -81,7 +81,7 @@ fn edges(walk: &Walk<'_>, at: usize) -> Vec<Edge> {
         let (free, always_free) = match (walk.vertices[to].stage, vertex.call) {
             (Stage::Served, Some(call)) => {
                 let mut known = seconds(walk, vertex.node, call);
-                let quick = |s: f64| s < SHORTEST_SECONDS;
+                let quick = |s: f64| s < MIN_SECONDS;
                 let free = seconds(walk, vertex.node, call).any(quick);
                 (free, free && known.all(quick))
             }
@@ -148,11 +148,11 @@ impl Timed<'_> {
         // By vertex, the node of a source that leads there in no time.
         let mut origin: Vec<Option<usize>> = vec![None; self.edges.len()];
         let mut open: Vec<usize> = Vec::new();
-        for at in self.walk.births.iter().filter(|at| self.is_endless(**at)) {
+        for at in self.walk.origins.iter().filter(|at| self.is_endless(**at)) {
             origin[*at] = Some(self.vertex(*at).node);
             open.push(*at);
         }
-        let births = open.clone();
+        let origins = open.clone();
         let mut ends = BTreeSet::new();
         while let Some(at) = open.pop() {
             if is_end(at) {
@@ -169,13 +169,13 @@ impl Timed<'_> {
         let (from, to) = ends.into_iter().next()?;
         let reached: Vec<bool> = origin.iter().map(Option::is_some).collect();
         let caught = self.never_out_of(&reached, is_end);
-        Some((from?, to, births.iter().any(|at| caught[*at])))
+        Some((from?, to, origins.iter().any(|at| caught[*at])))
     }
 
     /// Whether a source or a store has another part at once, however many it has given.
-    fn is_endless(&self, birth: usize) -> bool {
-        let born = self.vertex(birth);
-        self.walk.line.is_endless(born.node, born.part)
+    fn is_endless(&self, origin: usize) -> bool {
+        let origin = self.vertex(origin);
+        self.walk.line.is_endless(origin.node, origin.part)
     }
 
     /// Whether all components of a joined part have come.

@@ -4,7 +4,7 @@
 //! next. If there are several, the choice is up to chance ([`Choice::Chance`]) or left open here
 //! ([`Choice::Open`]): the state of a station, which part comes first, what is joined with what.
 
-use super::desk::{Answer, Refusal, StationModel};
+use super::station::{Answer, Refusal, StationModel};
 use super::unread::unread;
 use super::{Bounds, Calls, Real, machine_of, ordered, plain};
 use crate::undecided::UndecidedReason;
@@ -76,15 +76,15 @@ pub(super) struct Walk<'a> {
     known: BTreeMap<(Stage, usize, usize, Vec<Real>), usize>,
     open: Vec<usize>,
     /// By node, for stations whose controllers are known.
-    pub desks: Vec<Option<StationModel>>,
+    pub stations: Vec<Option<StationModel>>,
     /// By node and call, the vertices that make it.
-    askers: BTreeMap<(usize, usize), Vec<usize>>,
+    callers: BTreeMap<(usize, usize), Vec<usize>>,
     /// Vertices where parts are made.
-    pub births: Vec<usize>,
+    pub origins: Vec<usize>,
     /// Parts without a way onward.
     pub stranded: Vec<usize>,
     /// Values outside their ranges.
-    pub misfits: Vec<RangeViolation>,
+    pub range_violations: Vec<RangeViolation>,
     /// Nodes that were not decided completely, with the reason.
     pub undecided: Vec<(usize, UndecidedReason)>,
     /// By part type and property: whether its values are omitted, since nothing depends on them.
@@ -99,7 +99,7 @@ impl<'a> Walk<'a> {
         bounds: &Bounds,
     ) -> Self {
         let mut undecided = Vec::new();
-        let desks = (0..line.nodes.len()).map(|node| {
+        let stations = (0..line.nodes.len()).map(|node| {
             let machine = machine_of(line, node)?;
             let known = interpreter(machine);
             if known.is_none() {
@@ -108,18 +108,18 @@ impl<'a> Walk<'a> {
             }
             known.map(StationModel::new)
         });
-        let desks = desks.collect();
+        let stations = stations.collect();
         Self {
             line,
             bounds: *bounds,
             vertices: Vec::new(),
             known: BTreeMap::new(),
             open: Vec::new(),
-            desks,
-            askers: BTreeMap::new(),
-            births: Vec::new(),
+            stations,
+            callers: BTreeMap::new(),
+            origins: Vec::new(),
             stranded: Vec::new(),
-            misfits: Vec::new(),
+            range_violations: Vec::new(),
             undecided,
             unread: unread(line),
             steps: 0,
@@ -145,9 +145,9 @@ impl<'a> Walk<'a> {
             }
             if self.vertices.len() > self.bounds.values {
                 let last = self.vertices.iter().rev();
-                let at_station = |v: &&Vertex| self.desks[v.node].is_some();
+                let at_station = |v: &&Vertex| self.stations[v.node].is_some();
                 let node = last.clone().find(at_station).or(last.clone().next());
-                self.give_up(node.map_or(0, |v| v.node), "parts can carry");
+                self.give_up(node.map_or(0, |v| v.node), "parts can have");
                 return self;
             }
             if !self.serve() {
@@ -155,7 +155,7 @@ impl<'a> Walk<'a> {
             }
             if let Some(node) = self.busiest().filter(|_| self.steps > self.bounds.steps) {
                 let why = format!(
-                    "its calls take more than {} steps to look at",
+                    "exploring its calls takes more than {} steps",
                     self.bounds.steps
                 );
                 self.undecided.push((node, UndecidedReason::because(why)));
@@ -181,8 +181,9 @@ impl<'a> Walk<'a> {
 
     /// The station with the most states.
     fn busiest(&self) -> Option<usize> {
-        let desks = self.desks.iter().enumerate();
-        let states = desks.filter_map(|(node, desk)| Some((desk.as_ref()?.states(), node)));
+        let stations = self.stations.iter().enumerate();
+        let states =
+            stations.filter_map(|(node, station)| Some((station.as_ref()?.states(), node)));
         states.max().map(|(_, node)| node)
     }
 
@@ -207,8 +208,8 @@ impl<'a> Walk<'a> {
                         InitialValue::Component(..) => Real(0.0),
                     });
                 let values = values.collect();
-                let born = self.reach(Stage::Leaves, node, part, values, None);
-                self.births.push(born);
+                let origin = self.reach(Stage::Leaves, node, part, values, None);
+                self.origins.push(origin);
             }
         }
     }
@@ -372,7 +373,7 @@ impl<'a> Walk<'a> {
         for (_, there) in &sites {
             if combinations.len().saturating_mul(there.len()) > self.bounds.values {
                 let kind = &declared.name;
-                self.give_up(node, &format!("{kind} can be joined of"));
+                self.give_up(node, &format!("{kind} can be joined from"));
                 return;
             }
             let longer = combinations.iter().flat_map(|chosen| {
@@ -406,8 +407,8 @@ impl<'a> Walk<'a> {
     fn ask(&mut self, at: usize, task: usize) {
         let Vertex { node, part, .. } = self.vertices[at];
         let values = plain(&self.vertices[at].values);
-        if let Some(property) = self.line.parts[part].misfit(&values) {
-            self.misfits.push(RangeViolation {
+        if let Some(property) = self.line.parts[part].first_out_of_range(&values) {
+            self.range_violations.push(RangeViolation {
                 vertex: at,
                 property,
                 value: values[property],
@@ -425,13 +426,13 @@ impl<'a> Walk<'a> {
         let given: Vec<Real> = sources
             .map(|(p, source)| Real(source.map_or(p.default, |s| values[s])))
             .collect();
-        let Some(desk) = &mut self.desks[node] else {
+        let Some(station) = &mut self.stations[node] else {
             return;
         };
-        let (call, _) = desk.ask(task, given);
+        let (call, _) = station.ask(task, given);
         self.vertices[at].call = Some(call);
-        self.askers.entry((node, call)).or_default().push(at);
-        let known: Vec<Answer> = desk.calls[call]
+        self.callers.entry((node, call)).or_default().push(at);
+        let known: Vec<Answer> = station.calls[call]
             .answers
             .values()
             .filter_map(|a| a.as_ref().ok().cloned())
@@ -445,17 +446,17 @@ impl<'a> Walk<'a> {
     /// try.
     fn serve(&mut self) -> bool {
         let mut tried = false;
-        for node in 0..self.desks.len() {
+        for node in 0..self.stations.len() {
             let tasks = self.tasks(node);
-            while let Some(desk) = &mut self.desks[node] {
-                let Some((state, call, steps)) = desk.try_next(tasks) else {
+            while let Some(station) = &mut self.stations[node] {
+                let Some((state, call, steps)) = station.try_next(tasks) else {
                     break;
                 };
                 tried = true;
                 self.steps += steps;
-                if let Ok(answer) = desk.calls[call].answers[&state].clone() {
-                    let askers = self.askers.get(&(node, call));
-                    for at in askers.cloned().unwrap_or_default() {
+                if let Ok(answer) = station.calls[call].answers[&state].clone() {
+                    let callers = self.callers.get(&(node, call));
+                    for at in callers.cloned().unwrap_or_default() {
                         self.served(at, &answer);
                     }
                 }
@@ -471,10 +472,10 @@ impl<'a> Walk<'a> {
         let Vertex {
             node, part, call, ..
         } = self.vertices[at];
-        let (Some(call), Some(desk)) = (call, &self.desks[node]) else {
+        let (Some(call), Some(station)) = (call, &self.stations[node]) else {
             return;
         };
-        let task = &self.tasks(node)[desk.calls[call].task];
+        let task = &self.tasks(node)[station.calls[call].task];
         let mut values = self.vertices[at].values.clone();
         for (value, target) in answer.values.iter().zip(&task.properties) {
             if let Some(target) = target {
@@ -494,7 +495,7 @@ impl<'a> Walk<'a> {
         let values = plain(&self.vertices[at].values);
         let mut outcomes: BTreeSet<Vec<Real>> = BTreeSet::from([ordered(&values)]);
         let mut wrong = Vec::new();
-        if let Some(property) = declared.misfit(&values) {
+        if let Some(property) = declared.first_out_of_range(&values) {
             wrong.push((property, values[property], None));
             outcomes.clear();
         }
@@ -513,7 +514,7 @@ impl<'a> Walk<'a> {
         self.vertices[at].choice = Choice::Chance;
         for outcome in outcomes {
             let numbers = plain(&outcome);
-            match declared.misfit(&numbers) {
+            match declared.first_out_of_range(&numbers) {
                 None => self.connect(at, Stage::Leaves, node, part, outcome),
                 Some(property) => {
                     let by = defects
@@ -531,7 +532,7 @@ impl<'a> Walk<'a> {
                 value,
                 defect,
             });
-        self.misfits.extend(wrong);
+        self.range_violations.extend(wrong);
     }
 
     /// Determines which routes are taken, and which of them always.
@@ -551,7 +552,10 @@ impl<'a> Walk<'a> {
 
     /// Refused calls of a station, with the states in which they are refused.
     pub fn refusals(&self, node: usize) -> Vec<(usize, usize, &Refusal)> {
-        let calls = self.desks[node].iter().flat_map(|d| &d.calls).enumerate();
+        let calls = self.stations[node]
+            .iter()
+            .flat_map(|d| &d.calls)
+            .enumerate();
         let refused = calls.flat_map(|(call, c)| {
             let answers = c.answers.iter();
             answers.filter_map(move |(state, a)| Some((call, *state, a.as_ref().err()?)))
@@ -571,8 +575,8 @@ impl<'a> Walk<'a> {
     }
 
     /// The vertices that make a call.
-    pub fn askers(&self, node: usize, call: usize) -> &[usize] {
-        self.askers.get(&(node, call)).map_or(&[], Vec::as_slice)
+    pub fn callers(&self, node: usize, call: usize) -> &[usize] {
+        self.callers.get(&(node, call)).map_or(&[], Vec::as_slice)
     }
 }
 

@@ -186,8 +186,8 @@ impl<'a> Run<'a> {
                 self.journal.findings.push(
                     Diagnostic::error(codes::LINE_PART_LOST, self.line.nodes[node].span, message)
                         .with_help(
-                            "The belt's contract must keep every part: see what it guarantees of each place in terms \
-                             of the places before it.",
+                            "The conveyor's contract must keep every part: compare the guarantee about each place \
+                             with those about the places before it.",
                         ),
                 );
                 return;

@@ -28,7 +28,7 @@ struct Chain {
 impl Run<'_> {
     /// Nothing will happen any more: adds a finding, unless the run was only limited in time and
     /// all work is done.
-    pub(super) fn stand_still(&mut self) -> End {
+    pub(super) fn end_blocked(&mut self) -> End {
         let chain = self.chain();
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
             && !chain.as_ref().is_some_and(|chain| chain.circle)
@@ -63,7 +63,7 @@ impl Run<'_> {
                     self.supplies(None),
                     self.not_replaced()
                 ),
-                "Let a source make more (a rejecting sink can order from it again), or ask for fewer products."
+                "Let a source make more parts (a rejecting sink can reorder them), or require fewer products."
                     .to_owned(),
             ),
         };
@@ -76,6 +76,9 @@ impl Run<'_> {
             ),
         )
         .with_help(help);
+        for text in self.paused_sources() {
+            finding = finding.with_note(text);
+        }
         for &node in chain.iter().flat_map(|chain| &chain.nodes) {
             let declared = &self.line.nodes[node];
             finding = finding.with_label(declared.span, format!("{} is here", declared.name));
@@ -122,20 +125,20 @@ impl Run<'_> {
             )
         });
         if !chain.circle && !self.journal.unroutable.is_empty() {
-            return "Give every part a way onward from every node it can come to.".to_owned();
+            return "Give every part a route onward from every place that it can reach.".to_owned();
         }
         match (chain.circle, roomy) {
             (true, Some(node)) => format!(
-                "Keep the cycle from filling up: more room in {}, fewer parts let in at a time, or a way out by another \
-                 route.",
+                "Keep the cycle from filling up: add room in {}, admit fewer parts at a time, or add another route \
+                 out of it.",
                 self.name(node)
             ),
             (true, None) => {
-                "Put a buffer into the cycle, or give a part in it a way out by another route.".to_owned()
+                "Put a buffer into the cycle, or add another route out of it.".to_owned()
             }
             (false, _) => {
-                "See that what is missing is made or stocked in sufficient number, that rejected parts are ordered \
-                 again, or ask for fewer products."
+                "Make sure that enough of the missing parts are made or stocked and that rejected parts are \
+                 reordered, or require fewer products."
                     .to_owned()
             }
         }
@@ -223,7 +226,7 @@ impl Run<'_> {
                 next: None,
             }),
             (None, Place::Belt(belt)) if !belt.held.is_empty() => Some(Reason {
-                text: format!("{name} does not move the parts that are on it"),
+                text: format!("{name} does not move its parts"),
                 next: None,
             }),
             (None, Place::Station(station)) => {
@@ -295,6 +298,29 @@ impl Run<'_> {
         }
     }
 
+    /// Sources that make no part because of their `at most N in the line`, in words.
+    fn paused_sources(&self) -> Vec<String> {
+        let nodes = self.line.nodes.iter().zip(&self.places);
+        let paused = nodes.filter_map(|(node, place)| match (&node.kind, place) {
+            (
+                NodeKind::Source {
+                    part,
+                    most: Some(most),
+                    ..
+                },
+                Place::Source(source),
+            ) if !source.exhausted() && self.counters.in_line[*part] >= u64::from(*most) => {
+                let name = &node.name;
+                let part = self.type_name(*part);
+                Some(format!(
+                    "{name} makes no part while {most} {part} are in the line or kept by a source"
+                ))
+            }
+            _ => None,
+        });
+        paused.collect()
+    }
+
     /// State of the sources and stocks of a type, or of all.
     fn supplies(&self, wanted: Option<usize>) -> String {
         let is = |kind: usize| wanted.is_none_or(|wanted| wanted == kind);
@@ -313,11 +339,11 @@ impl Run<'_> {
                         _ => match most {
                             Some(most) if self.counters.in_line[*part] >= u64::from(*most) => {
                                 format!(
-                                    "{name} makes no more while {most} {} are in the line",
+                                    "{name} makes no part while {most} {} are in the line",
                                     self.type_name(*part)
                                 )
                             }
-                            _ => format!("{name} makes more, but not for here"),
+                            _ => format!("{name} makes more, but no route brings them here"),
                         },
                     });
                 }
@@ -329,7 +355,7 @@ impl Run<'_> {
                         .iter()
                         .any(|&(kind, _)| is(kind) && store.stock(kind) > 0);
                     if full && wanted.is_some() {
-                        texts.push(format!("what {name} has in stock does not come here"));
+                        texts.push(format!("no route brings the stock of {name} here"));
                     } else if empty {
                         texts.push(format!("the stock of {name} is used up"));
                     }

@@ -42,12 +42,12 @@ impl Counters {
         }
     }
 
-    /// Counts an end product that entered at `birth` and is complete at `now`; `stored` if it is in
-    /// a store.
-    pub(super) fn count_product(&mut self, now: f64, birth: f64, stored: bool) {
+    /// Counts an end product that entered at `entered_at` and is complete at `now`; `stored` if it
+    /// is in a store.
+    pub(super) fn count_product(&mut self, now: f64, entered_at: f64, stored: bool) {
         self.products += 1;
         self.stored += u64::from(stored);
         self.makespan = now;
-        self.lead_times.add(now - birth);
+        self.lead_times.add(now - entered_at);
     }
 }

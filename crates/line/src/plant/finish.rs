@@ -122,7 +122,7 @@ impl Run<'_> {
         assert_eq!(
             counts.entered,
             counts.finished + counts.rejected + counts.consumed + counts.in_progress,
-            "the runner lost count of the parts: {counts:?}; please report this"
+            "internal error: the counts of parts disagree: {counts:?}; please report this"
         );
         counts
     }

@@ -130,7 +130,7 @@ impl Run<'_> {
         {
             self.hand_on(node);
             self.serve(node);
-            if self.progress.stands_still() {
+            if self.progress.is_stuck_at_instant() {
                 break;
             }
         }
@@ -141,7 +141,7 @@ impl Run<'_> {
         for outlet in self.outlets_of(node) {
             while self.outlets[outlet].part.is_none()
                 && self.end.is_none()
-                && !self.progress.stands_still()
+                && !self.progress.is_stuck_at_instant()
             {
                 let next = match &self.places[node] {
                     Place::Source(_) => self.make(node),
@@ -219,7 +219,7 @@ impl Run<'_> {
             self.journal.findings.push(
                 Diagnostic::error(codes::LINE_ROUTE, self.line.nodes[node].span, message)
                     .with_help(format!(
-                        "Add a route for {name} without a condition, after those that have one."
+                        "Add a route for {name} without a condition after the others."
                     )),
             );
         }
@@ -258,7 +258,7 @@ impl Run<'_> {
     fn serve(&mut self, node: usize) {
         let mut next = 0;
         while let Some(&Request { outlet, kind, .. }) = self.queues.of(node).get(next) {
-            if self.end.is_some() || self.progress.stands_still() {
+            if self.end.is_some() || self.progress.is_stuck_at_instant() {
                 return;
             }
             let from = self.outlets[outlet].node;
@@ -331,7 +331,7 @@ impl Run<'_> {
         let entering = &mut self.parts[part];
         if !entering.entered {
             entering.entered = true;
-            entering.birth = now;
+            entering.entered_at = now;
             self.counters.entered += 1;
             self.record(node, Some(part), EventKind::Entered);
         }
@@ -345,7 +345,7 @@ impl Run<'_> {
         if self.parts[part].kind == self.line.product {
             let stored = matches!(self.places[node], Place::Store(_));
             self.counters
-                .count_product(self.now, self.parts[part].birth, stored);
+                .count_product(self.now, self.parts[part].entered_at, stored);
             self.progress
                 .count_product(self.events, self.journal.violation_count);
             if self.setup.target == Some(self.counters.products) {

@@ -72,7 +72,9 @@ impl Run<'_> {
                     format!("the guarantee \"{rule}\" was broken")
                 }
                 (Some(rule), _) => format!("\"{rule}\" was broken"),
-                (None, ErrorCode::Assumption) => "no inputs keep its assumptions".to_owned(),
+                (None, ErrorCode::Assumption) => {
+                    "its assumptions contradict each other: no inputs satisfy them".to_owned()
+                }
                 (None, ErrorCode::Limit) => "the operation did not end".to_owned(),
                 (None, ErrorCode::Domain) => "a value is outside its domain".to_owned(),
                 (None, _) => "the controller refused a call".to_owned(),
@@ -92,9 +94,9 @@ impl Run<'_> {
             self.journal.findings.push(
                 Diagnostic::error(code, self.line.nodes[node].span, message).with_help(
                     if error.code == ErrorCode::Order {
-                        "Let the station's operations come in an order that the rule allows, or mend what calls the skills: `linewright order complete` says what may come next."
+                        "Request the station's operations in an order that the rule allows, or correct the calls of the skills: `linewright order complete` lists the allowed calls."
                     } else {
-                        "Compare what the rule asks for with the part's properties and the machine's bindings."
+                        "Compare the rule with the part's properties and the machine's bindings."
                     },
                 ),
             );
@@ -113,5 +115,5 @@ impl Run<'_> {
 }
 
 fn times(count: u64) -> String {
-    format!(" ({count} times in all; this was the first)")
+    format!(" (the first of {count} times)")
 }

@@ -40,7 +40,7 @@ use std::sync::Arc;
 use supply::{Source, Store};
 
 /// Number of events between checks of the wall clock.
-const EVENTS_A_LOOK: u64 = 16;
+const DEADLINE_CHECK_INTERVAL: u64 = 16;
 
 /// A line that can be run repeatedly.
 pub struct Plant {
@@ -126,8 +126,8 @@ struct Run<'a> {
 }
 
 impl Plant {
-    /// Prepares a line with a controller for each of its stations and contracted belts, by node.
-    /// `options` say when a run ends; if they do not, the line does.
+    /// Prepares a line. `controllers` has a controller, by node, for each station and each conveyor
+    /// with a contract. A run ends as `options` say, or else as the line's `limit` says.
     ///
     /// Returns `LW404` if a run would have no end, and `LW401` for a line that the resolver should
     /// have rejected.
@@ -147,7 +147,7 @@ impl Plant {
                 Diagnostic::error(
                     codes::LINE_LIMIT,
                     line.span,
-                    format!("nothing says when a run of {} ends", line.name),
+                    format!("a run of {} has no end condition", line.name),
                 )
                 .with_help("Give --parts N or --until TIME, or a limit in the line's file."),
             );
@@ -158,12 +158,12 @@ impl Plant {
                     codes::LINE_LIMIT,
                     line.span,
                     format!(
-                        "the time after which a run of {} ends is not a valid time",
+                        "the run of {} has an invalid end time",
                         line.name
                     ),
                 )
                 .with_help(format!(
-                    "Give a time such as 3600, 90m or 8h, and at most {LATEST_SECONDS:e} s, after which times are no longer exact."
+                    "Give a time such as 3600, 90m or 8h; the maximum is {LATEST_SECONDS:e} s, beyond which times are no longer exact."
                 )),
             );
         }
@@ -298,10 +298,10 @@ impl<'a> Run<'a> {
             // Off shift, the calendar may hold only the shift, and the line may still continue in
             // the morning.
             if self.pending == 0 && self.on_shift {
-                return self.stand_still();
+                return self.end_blocked();
             }
             let Some(time) = self.calendar.next_time() else {
-                return self.stand_still();
+                return self.end_blocked();
             };
             if let Some(horizon) = self.setup.horizon
                 && time > horizon
@@ -315,8 +315,8 @@ impl<'a> Run<'a> {
                 self.happen(event);
                 self.settle();
                 self.guard();
-                if self.events.is_multiple_of(EVENTS_A_LOOK) {
-                    self.look_at_clock();
+                if self.events.is_multiple_of(DEADLINE_CHECK_INTERVAL) {
+                    self.check_deadline();
                 }
             }
         }

@@ -17,7 +17,7 @@ pub(super) struct Part {
     /// Whether it has entered the line; before that it is only kept by its source or store.
     pub entered: bool,
     /// Time at which the first of its parts entered, in seconds.
-    pub birth: f64,
+    pub entered_at: f64,
     /// Property values, in the order of the type's properties.
     pub properties: Vec<f64>,
 }
@@ -58,7 +58,7 @@ impl Parts {
             number: self.made,
             kind,
             entered: false,
-            birth: 0.0,
+            entered_at: 0.0,
             properties,
         };
         PartIndex(index)

@@ -57,13 +57,13 @@ impl Progress {
     }
 
     /// Whether too much has happened since time last advanced.
-    pub(super) fn stands_still(&self) -> bool {
+    pub(super) fn is_stuck_at_instant(&self) -> bool {
         self.at_instant > MAX_AT_ONE_INSTANT
             || self.violations_at_instant > MAX_VIOLATIONS_AT_ONE_INSTANT
     }
 
     /// Whether a run that waits for products has stopped making any.
-    fn is_barren(&self, events: u64, violations: u64) -> bool {
+    fn makes_no_products(&self, events: u64, violations: u64) -> bool {
         events - self.events_at_product > MAX_EVENTS_WITHOUT_PRODUCT
             || violations - self.violations_at_product > MAX_VIOLATIONS_WITHOUT_PRODUCT
     }
@@ -79,52 +79,52 @@ impl Run<'_> {
         if self.now > LATEST_SECONDS {
             self.end = Some(End::GaveUp);
             let message = format!(
-                "the run was not over at {LATEST_SECONDS:e} s, after which times are no longer exact: it has made {} products",
+                "the run had not ended at {LATEST_SECONDS:e} s, beyond which times are no longer exact; it made {} products",
                 self.counters.products
             );
             self.journal.findings.push(
                 Diagnostic::error(codes::GAVE_UP, self.line.span, message)
                     .with_help("End it earlier with --parts or --until."),
             );
-        } else if self.progress.stands_still() {
+        } else if self.progress.is_stuck_at_instant() {
             self.end = Some(End::Blocked);
             let message = format!(
-                "the line makes no progress: at {} parts move on and on, and no time passes",
+                "the line makes no progress (livelock): at {}, parts keep moving without any time passing",
                 self.moment()
             );
             self.journal.findings.push(
                 Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
-                    "Look for a source without a time, a cycle of routes without a station, or a station whose \
-                     every part breaks a rule and is ordered again.",
+                    "Look for a source without an interval, a cycle of routes without a station, or a station that \
+                     refuses every part and has it reordered.",
                 ),
             );
         } else if self.setup.horizon.is_none()
             && self
                 .progress
-                .is_barren(self.events, self.journal.violation_count)
+                .makes_no_products(self.events, self.journal.violation_count)
         {
             self.end = Some(End::Blocked);
             let refused = self.journal.violation_count - self.progress.violations_at_product;
             let since = if refused > MAX_VIOLATIONS_WITHOUT_PRODUCT {
-                format!("while rules were broken {refused} times")
+                format!("while {refused} parts were refused")
             } else {
                 format!("in the last {MAX_EVENTS_WITHOUT_PRODUCT} events")
             };
             let message = format!(
-                "the line makes no progress: it has made {} of {} products, and none {since}",
+                "the line makes no progress: it made {} of {} products, and none {since}",
                 self.counters.products,
                 self.setup.target.unwrap_or(0),
             );
             self.journal.findings.push(
                 Diagnostic::error(codes::LINE_BLOCKED, self.line.span, message).with_help(
-                    "See which rule refuses the parts, or why every part is rejected; --until ends a run at a time.",
+                    "Find the rule that refuses the parts, or the reason why all are rejected; --until ends a run at a given time.",
                 ),
             );
         }
     }
 
     /// Gives up at the wall-clock deadline.
-    pub(super) fn look_at_clock(&mut self) {
+    pub(super) fn check_deadline(&mut self) {
         if self.end.is_some() {
             return;
         }
@@ -133,7 +133,7 @@ impl Run<'_> {
         };
         self.end = Some(End::GaveUp);
         let message = format!(
-            "the run was not over when {late}: it has come to {}, with {} products",
+            "the run had not ended when {late}: it reached {}, with {} products",
             self.moment(),
             self.counters.products
         );

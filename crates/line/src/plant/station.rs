@@ -319,30 +319,30 @@ impl Run<'_> {
                 .and_then(|(_, parts)| parts.first().copied())
         };
         let part = self.parts.create(self.line, kind, first);
-        let birth = components()
-            .map(|component| self.parts[component].birth)
+        let entered_at = components()
+            .map(|component| self.parts[component].entered_at)
             .fold(self.now, f64::min);
         for component in components() {
             self.record(node, Some(component), EventKind::Consumed);
             self.parts.remove(component);
             self.counters.consumed += 1;
         }
-        self.parts[part].birth = birth;
+        self.parts[part].entered_at = entered_at;
         self.parts[part].entered = true;
         self.counters.entered += 1;
         // Its components stay in the line as parts of it.
         self.counters.in_line[kind] += 1;
         self.record(node, Some(part), EventKind::Entered);
-        if !self.refuse_misfit(node, part) {
+        if !self.refuse_out_of_range(node, part) {
             self.begin(node, task, part);
         }
         self.look_at(node);
     }
 
     /// Removes a part that has a value outside its range; returns whether it did.
-    fn refuse_misfit(&mut self, node: usize, part: PartIndex) -> bool {
+    fn refuse_out_of_range(&mut self, node: usize, part: PartIndex) -> bool {
         let kind = &self.line.parts[self.parts[part].kind];
-        let Some(property) = kind.misfit(&self.parts[part].properties) else {
+        let Some(property) = kind.first_out_of_range(&self.parts[part].properties) else {
             return false;
         };
         let value = self.parts[part].properties[property];
@@ -351,7 +351,7 @@ impl Run<'_> {
             code: ErrorCode::Domain,
             rule: None,
             message: format!(
-                "`{}` of {} gets the value {value}, which is not one of {}",
+                "`{}` of {} is set to {value}, which is outside {}",
                 property.name,
                 kind.name,
                 property.describe()
@@ -450,7 +450,7 @@ impl Run<'_> {
             let service = controller.simulate(*operation, values)?;
             seconds += service.seconds;
             joules += service.joules;
-            if let Some(error) = CallError::unmeasured(seconds, joules) {
+            if let Some(error) = CallError::check_measurable(seconds, joules) {
                 return Err(error);
             }
         }
@@ -554,7 +554,7 @@ impl Run<'_> {
         }
         station.book(now, on_shift);
         self.record(node, Some(part), EventKind::Ended);
-        if self.refuse_misfit(node, part) {
+        if self.refuse_out_of_range(node, part) {
             return;
         }
         let outlet = self.setup.first_outlet[node];

@@ -1,9 +1,9 @@
-//! The game board: a specification's formulas as functions of bits, and the relations used by the
-//! fixpoint.
+//! The game arena: a specification's formulas as functions of bits, and the relations that the
+//! fixpoint uses.
 //!
-//! Formulas are encoded once ([`Formulas`]); an [`Arena`] conjoins a selection of the guarantees,
-//! so that searching for a core does not encode again. The variable order is determined earlier:
-//! see [`super::structure`], and the kernel's sifting.
+//! [`Formulas`] are encoded once. An [`Arena`] conjoins a selection of them, so that the search for
+//! a core does not encode them again. The variable order is found by [`super::structure`] and by
+//! the kernel's sifting.
 
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
@@ -19,10 +19,11 @@ use std::collections::BTreeSet;
 struct Encoded<K: Kernel> {
     initial: Vec<K::Function>,
     invariants: Vec<K::Function>,
-    /// Conjuncts of each formula.
+    /// The conjuncts of each formula.
     safety: Vec<Vec<K::Function>>,
     justice: Vec<K::Function>,
-    /// The side's variables have values in their domains; over current bits.
+    /// The valuations, over current bits, in which the side's variables have values in their
+    /// domains.
     domains: K::Function,
 }
 
@@ -42,7 +43,7 @@ pub struct Formulas<K: Kernel> {
 /// Selects the formulas of a game. Domains are always included.
 #[derive(Debug, Clone, Copy)]
 pub enum Selection<'a> {
-    /// All of them.
+    /// All assumptions and guarantees.
     All,
     /// All assumptions, and only these guarantees.
     Only(&'a [GuaranteeRef]),
@@ -51,14 +52,14 @@ pub enum Selection<'a> {
 }
 
 impl Selection<'_> {
-    fn guarantees(&self, kind: GuaranteeKind, index: usize) -> bool {
+    fn has_guarantee(&self, kind: GuaranteeKind, index: usize) -> bool {
         match self {
             Self::All => true,
             Self::Only(refs) | Self::Both(refs, _) => refs.contains(&GuaranteeRef { kind, index }),
         }
     }
 
-    fn assumes(&self, kind: GuaranteeKind, index: usize) -> bool {
+    fn has_assumption(&self, kind: GuaranteeKind, index: usize) -> bool {
         match self {
             Self::All | Self::Only(_) => true,
             Self::Both(_, refs) => refs.contains(&GuaranteeRef { kind, index }),
@@ -66,11 +67,10 @@ impl Selection<'_> {
     }
 }
 
-/// The initial order: the structure's, or the declaration's.
-pub fn first_order(specification: &Specification, heuristics: Heuristics) -> Order {
+/// Returns the initial order: by the structure of the formulas, or else by declaration.
+pub fn initial_order(specification: &Specification, heuristics: Heuristics) -> Order {
     let encoding = Encoding::new(specification);
-    // One pair more than the variables need, at the bottom: the strategy's flag "the goal was
-    // reached".
+    // One additional pair at the bottom holds the strategy's flag: how many goals a step reaches.
     let pairs = encoding.pairs() + 1;
     if heuristics.has(Heuristic::Structure) {
         structure::order(specification, &encoding, pairs)
@@ -80,7 +80,7 @@ pub fn first_order(specification: &Specification, heuristics: Heuristics) -> Ord
 }
 
 impl<K: Kernel> Encoded<K> {
-    /// All formulas, in order.
+    /// Returns references to all formulas, in order.
     fn all(&self) -> Vec<GuaranteeRef> {
         use GuaranteeKind::{Initial, Invariant, Justice, Safety};
         let lists = [
@@ -97,7 +97,7 @@ impl<K: Kernel> Encoded<K> {
 }
 
 impl<K: Kernel> Formulas<K> {
-    /// Encodes everything, with this initial order of the pairs of bits.
+    /// Encodes all formulas, starting from this order of the pairs of bits.
     pub fn encode(
         specification: &Specification,
         order: &Order,
@@ -111,9 +111,9 @@ impl<K: Kernel> Formulas<K> {
             let encoded = formulas.iter().map(|f| encoding.formula(&kernel, &f.expr));
             encoded.collect()
         };
-        // If the machine moves first, assumptions may mention its answer (with swapped roles,
-        // guarantees do). A code without a value is no answer: it must not win by leaving the
-        // environment without a move.
+        // If the machine moves first, assumptions can mention its next outputs (as they do after
+        // the roles are swapped). An output code without a value counts as keeping them: otherwise
+        // the machine could win with such a code by leaving the environment without a move.
         let answers = |owner: Owner, expr: &Expr, time: Time, mut function: K::Function| {
             if owner == Owner::Environment && specification.timing == Timing::Moore {
                 let mut answered = BTreeSet::new();
@@ -129,8 +129,8 @@ impl<K: Kernel> Formulas<K> {
             }
             Ok(function)
         };
-        // What a formula means for codes without a value is irrelevant, but takes nodes, above all
-        // in negations.
+        // The result of a formula on codes without a value is irrelevant but takes nodes,
+        // especially in negations. So large games restrict formulas to codes with a value.
         let confined = order.pairs().len() > structure::MANY_PAIRS;
         let part = |part: &Expr| -> Result<K::Function, Limit> {
             let mut function = encoding.formula(&kernel, part)?;
@@ -196,19 +196,19 @@ impl<K: Kernel> Formulas<K> {
         &self.kernel
     }
 
-    /// The guarantees of the specification, in order.
+    /// References to all guarantees, in order.
     pub fn guarantees(&self) -> Vec<GuaranteeRef> {
         self.system.all()
     }
 
-    /// Its assumptions, in order.
+    /// References to all assumptions, in order.
     pub fn assumptions(&self) -> Vec<AssumptionRef> {
         self.environment.all()
     }
 
-    /// Adds an assumption.
+    /// Returns the formulas with one more assumption.
     #[must_use]
-    pub fn assuming(&self, kind: GuaranteeKind, function: K::Function) -> Self {
+    pub fn with_assumption(&self, kind: GuaranteeKind, function: K::Function) -> Self {
         let mut more = self.clone();
         let side = &mut more.environment;
         match kind {
@@ -220,7 +220,7 @@ impl<K: Kernel> Formulas<K> {
         more
     }
 
-    /// Weakens a guarantee so that it also accepts `function`.
+    /// Returns the formulas with a guarantee weakened so that it also accepts `function`.
     pub fn weakened(&self, guarantee: GuaranteeRef, function: &K::Function) -> Result<Self, Limit> {
         let mut less = self.clone();
         let (m, side, index) = (&self.kernel, &mut less.system, guarantee.index);
@@ -238,7 +238,7 @@ impl<K: Kernel> Formulas<K> {
         Ok(less)
     }
 
-    /// Uses the same formulas with other limits.
+    /// Returns the same formulas with other limits.
     pub fn with_limits(&self, limits: &Limits) -> Self {
         Self {
             kernel: self.kernel.with_limits(limits),
@@ -246,14 +246,17 @@ impl<K: Kernel> Formulas<K> {
         }
     }
 
-    /// The bits of the variables.
+    /// The encoding of the variables.
     pub fn encoding(&self) -> &Encoding {
         &self.encoding
     }
 
-    /// The guarantees that a single answer keeps or breaks: those of step 0 (over next bits, as if
-    /// it were the upcoming step), or those of a later step.
-    pub fn rules(&self, at_start: bool) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
+    /// Returns the guarantees that a single answer can break, over the next bits: with `at_start`
+    /// those about step 0, otherwise those about a later step, also over the current bits.
+    pub fn step_guarantees(
+        &self,
+        at_start: bool,
+    ) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
         use GuaranteeKind::{Initial, Invariant, Safety};
         let m = &self.kernel;
         let mut rules = Vec::new();
@@ -281,17 +284,17 @@ impl<K: Kernel> Formulas<K> {
         self.kernel.peak_nodes()
     }
 
-    /// Builds the game with the selected guarantees, its relations in clusters.
+    /// Builds the game with the selected formulas, its relations in clusters.
     pub fn arena(
         &self,
         selection: &Selection<'_>,
         clustering: Clustering,
     ) -> Result<Arena<K>, Limit> {
-        self.arena_of(selection, clustering, self.timing)
+        self.arena_with_timing(selection, clustering, self.timing)
     }
 
-    /// Like `arena`, with another timing than the specification's.
-    pub fn arena_of(
+    /// Like [`Self::arena`], but with this timing instead of the specification's.
+    pub fn arena_with_timing(
         &self,
         selection: &Selection<'_>,
         clustering: Clustering,
@@ -300,13 +303,13 @@ impl<K: Kernel> Formulas<K> {
         let m = &self.kernel;
         let chosen = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
             let list = list.iter().enumerate();
-            list.filter(|(i, _)| selection.guarantees(kind, *i))
+            list.filter(|(i, _)| selection.has_guarantee(kind, *i))
                 .map(|(_, f)| f.clone())
                 .collect()
         };
         let assumed = |kind: GuaranteeKind, list: &[K::Function]| -> Vec<K::Function> {
             let list = list.iter().enumerate();
-            list.filter(|(i, _)| selection.assumes(kind, *i))
+            list.filter(|(i, _)| selection.has_assumption(kind, *i))
                 .map(|(_, f)| f.clone())
                 .collect()
         };
@@ -334,14 +337,14 @@ impl<K: Kernel> Formulas<K> {
             .safety
             .iter()
             .enumerate()
-            .filter(|(i, _)| selection.assumes(GuaranteeKind::Safety, *i));
+            .filter(|(i, _)| selection.has_assumption(GuaranteeKind::Safety, *i));
         let mut env_parts: Vec<K::Function> = env_safety.flat_map(|(_, f)| f.clone()).collect();
         env_parts.push(m.prime(&legal_inputs)?);
         let safety = sys
             .safety
             .iter()
             .enumerate()
-            .filter(|(i, _)| selection.guarantees(GuaranteeKind::Safety, *i));
+            .filter(|(i, _)| selection.has_guarantee(GuaranteeKind::Safety, *i));
         let mut sys_parts: Vec<K::Function> = safety.flat_map(|(_, f)| f.clone()).collect();
 
         let bits = |vars: &[VarId], time| self.encoding.bit_set(vars.iter().copied(), time);
@@ -349,8 +352,8 @@ impl<K: Kernel> Formulas<K> {
         let outputs_next = bits(&self.outputs, Time::Next);
         let environment = Relation::new(m, &env_parts, &inputs_next, clustering, self.heuristics)?;
         if timing == Timing::Moore {
-            // ∀x'. ρe → (a ∧ b) is (∀x'. ρe → a) ∧ (∀x'. ρe → b), so x' can be eliminated from the
-            // machine's safety in advance.
+            // ∀x'. ρe → (a ∧ b) equals (∀x'. ρe → a) ∧ (∀x'. ρe → b), so x' can be eliminated from
+            // each part of the machine's safety in advance.
             for part in &mut sys_parts {
                 *part = m.not(&environment.product(m, &m.not(part)?)?)?;
             }
@@ -376,25 +379,26 @@ impl<K: Kernel> Formulas<K> {
     }
 }
 
-/// The game.
+/// A game: its initial choices, moves and justice, as functions of bits.
 #[derive(Debug, Clone)]
 pub struct Arena<K: Kernel> {
     /// The BDD kernel.
     pub kernel: K,
     /// Enabled heuristics.
     pub heuristics: Heuristics,
-    /// Bits of the variables.
+    /// Encoding of the variables.
     pub encoding: Encoding,
     /// Which side moves first.
     pub timing: Timing,
     /// Valuations that satisfy the invariants and domains of both sides.
     pub states: K::Function,
-    /// Initial moves of the environment: its initial conditions, invariants and domains. Over
-    /// current inputs.
+    /// Initial choices of the environment: its initial conditions, invariants and domains. Over
+    /// current bits.
     pub env_initial: K::Function,
-    /// Initial moves of the machine: its initial conditions, invariants and domains.
+    /// Initial choices of the machine: its initial conditions, invariants and domains. Over current
+    /// bits.
     pub sys_initial: K::Function,
-    /// Next moves of the environment: its safety, and its invariants and domains in the next step.
+    /// Moves of the environment: its safety, and its invariants and domains in the next step.
     pub environment: Relation<K>,
     /// The machine's safety (for Moore, with the next inputs eliminated). Its invariants and
     /// domains are in [`Self::states`], which contains every target of the game.
@@ -414,7 +418,7 @@ pub struct Arena<K: Kernel> {
 }
 
 impl<K: Kernel> Arena<K> {
-    /// Creates the same game with other limits.
+    /// Returns the same game with other limits.
     pub fn with_limits(&self, limits: &Limits) -> Self {
         Self {
             kernel: self.kernel.with_limits(limits),
@@ -437,8 +441,9 @@ impl<K: Kernel> Arena<K> {
         m.not(&self.environment.product(m, &m.not(f)?)?)
     }
 
-    /// The controllable predecessor of a set of transitions: the states in which the machine can
-    /// always answer with a transition of `target` that keeps its safety.
+    /// Returns the controllable predecessor of a set of transitions: the states in which the
+    /// machine can answer every move of the environment with a transition of `target` that keeps
+    /// its safety.
     ///
     /// ```text
     /// Mealy:  ∀x'. ρe(x, y, x') → ∃y'. ρs(x, y, x', y') ∧ target(x, y, x', y')
@@ -452,20 +457,22 @@ impl<K: Kernel> Arena<K> {
         }
     }
 
-    /// All moves of the environment as one relation.
+    /// Returns all moves of the environment as one relation.
     pub fn environment_moves(&self) -> Result<K::Function, Limit> {
         self.environment.whole(&self.kernel)
     }
 
-    /// The machine's safety as one relation (for Moore, with the next inputs eliminated).
+    /// Returns the machine's safety as one relation (for Moore, with the next inputs eliminated).
     pub fn system_moves(&self) -> Result<K::Function, Limit> {
         self.system.whole(&self.kernel)
     }
 
-    /// Whether the machine can answer every initial choice within `region`.
+    /// Whether the machine can answer every initial choice of the environment so that step 0 lies
+    /// in `region`.
     ///
     /// ```text
-    /// Mealy:  ∀x. θe(x) → ∃y. θs(x, y) ∧ region(x, y)        Moore:  ∃y. ∀x. θe(x) → θs(x, y) ∧ region(x, y)
+    /// Mealy:  ∀x. θe(x) → ∃y. θs(x, y) ∧ region(x, y)
+    /// Moore:  ∃y. ∀x. θe(x) → θs(x, y) ∧ region(x, y)
     /// ```
     pub fn wins_initially(&self, region: &K::Function) -> Result<bool, Limit> {
         let m = &self.kernel;

@@ -1,25 +1,26 @@
-//! Combines conjuncts into clusters up to a number of nodes: between one large relation (good for
-//! some specifications, bad for others) and one relation per formula (the reverse).
+//! Combines conjuncts into clusters up to a number of nodes: a compromise between one large
+//! relation and one relation per formula, each of which is good for some specifications and bad for
+//! others.
 
 use crate::symbolic::{BitSet, Kernel, Limit};
 
 /// How conjuncts are combined.
 #[derive(Debug, Clone, Copy)]
 pub enum Clustering {
-    /// In file order, each cluster limited to this many nodes.
+    /// In file order, up to this number of nodes per cluster.
     InOrder(usize),
-    /// In file order, but first combines neighbors that are the only ones to mention a bit. With
-    /// the resulting cluster, the bit can be quantified before any other cluster is used; otherwise
-    /// two clusters would mention nearly the same bits, and the intermediate result would be larger
-    /// than the final one.
+    /// In file order, up to this number of nodes per cluster, but first combines neighbors that
+    /// together contain all mentions of a bit. That bit can then be quantified together with the
+    /// new cluster. Otherwise two clusters could mention nearly the same bits, and the intermediate
+    /// result would be larger than the final one.
     ByBits(usize),
 }
 
-/// Maximum node count of pieces that are combined before bits are considered.
+/// Maximum node count of the pieces that are built before bits are considered.
 const PIECE_NODES: usize = 1_000;
 
 impl Clustering {
-    /// Combines `parts` into clusters; the bits `gone` will be quantified.
+    /// Combines `parts` into clusters. `gone` are the bits that will be quantified.
     pub fn cluster<K: Kernel>(
         self,
         kernel: &K,
@@ -30,14 +31,14 @@ impl Clustering {
             Self::InOrder(bound) => in_order(kernel, parts, bound),
             Self::ByBits(bound) => {
                 let mut pieces = in_order(kernel, parts, PIECE_NODES.min(bound))?;
-                while join_neighbours(kernel, &mut pieces, gone, bound)? {}
+                while join_neighbors(kernel, &mut pieces, gone, bound)? {}
                 in_order(kernel, pieces, bound)
             }
         }
     }
 }
 
-/// Combines consecutive conjuncts until a cluster is large.
+/// Combines consecutive conjuncts into clusters of at most `bound` nodes.
 fn in_order<K: Kernel>(
     kernel: &K,
     parts: Vec<K::Function>,
@@ -61,9 +62,9 @@ fn in_order<K: Kernel>(
     Ok(result.into_iter().map(|(f, _)| f).collect())
 }
 
-/// Joins the smallest set of neighbors that alone mention one of the bits and have at most `bound`
-/// nodes together, if there is one.
-fn join_neighbours<K: Kernel>(
+/// Joins the smallest run of neighbors that contains all mentions of one of the bits, if the result
+/// has at most `bound` nodes. Returns whether any neighbors were joined.
+fn join_neighbors<K: Kernel>(
     kernel: &K,
     pieces: &mut Vec<K::Function>,
     gone: &BitSet,
@@ -96,7 +97,7 @@ fn join_neighbours<K: Kernel>(
     Ok(false)
 }
 
-/// The conjunction, unless it or an intermediate result has more than `bound` nodes.
+/// Returns the conjunction, or `None` if it or an intermediate result has more than `bound` nodes.
 fn conjunction<K: Kernel>(
     kernel: &K,
     pieces: &[K::Function],

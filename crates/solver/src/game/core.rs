@@ -1,33 +1,34 @@
-//! A minimal core: guarantees that clash, none of which can be omitted, and the assumptions that
-//! matter for it.
+//! Finds a minimal core: guarantees that clash, none of which can be omitted, and the assumptions
+//! that matter for it.
 //!
-//! `QuickXplain` (Junker, AAAI 2004): halves are tried first, so that a core of `k` among `n`
-//! guarantees costs at most `2k · log2(n / k) + 2k` games, whereas omitting one guarantee after the
-//! other costs `n` and delta debugging (Zeller and Hildebrandt, TSE 28, 2002) up to `n² + 3n`. It
-//! is sound here because leaving out a guarantee never makes a specification unrealizable.
+//! The search is `QuickXplain` (Junker, AAAI 2004). It tries halves first, so that a core of `k`
+//! out of `n` guarantees costs at most `2k · log2(n / k) + 2k` games, whereas omitting one
+//! guarantee after the other costs `n` games and delta debugging (Zeller and Hildebrandt, TSE 28,
+//! 2002) up to `n² + 3n`. It is sound here because leaving out a guarantee never makes a
+//! specification unrealizable.
 //!
-//! With an assumption less, an unrealizable specification remains unrealizable. An assumption
-//! contributes by keeping the *other* guarantees from clashing: the assumptions that matter are a
-//! minimal set under which the core is still minimal. The same search finds them; each test takes
-//! up to `k` games, one for each omitted guarantee.
+//! Leaving out assumptions keeps an unrealizable specification unrealizable. An assumption matters
+//! if without it a proper subset of the core would already clash. So the assumptions that matter
+//! are a minimal set under which the core is still minimal. The same search finds them; each of its
+//! tests takes up to `k` games, one for each omitted guarantee.
 
 use super::arena::{Formulas, Selection};
 use super::fixpoint::{Iterations, winning_region};
-use super::reference::{AssumptionRef, GuaranteeRef, definitions};
+use super::reference::{AssumptionRef, GuaranteeRef, split_definitions};
 use super::set_up::SPLIT;
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::Specification;
 
-/// A minimal unrealizable set of guarantees of an unrealizable specification, with the definitions
-/// that it needs. Several guarantees may read what one of them defines, so a definition is no
-/// reason for a guarantee to be in the core.
+/// Returns a minimal unrealizable set of guarantees of an unrealizable specification, with the
+/// definitions that it needs. The definitions are minimized last, since several guarantees can use
+/// the same one.
 pub fn minimal_core<K: Kernel>(
     formulas: &Formulas<K>,
     specification: &Specification,
 ) -> Result<Vec<GuaranteeRef>, Limit> {
-    let (definitions, asked) = definitions(&specification.guarantees);
+    let (definitions, demands) = split_definitions(&specification.guarantees);
     let mut holds = |kept: &[GuaranteeRef]| unrealizable(formulas, Selection::Only(kept));
-    let mut core = quick_xplain(&mut holds, &definitions, false, &asked)?;
+    let mut core = quick_xplain(&mut holds, &definitions, false, &demands)?;
     if !definitions.is_empty() {
         let needed = quick_xplain(&mut holds, &core, true, &definitions)?;
         core.extend(needed);
@@ -36,8 +37,8 @@ pub fn minimal_core<K: Kernel>(
     Ok(core)
 }
 
-/// A minimal set of assumptions under which a minimal core stays minimal: without any one of its
-/// guarantees it could be kept.
+/// Returns a minimal set of assumptions under which the core stays minimal, that is, realizable
+/// without any one of its guarantees.
 pub fn assumptions_that_matter<K: Kernel>(
     formulas: &Formulas<K>,
     core: &[GuaranteeRef],
@@ -48,7 +49,7 @@ pub fn assumptions_that_matter<K: Kernel>(
     let mut minimal = |assumed: &[AssumptionRef]| {
         for i in 0..others.len() {
             if unrealizable(formulas, Selection::Both(&others[i], assumed))? {
-                // What failed is most likely to fail again.
+                // Moves the failing test to the front: it is the most likely to fail again.
                 others[..=i].rotate_right(1);
                 return Ok(false);
             }
@@ -63,8 +64,9 @@ pub fn assumptions_that_matter<K: Kernel>(
     Ok(matters)
 }
 
-/// The smallest part of `candidates` that makes `holds` true together with `kept`, for a monotone
-/// property. `grown` says that `kept` has changed since it was last found insufficient.
+/// Returns a minimal subset of `candidates` that together with `kept` satisfies the monotone
+/// property `holds`, provided that all `candidates` with `kept` satisfy it. If `grown` is false,
+/// `kept` alone is known not to satisfy it and is not tested.
 pub fn quick_xplain<T: Clone>(
     holds: &mut impl FnMut(&[T]) -> Result<bool, Limit>,
     kept: &[T],

@@ -1,17 +1,17 @@
-//! A set of inputs as disjoint cubes of intervals: the function is split variable by variable, not
-//! bit by bit.
+//! Converts a set of inputs to disjoint cubes of intervals: splits the function variable by
+//! variable, not bit by bit.
 //!
-//! Adjacent values that lead to the same rest form one interval, so that a cube reads
-//! `2 <= desired <= 4` instead of three bit patterns. Codes without a value are never considered.
-//! Inputs are split in the order of the specification, independent of the diagrams' order.
+//! Adjacent values with the same remaining function form one interval, so that a cube is `2 <=
+//! desired <= 4` instead of three bit patterns. Codes without a value are ignored. Inputs are split
+//! in the order of the specification, independent of the variable order of the diagrams.
 
 use crate::symbolic::{Bit, Encoding, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
 
-/// One condition: index of the input, smallest and largest value.
+/// One condition of a cube: index of the input, smallest and largest value.
 pub type Condition = (usize, i64, i64);
 
-/// Converts sets of next inputs to cubes.
+/// Converts sets of next inputs (or outputs) to cubes.
 pub struct Cover<'a, K: Kernel> {
     kernel: &'a K,
     inputs: Vec<Input>,
@@ -29,7 +29,8 @@ impl<'a, K: Kernel> Cover<'a, K> {
         Self::of(kernel, encoding, specification, specification.inputs())
     }
 
-    /// Creates a cover over its outputs, which are the inputs of a player against the machine.
+    /// Creates a cover over the outputs of a specification, which are the inputs of a
+    /// counterstrategy.
     pub fn of_outputs(kernel: &'a K, encoding: &Encoding, specification: &Specification) -> Self {
         Self::of(kernel, encoding, specification, specification.outputs())
     }
@@ -51,10 +52,11 @@ impl<'a, K: Kernel> Cover<'a, K> {
         }
     }
 
-    /// The cubes of a function over the bits of the next inputs, limited to `most`.
-    pub fn cubes(&self, set: &K::Function, most: usize) -> Result<Vec<Vec<Condition>>, Limit> {
+    /// Returns the cubes of a function over the bits of the next inputs, or [`Limit::Size`] if
+    /// there are more than `max`.
+    pub fn cubes(&self, set: &K::Function, max: usize) -> Result<Vec<Vec<Condition>>, Limit> {
         let mut found = Vec::new();
-        self.walk(set, 0, &mut Vec::new(), &mut found, most)?;
+        self.walk(set, 0, &mut Vec::new(), &mut found, max)?;
         Ok(found)
     }
 
@@ -64,16 +66,16 @@ impl<'a, K: Kernel> Cover<'a, K> {
         index: usize,
         path: &mut Vec<Condition>,
         found: &mut Vec<Vec<Condition>>,
-        most: usize,
+        max: usize,
     ) -> Result<(), Limit> {
         if self.kernel.is_false(set) {
             return Ok(());
         }
         let support = self.kernel.support(set);
-        let asks = |input: &Input| input.bits.iter().any(|b| support.contains(b));
-        let next = self.inputs[index..].iter().position(asks);
+        let is_tested = |input: &Input| input.bits.iter().any(|b| support.contains(b));
+        let next = self.inputs[index..].iter().position(is_tested);
         let Some(index) = next.map(|n| index + n) else {
-            if found.len() >= most {
+            if found.len() >= max {
                 return Err(Limit::Size);
             }
             found.push(path.clone());
@@ -87,7 +89,7 @@ impl<'a, K: Kernel> Cover<'a, K> {
             if !whole {
                 path.push((index, low, high));
             }
-            self.walk(&rest, index + 1, path, found, most)?;
+            self.walk(&rest, index + 1, path, found, max)?;
             if !whole {
                 path.pop();
             }
@@ -95,8 +97,9 @@ impl<'a, K: Kernel> Cover<'a, K> {
         Ok(())
     }
 
-    /// Splits the set by the values of one input in ascending order; neighbors with the same rest
-    /// are one piece.
+    /// Splits the set by the values of one input, ascending, into pieces: smallest value, largest
+    /// value, and the remaining function. Adjacent values with the same remaining function form one
+    /// piece.
     fn split(
         &self,
         set: &K::Function,

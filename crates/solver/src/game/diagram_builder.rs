@@ -1,9 +1,9 @@
-//! A small diagram package used beside a kernel.
+//! A small diagram package, used in addition to a kernel for computing strategies as functions.
 //!
 //! Functions are derived from a relation in thousands of small operations, most of which recur for
-//! the next goal. They are simplified with respect to a care set, which no kernel here supports. So
-//! this is a plain diagram package: one thread, one fixed order, no garbage collection (users start
-//! a new builder from time to time), with operands and results in a lossy cache.
+//! the next goal, and they are simplified with respect to a care set, which no kernel here
+//! supports. So this is a simple package: one thread, one fixed order, a lossy cache of results,
+//! and no garbage collection; callers start a new builder from time to time.
 //!
 //! [`DiagramBuilder::restrict`] is from Coudert and Madre, "A unified framework for the formal
 //! verification of sequential circuits", ICCAD 1990.
@@ -11,28 +11,28 @@
 use crate::symbolic::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
 use rustc_hash::FxHashMap;
 
-/// Maximum number of nodes without a memory limit.
-const MOST_NODES: u64 = 1 << 25;
+/// Maximum number of nodes, also without a memory limit.
+const MAX_NODES: u64 = 1 << 25;
 
-/// Bytes per node, including all references to it.
+/// Bytes per node, including its share of the tables.
 const NODE_BYTES: u64 = 48;
 
-/// Number of cached results; a power of two.
-const REMEMBERED: usize = 1 << 17;
+/// Number of slots of the result cache; a power of two.
+const CACHED_RESULTS: usize = 1 << 17;
 
-/// Number of cached [`Choices`]; a power of two.
-const CHOICES: usize = 1 << 15;
+/// Number of slots of the cache of [`Choices`]; a power of two.
+const CACHED_CHOICES: usize = 1 << 15;
 
-/// A simplification is abandoned after this many conjunctions of decisions, plus
-/// [`EFFORT_PER_NODE`] for each node of the function: reducing `care` to the bits that the function
-/// depends on has no other bound.
-const LEAST_EFFORT: usize = 1_000;
+/// Number of conjunctions of nodes after which a simplification is abandoned, plus
+/// [`WORK_PER_NODE`] for each node of the function. Reducing `care` to the bits on which the
+/// function depends has no other bound.
+const BASE_WORK: usize = 1_000;
 
-/// See [`LEAST_EFFORT`].
-const EFFORT_PER_NODE: usize = 2;
+/// See [`BASE_WORK`].
+const WORK_PER_NODE: usize = 2;
 
-/// Minimum number of node slots; a power of two.
-const FEWEST_SLOTS: usize = 1 << 12;
+/// Minimum number of slots of the node table; a power of two.
+const MIN_SLOTS: usize = 1 << 12;
 
 /// Hashes three numbers to a value below 2^32.
 fn spread(a: u32, b: u32, c: u32) -> u32 {
@@ -42,7 +42,8 @@ fn spread(a: u32, b: u32, c: u32) -> u32 {
     ((mixed ^ mixed >> 32).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32
 }
 
-/// A decision; the edge for 1 is never negated, so that a function and its negation share a node.
+/// A decision node. Its high edge is never negated, so that a function and its negation share a
+/// node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Node {
     level: u32,
@@ -59,17 +60,17 @@ enum Operation {
     Restrict,
 }
 
-/// An operation, its operands, and its result.
-type Remembered = ((Operation, u32, u32), Edge);
+/// An operation with its operands, and its result.
+type CachedResult = ((Operation, u32, u32), Edge);
 
-/// What a condition says about one of its bits, as functions of the others.
+/// The values that a condition allows for one of its bits, as functions of the other bits.
 #[derive(Debug, Clone, Copy)]
 pub struct Choices {
-    /// Where it can hold with the bit 1.
+    /// Where the condition holds if the bit is 1.
     pub may_set: Edge,
-    /// Where it can hold with some value.
+    /// Where the condition holds for at least one value of the bit.
     pub possible: Edge,
-    /// Where it holds with exactly one value.
+    /// Where the condition holds for exactly one value of the bit.
     pub forced: Edge,
 }
 
@@ -77,23 +78,24 @@ pub struct Choices {
 #[derive(Debug)]
 pub struct DiagramBuilder {
     nodes: Vec<Node>,
-    /// Open-addressing hash table of node numbers plus one; 0 is free. Small, so that much of it
-    /// stays in the processor's caches. The size is a power of two, at least twice the number of
-    /// nodes.
+    /// Hash table with open addressing that holds node numbers plus one; 0 marks a free slot. Its
+    /// entries are small, so that much of it stays in the processor's caches. The size is a power
+    /// of two, at least twice the number of nodes.
     slots: Vec<u32>,
-    remembered: Vec<Remembered>,
+    results: Vec<CachedResult>,
     choices: Vec<(Edge, u32, Choices)>,
-    /// For every pair, its position in the order.
+    /// Position of each pair in the order.
     positions: Vec<u16>,
-    /// For every node, the mark of its last visit.
+    /// Mark of the last traversal that visited each node.
     marks: Vec<u32>,
+    /// Mark of the latest traversal.
     mark: u32,
     limits: Limits,
-    most_nodes: usize,
-    /// Number of conjunctions of two decisions so far.
-    effort: usize,
-    /// Effort at which a simplification is abandoned.
-    patience: usize,
+    max_nodes: usize,
+    /// Number of conjunctions of two nodes so far.
+    work: usize,
+    /// Value of `work` above which a simplification is abandoned.
+    work_limit: usize,
 }
 
 /// Level of constants, below all others.
@@ -105,23 +107,23 @@ impl DiagramBuilder {
         let by_memory = limits
             .memory_mib
             .map(|mib| mib.saturating_mul(1 << 20) / NODE_BYTES);
-        let bounds = [by_memory, limits.most_nodes].into_iter().flatten();
+        let bounds = [by_memory, limits.max_nodes].into_iter().flatten();
         Self {
             nodes: Vec::new(),
-            slots: vec![0; FEWEST_SLOTS],
-            remembered: Vec::new(),
+            slots: vec![0; MIN_SLOTS],
+            results: Vec::new(),
             choices: Vec::new(),
             positions: order.positions(),
             marks: Vec::new(),
             mark: 0,
             limits: *limits,
-            most_nodes: bounds.fold(MOST_NODES, u64::min) as usize,
-            effort: 0,
-            patience: usize::MAX,
+            max_nodes: bounds.fold(MAX_NODES, u64::min) as usize,
+            work: 0,
+            work_limit: usize::MAX,
         }
     }
 
-    /// Number of nodes.
+    /// Returns the number of nodes.
     pub fn nodes(&self) -> usize {
         self.nodes.len()
     }
@@ -130,12 +132,12 @@ impl DiagramBuilder {
         2 * u32::from(self.positions[usize::from(bit.pair())]) + u32::from(bit.0 & 1)
     }
 
-    /// Level of the topmost decision.
+    /// Returns the level of an edge's target; [`BOTTOM`] for a constant.
     fn level(&self, edge: Edge) -> u32 {
         edge.node().map_or(BOTTOM, |n| self.nodes[n].level)
     }
 
-    /// Returns the edge to a decision.
+    /// Returns an edge to the node with these branches, creating the node if necessary.
     fn decision(&mut self, level: u32, high: Edge, low: Edge) -> Result<Edge, Limit> {
         if high == low {
             return Ok(high);
@@ -154,7 +156,7 @@ impl DiagramBuilder {
             place = (place + 1) & (self.slots.len() - 1);
         }
         let fresh = self.nodes.len();
-        if fresh >= self.most_nodes {
+        if fresh >= self.max_nodes {
             return Err(Limit::Memory);
         }
         if fresh.is_multiple_of(1 << 14) {
@@ -168,7 +170,7 @@ impl DiagramBuilder {
         Ok(Edge::to(fresh).flipped(negate))
     }
 
-    /// First slot to search for a node.
+    /// Returns the slot at which the search for a node starts.
     fn slot(&self, node: Node) -> usize {
         spread(node.level, node.high.0, node.low.0) as usize & (self.slots.len() - 1)
     }
@@ -185,8 +187,8 @@ impl DiagramBuilder {
         }
     }
 
-    /// Targets of an edge for the bit at this level being 1 and 0; the level is not below its
-    /// topmost decision.
+    /// Returns the branches of an edge for the values 1 and 0 of the bit at this level, which must
+    /// not be below the edge's target.
     fn branches(&self, edge: Edge, level: u32) -> (Edge, Edge) {
         match edge.node().map(|n| self.nodes[n]) {
             Some(node) if node.level == level => {
@@ -198,20 +200,20 @@ impl DiagramBuilder {
     }
 
     fn place((operation, a, b): (Operation, u32, u32)) -> usize {
-        spread(operation as u32, a, b) as usize & (REMEMBERED - 1)
+        spread(operation as u32, a, b) as usize & (CACHED_RESULTS - 1)
     }
 
-    fn recall(&self, key: (Operation, u32, u32)) -> Option<Edge> {
-        let (known, result) = self.remembered.get(Self::place(key))?;
+    fn cached(&self, key: (Operation, u32, u32)) -> Option<Edge> {
+        let (known, result) = self.results.get(Self::place(key))?;
         (*known == key).then_some(*result)
     }
 
-    fn remember(&mut self, key: (Operation, u32, u32), result: Edge) {
-        if self.remembered.is_empty() {
-            self.remembered = vec![(<_>::default(), Edge::FALSE); REMEMBERED];
+    fn cache(&mut self, key: (Operation, u32, u32), result: Edge) {
+        if self.results.is_empty() {
+            self.results = vec![(<_>::default(), Edge::FALSE); CACHED_RESULTS];
         }
         let place = Self::place(key);
-        self.remembered[place] = (key, result);
+        self.results[place] = (key, result);
     }
 
     /// `a ∧ b`
@@ -225,14 +227,14 @@ impl DiagramBuilder {
             return Ok(b);
         }
         let key = (Operation::And, a.0, b.0);
-        if let Some(known) = self.recall(key) {
+        if let Some(known) = self.cached(key) {
             return Ok(known);
         }
-        self.effort += 1;
-        if self.effort > self.patience {
+        self.work += 1;
+        if self.work > self.work_limit {
             return Err(Limit::Size);
         }
-        if self.effort.is_multiple_of(1 << 16) {
+        if self.work.is_multiple_of(1 << 16) {
             self.limits.check_time()?;
         }
         let level = self.level(a).min(self.level(b));
@@ -240,7 +242,7 @@ impl DiagramBuilder {
         let high = self.and(a1, b1)?;
         let low = self.and(a0, b0)?;
         let result = self.decision(level, high, low)?;
-        self.remember(key, result);
+        self.cache(key, result);
         Ok(result)
     }
 
@@ -251,7 +253,7 @@ impl DiagramBuilder {
 
     /// `a ⊕ b`
     pub fn xor(&mut self, a: Edge, b: Edge) -> Result<Edge, Limit> {
-        // Negations pass through.
+        // A negated operand negates the result.
         let negate = a.is_negated() != b.is_negated();
         let (a, b) = (a.flipped(a.is_negated()), b.flipped(b.is_negated()));
         let (a, b) = (a.min(b), a.max(b));
@@ -262,7 +264,7 @@ impl DiagramBuilder {
             return Ok(b.flipped(negate));
         }
         let key = (Operation::Xor, a.0, b.0);
-        if let Some(known) = self.recall(key) {
+        if let Some(known) = self.cached(key) {
             return Ok(known.flipped(negate));
         }
         let level = self.level(a).min(self.level(b));
@@ -270,11 +272,11 @@ impl DiagramBuilder {
         let high = self.xor(a1, b1)?;
         let low = self.xor(a0, b0)?;
         let result = self.decision(level, high, low)?;
-        self.remember(key, result);
+        self.cache(key, result);
         Ok(result.flipped(negate))
     }
 
-    /// What a condition says about one of its bits.
+    /// Returns the values that a condition allows for one of its bits.
     pub fn choices(&mut self, f: Edge, bit: Bit) -> Result<Choices, Limit> {
         self.choices_at(f, self.level_of(bit))
     }
@@ -296,7 +298,7 @@ impl DiagramBuilder {
                 forced: self.xor(high, low)?,
             });
         }
-        let place = spread(level, f.0, 0) as usize & (CHOICES - 1);
+        let place = spread(level, f.0, 0) as usize & (CACHED_CHOICES - 1);
         if let Some((known, of, choices)) = self.choices.get(place)
             && (*known, *of) == (f, level)
         {
@@ -310,23 +312,23 @@ impl DiagramBuilder {
             forced: self.decision(top, high.forced, low.forced)?,
         };
         if self.choices.is_empty() {
-            self.choices = vec![(Edge::FALSE, 0, choices); CHOICES];
+            self.choices = vec![(Edge::FALSE, 0, choices); CACHED_CHOICES];
         }
         self.choices[place] = (f, level, choices);
         Ok(choices)
     }
 
-    /// Returns a function that agrees with `f` wherever `care` holds, and is likely to be smaller:
-    /// omits decisions of which only one side matters.
+    /// Returns a function that agrees with `f` wherever `care` holds and is likely to be smaller:
+    /// omits nodes of which only one branch matters.
     fn restrict(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
         if care == Edge::TRUE || care == Edge::FALSE || f.node().is_none() {
             return Ok(f);
         }
         let key = (Operation::Restrict, f.0 & !1, care.0);
-        if let Some(known) = self.recall(key) {
+        if let Some(known) = self.cached(key) {
             return Ok(known.flipped(f.is_negated()));
         }
-        if self.effort > self.patience {
+        if self.work > self.work_limit {
             return Ok(f);
         }
         let (level, care_level) = (self.level(f), self.level(care));
@@ -348,43 +350,43 @@ impl DiagramBuilder {
                 self.decision(level, high, low)?
             }
         };
-        self.remember(key, result.flipped(f.is_negated()));
+        self.cache(key, result.flipped(f.is_negated()));
         Ok(result)
     }
 
-    /// Returns the smaller of `f` and a function that agrees with it wherever `care` holds, within
-    /// the limited effort.
+    /// Returns a function that agrees with `f` wherever `care` holds and has fewer nodes, or `f` if
+    /// none was found within the work limit.
     pub fn simplify(&mut self, f: Edge, care: Edge) -> Result<Edge, Limit> {
         if care == Edge::TRUE || f.node().is_none() {
             return Ok(f);
         }
         let size = self.size(f);
-        self.patience = self.effort + LEAST_EFFORT + EFFORT_PER_NODE * size;
+        self.work_limit = self.work + BASE_WORK + WORK_PER_NODE * size;
         let smaller = self.restrict(f, care);
-        self.patience = usize::MAX;
+        self.work_limit = usize::MAX;
         let smaller = smaller?;
         let shrinks = smaller != f && self.size(smaller) < size;
         Ok(if shrinks { smaller } else { f })
     }
 
-    /// Number of nodes of a function.
+    /// Returns the number of nodes of a function.
     fn size(&mut self, root: Edge) -> usize {
         self.below(&[root]).len()
     }
 
-    /// Which of these bits a function depends on, and its number of nodes.
+    /// Returns those of `bits` on which a function depends, and its number of nodes.
     pub fn measure(&mut self, root: Edge, bits: &[Bit]) -> (BitSet, usize) {
         let below = self.below(&[root]);
-        let mut asked = vec![false; 2 * self.positions.len()];
+        let mut tested = vec![false; 2 * self.positions.len()];
         for n in &below {
-            asked[self.nodes[*n].level as usize] = true;
+            tested[self.nodes[*n].level as usize] = true;
         }
-        let depends = |bit: &Bit| asked[self.level_of(*bit) as usize];
+        let depends = |bit: &Bit| tested[self.level_of(*bit) as usize];
         let support = BitSet::new(bits.iter().copied().filter(depends));
         (support, below.len())
     }
 
-    /// All nodes of some functions.
+    /// Returns the numbers of all nodes of these functions.
     fn below(&mut self, roots: &[Edge]) -> Vec<usize> {
         self.marks.resize(self.nodes.len(), 0);
         self.mark += 1;
@@ -411,7 +413,7 @@ impl DiagramBuilder {
         found
     }
 
-    /// Adds functions of a kernel that has the same order.
+    /// Adds functions of a kernel that has the same order, and returns their edges.
     pub fn add<'a, K: Kernel>(
         &mut self,
         kernel: &K,
@@ -432,7 +434,7 @@ impl DiagramBuilder {
         Ok(exported.roots.iter().map(|r| at(&edges, *r)).collect())
     }
 
-    /// Adds functions of another builder with the same order.
+    /// Adds functions of another builder with the same order, and returns their edges.
     pub fn copy(&mut self, other: &mut Self, roots: &[Edge]) -> Result<Vec<Edge>, Limit> {
         let mut edges: FxHashMap<usize, Edge> = FxHashMap::default();
         let at = |edges: &FxHashMap<usize, Edge>, edge: Edge| match edge.node() {
@@ -450,7 +452,7 @@ impl DiagramBuilder {
         Ok(roots.iter().map(|r| at(&edges, *r)).collect())
     }
 
-    /// Returns everything as plain data, without roots.
+    /// Returns all nodes as plain data, without roots.
     pub fn into_diagram(self) -> Diagram {
         let mut pairs = vec![0; self.positions.len()];
         for (pair, position) in self.positions.iter().enumerate() {

@@ -1,12 +1,14 @@
-//! Writes a strategy as explicit states with guards, without ever enumerating input letters.
+//! Converts a strategy to explicit states with guards, without enumerating valuations of the
+//! inputs.
 //!
-//! The machine's memory between two steps is what it will do next. So a state *is* the residual
-//! function `R(x′, y′, g)`: the strategy of the pursued goal for fixed current outputs, and for
-//! current inputs fixed as far as it depends on them. Canonical diagrams make equal residuals
-//! identical. In a state the machine must distinguish the next inputs that some reachable valuation
-//! of that state allows; they are split by output and by resulting residual. Inputs that affect
-//! neither are omitted from the guards, so that these also hold on some inputs that break an
-//! assumption: a guard describes what the machine checks, not what the environment promises.
+//! Between two steps, the machine has to remember only how it will behave next. So a state *is* the
+//! residual function `R(x′, y′, g)`: the strategy for the pursued goal, with the current outputs
+//! fixed and the current inputs fixed as far as the strategy depends on them. Equal residuals have
+//! identical diagrams. Only the next inputs matter that some reachable valuation of the state
+//! allows. Among these, the machine tells apart those that lead to different outputs or to
+//! different next residuals. Inputs that affect neither are omitted from the guards. So a guard can
+//! also hold on inputs that break an assumption: it describes what the machine checks, not what the
+//! environment guarantees.
 
 use super::arena::Arena;
 use super::cover::{Condition, Cover};
@@ -16,14 +18,14 @@ use linewright_core::gr1::{Specification, Time, VarId};
 use std::collections::{BTreeSet, HashMap};
 
 /// Maximum number of rows.
-const MOST_ROWS: usize = 200_000;
+const MAX_ROWS: usize = 200_000;
 
 /// One row of an explicit strategy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
-    /// Disjoint cubes; each condition gives an input's index, its smallest and its largest value.
+    /// Disjoint cubes of conditions on the inputs.
     pub cubes: Vec<Vec<Condition>>,
-    /// Outputs of the step, in the order of the specification.
+    /// Values of the outputs in the step, in the order of the specification.
     pub output: Vec<i64>,
     /// Index of the next state.
     pub to: usize,
@@ -32,7 +34,7 @@ pub struct Row {
 /// An explicit strategy. The rows of a state are disjoint and cover all inputs that keep the
 /// assumptions.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Explicit {
+pub struct ExplicitStrategy {
     /// Rows of step 0.
     pub initial: Vec<Row>,
     /// Rows of each state, for all later steps.
@@ -47,11 +49,11 @@ struct State<K: Kernel> {
     legal: K::Function,
 }
 
-/// State of the machine by its current inputs: the relevant part of them, over *next* bits, and the
-/// state. Disjoint.
+/// The machine's states after one output, by the inputs that lead to them: disjoint sets of inputs,
+/// over *next* bits, each with the index of the state.
 type Classes<K> = Vec<(<K as Kernel>::Function, usize)>;
 
-/// An output: its values, the bits that represent them, and the classes of what follows.
+/// An output of a step: its values, the bits that encode them, and the states after it.
 type Answer<'a, K> = (Vec<i64>, Vec<(Bit, bool)>, &'a Classes<K>);
 
 struct Explorer<'a, K: Kernel> {
@@ -63,17 +65,19 @@ struct Explorer<'a, K: Kernel> {
     outputs: Vec<VarId>,
     limits: &'a Limits,
     states: Vec<State<K>>,
+    /// Index of each state by goal and residual.
     numbers: HashMap<(usize, K::Function), usize>,
+    /// States by pursued goal and outputs of the last step.
     classes: HashMap<(usize, Vec<i64>), Classes<K>>,
 }
 
-/// Writes a strategy state by state.
+/// Converts a strategy to explicit states.
 pub fn explore<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     strategy: &Strategy<K>,
     limits: &Limits,
-) -> Result<Explicit, Limit> {
+) -> Result<ExplicitStrategy, Limit> {
     let m = &arena.kernel;
     let mut explorer = Explorer {
         arena,
@@ -90,7 +94,7 @@ pub fn explore<K: Kernel>(
     explorer.find_states()?;
 
     let cover = Cover::new(m, &arena.encoding, specification);
-    let mut room = MOST_ROWS;
+    let mut room = MAX_ROWS;
     let first = m.prime(&strategy.initial)?;
     let legal = m.prime(&arena.env_initial)?;
     let initial = explorer.rows(&first, &legal, None, &cover, &mut room)?;
@@ -105,11 +109,11 @@ pub fn explore<K: Kernel>(
         )?;
         states.push(rows);
     }
-    Ok(Explicit { initial, states })
+    Ok(ExplicitStrategy { initial, states })
 }
 
 impl<K: Kernel> Explorer<'_, K> {
-    /// Fills `states`, `numbers` and `classes` with everything reachable.
+    /// Fills `states`, `numbers` and `classes` with all reachable states.
     fn find_states(&mut self) -> Result<(), Limit> {
         for goal in 0..self.strategy.moves.len() {
             let reachable = self.strategy.reachable[goal].clone();
@@ -142,7 +146,8 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(())
     }
 
-    /// Splits the current `inputs` on `path` by the resulting residual.
+    /// Splits the set `inputs` of current inputs by the residual to which they lead. `path` holds
+    /// the literals fixed so far.
     fn split(
         &mut self,
         goal: usize,
@@ -172,7 +177,7 @@ impl<K: Kernel> Explorer<'_, K> {
         let next = self.states.len();
         let number = *self.numbers.entry((goal, residual.clone())).or_insert(next);
         if number == next {
-            if next >= MOST_ROWS {
+            if next >= MAX_ROWS {
                 return Err(Limit::Size);
             }
             self.states.push(State {
@@ -191,8 +196,8 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(())
     }
 
-    /// Rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued one, or `None` in
-    /// step 0.
+    /// Returns the rows of a residual (x′, y′, g) for the legal inputs; `goal` is the pursued goal,
+    /// or `None` in step 0. `room` is decremented by the number of cubes.
     fn rows(
         &self,
         residual: &K::Function,
@@ -238,7 +243,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(rows)
     }
 
-    /// Outputs that a residual gives on legal inputs.
+    /// Returns the outputs of a residual on legal inputs.
     fn answers(
         &self,
         residual: &K::Function,
@@ -269,13 +274,14 @@ impl<K: Kernel> Explorer<'_, K> {
             let classes = self
                 .classes
                 .get(&(to_goal, output.clone()))
-                .expect("a successor was not found reachable; please report this");
+                .expect("a successor is not among the reachable states; please report this");
             answers.push((output, fixed, classes));
         }
         Ok(answers)
     }
 
-    /// In step 0 there is no flag, and nothing depends on it; in later steps it is already fixed.
+    /// Eliminates the flag. Nothing depends on it in step 0, and it is already fixed in later
+    /// steps.
     fn forget_flag(&self, inputs: &K::Function) -> Result<K::Function, Limit> {
         self.m.exists(inputs, &BitSet::new(self.strategy.flag))
     }

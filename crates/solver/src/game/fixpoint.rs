@@ -1,7 +1,7 @@
-//! The three-nested fixpoint of a GR(1) game, and the record from which a strategy is made.
+//! The three-nested fixpoint of a GR(1) game, and the layers from which a strategy is made.
 //!
-//! From Bloem et al. 2012, section 3, with justice on transitions, so that goals may mention next
-//! values:
+//! The fixpoint is that of Bloem et al. 2012, section 3, with justice on transitions, so that goals
+//! can mention next values:
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ CPre( (Gⱼ ∧ Z′) ∨ Y′ ∨ (¬Aᵢ ∧ X′) )
@@ -15,13 +15,13 @@
 //! Z = νZ. ⋀ⱼ μY. ⋁ᵢ νX. Z ∧ ( (Gⱼ ∧ CPre(Z′)) ∨ CPre(Y′) ∨ (¬Aᵢ ∧ CPre(X′)) )
 //! ```
 //!
-//! The conjunction with Z does not change the result, since everything found for the last Z lies in
-//! it, and lets every X start from Z instead of from all states. The Z after one goal is passed to
-//! the next. In every later round for a goal, each X can start where the X at the same position of
-//! the previous round ended (fixpoint recycling; Browne, Clarke, Jha, Long and Marrero, "An
-//! improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997), since Z and with
-//! it every X only shrink. Nothing else is stored while deciding: [`layers`] runs the two inner
-//! fixpoints once more for the final Z.
+//! The conjunction with Z does not change the result, since the final Z contains all its layers,
+//! and it lets every X start from Z instead of from all states. Each goal starts from the Z that
+//! the previous goal left. In later rounds for the same goal, each X starts where the X at the same
+//! position of the previous round ended (fixpoint recycling; Browne, Clarke, Jha, Long and Marrero,
+//! "An improved algorithm for the evaluation of fixpoint expressions", TCS 178, 1997), which is
+//! sound because Z only shrinks, and every X with it. Nothing else is stored while deciding:
+//! [`layers`] repeats the two inner fixpoints for the final Z.
 
 use super::arena::Arena;
 use super::heuristics::Heuristic;
@@ -29,7 +29,7 @@ use super::statistics::Statistics;
 use crate::symbolic::{Kernel, Limit};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Iteration counts of the fixpoints, and their current state.
+/// Iteration counts and progress of the fixpoints, readable from other threads.
 #[derive(Debug, Default)]
 pub struct Iterations {
     /// Outermost iterations, one per goal and round.
@@ -42,9 +42,9 @@ pub struct Iterations {
     pub predecessors: AtomicU64,
     /// Number of goals.
     pub goals: AtomicU64,
-    /// Number of successive goals for which the region has not changed.
+    /// Number of goals in a row that have left the region unchanged.
     pub settled: AtomicU64,
-    /// Last sampled node count.
+    /// Most recently sampled node count.
     pub nodes: AtomicU64,
 }
 
@@ -64,8 +64,8 @@ impl Iterations {
         }
     }
 
-    /// Copies the counts to the statistics.
-    pub fn add_to(&self, statistics: &mut Statistics) {
+    /// Writes the counts to the statistics.
+    pub fn write_to(&self, statistics: &mut Statistics) {
         statistics.outer = self.outer.load(Ordering::Relaxed);
         statistics.middle = self.middle.load(Ordering::Relaxed);
         statistics.inner = self.inner.load(Ordering::Relaxed);
@@ -79,9 +79,9 @@ fn count(counter: &AtomicU64) {
     counter.fetch_add(1, Ordering::Relaxed);
 }
 
-/// The states from which the machine wins, or `None` as soon as some initial choice of the
-/// environment is lost. The search starts at `within`, which must contain all of them, or else at
-/// all states.
+/// Returns the states from which the machine wins, or `None` if it loses from some initial choice
+/// of the environment. The search starts from `within`, which must contain the winning region, or
+/// from all states.
 pub fn winning_region<K: Kernel>(
     arena: &Arena<K>,
     within: Option<&K::Function>,
@@ -91,21 +91,21 @@ pub fn winning_region<K: Kernel>(
     if early && !arena.wins_initially(&arena.states)? {
         return Ok(None);
     }
-    let good = |z: &K::Function| {
+    let can_still_win = |z: &K::Function| {
         if early {
             arena.wins_initially(z)
         } else {
             Ok(true)
         }
     };
-    let region = Fixpoint::new(arena, iterations).region(within, good)?;
+    let region = Fixpoint::new(arena, iterations).region(within, can_still_win)?;
     Ok(match region {
         Some(z) if arena.wins_initially(&z)? => Some(z),
         _ => None,
     })
 }
 
-/// The states from which the machine wins, whatever the initial states are.
+/// Returns the states from which the machine wins, regardless of the initial states.
 pub fn winning_states<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
     let iterations = Iterations::default();
     let region = Fixpoint::new(arena, &iterations).region(None, |_| Ok(true))?;
@@ -116,17 +116,17 @@ pub fn winning_states<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit>
 struct Fixpoint<'a, K: Kernel> {
     arena: &'a Arena<K>,
     iterations: &'a Iterations,
-    /// Whether predecessors of states suffice.
+    /// Whether predecessors of states suffice, instead of transitions.
     by_state: bool,
-    /// For every goal, the Xs of its last round in the order found.
+    /// For every goal, the Xs of its last round, in the order of computation.
     last: Vec<Vec<K::Function>>,
-    /// Recent predecessors, the newest last.
+    /// Cache of sets of states with their controllable predecessors, the most recently used last.
     recent: Vec<(K::Function, K::Function)>,
 }
 
-/// Number of cached predecessors: those of the last Xs, of which one becomes the next Y, of
-/// `false`, and of Z.
-const REMEMBERED: usize = 16;
+/// Number of cached predecessors. Reused are those of the last Xs, one of which becomes the next Y,
+/// of `false`, and of Z.
+const CACHED_PREDECESSORS: usize = 16;
 
 impl<'a, K: Kernel> Fixpoint<'a, K> {
     fn new(arena: &'a Arena<K>, iterations: &'a Iterations) -> Self {
@@ -141,7 +141,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         }
     }
 
-    /// The outermost fixpoint; `None` as soon as a Z is no longer `good`.
+    /// Computes the outermost fixpoint; returns `None` as soon as a Z is no longer `good`.
     fn region(
         &mut self,
         within: Option<&K::Function>,
@@ -169,7 +169,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                 m.safe_point()?;
             }
         }
-        let mut settled = 0; // For how many goals in a row Z has stayed as it is.
+        let mut settled = 0; // Number of goals in a row that have left Z unchanged.
         let mut round = z.clone();
         for (place, j) in self.goal_order().into_iter().enumerate().cycle() {
             count(&self.iterations.outer);
@@ -200,7 +200,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         Ok(Some(z))
     }
 
-    /// The order in which the goals are taken.
+    /// Returns the goals in the order of processing.
     fn goal_order(&self) -> Vec<usize> {
         let arena = self.arena;
         let mut order: Vec<usize> = (0..arena.goals.len()).collect();
@@ -210,8 +210,8 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         order
     }
 
-    /// The middle and inner fixpoints for a goal; calls `found(i, X)` for every X that adds
-    /// something to Y.
+    /// Computes the middle and inner fixpoints for goal `j`. Calls `found(i, X)` for every X that
+    /// adds states to Y, where `i` is the index of the assumption.
     fn reach_goal(
         &mut self,
         j: usize,
@@ -228,7 +228,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
             m.and(goal, &m.prime(z)?)?
         };
         let mut y = m.constant(false);
-        let mut idle = 0; // How many assumptions in a row added nothing.
+        let mut idle = 0; // Number of assumptions in a row that added no states.
         for (place, i) in (0..assumptions).cycle().enumerate() {
             count(&self.iterations.middle);
             let progress = if self.by_state {
@@ -260,7 +260,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                 x = smaller;
                 m.safe_point()?;
                 if m.is_false(&waiting) {
-                    break; // Then nothing depends on X.
+                    break; // The result does not depend on X.
                 }
             }
             if arena.heuristics.has(Heuristic::Recycling) {
@@ -282,14 +282,14 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
                 idle = 0;
                 y = larger;
                 if y == *z {
-                    break; // There is nothing left to reach.
+                    break; // All states of Z are reached.
                 }
             }
         }
         Ok(y)
     }
 
-    /// Start value of the X at a position in a goal's round.
+    /// Returns the start value of the X at a position in a goal's round.
     fn start(&self, j: usize, place: usize, z: &K::Function) -> Result<K::Function, Limit> {
         let arena = self.arena;
         let begin = if arena.heuristics.has(Heuristic::InnerStart) {
@@ -303,7 +303,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         }
     }
 
-    /// The controllable predecessor of a set of states, possibly cached.
+    /// Returns the controllable predecessor of a set of states, from the cache if possible.
     fn predecessor(&mut self, states: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         if let Some(place) = self.recent.iter().position(|(s, _)| s == states) {
@@ -312,7 +312,7 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
         }
         let result = self.predecessor_of_transitions(&m.prime(states)?)?;
         if self.arena.heuristics.has(Heuristic::PredecessorCache) {
-            if self.recent.len() >= REMEMBERED {
+            if self.recent.len() >= CACHED_PREDECESSORS {
                 self.recent.remove(0);
             }
             self.recent.push((states.clone(), result.clone()));
@@ -328,19 +328,20 @@ impl<'a, K: Kernel> Fixpoint<'a, K> {
     }
 }
 
-/// One step of the inner fixpoints for a goal.
+/// One layer of states on the way to a goal.
 #[derive(Debug)]
 pub struct Layer<K: Kernel> {
-    /// The assumption that fails for ever if the play stays in `wait` for ever.
+    /// Index of the assumption that fails in every step that waits in the layer.
     pub assumption: usize,
-    /// The X of this step: the machine may wait here as long as that assumption does not hold.
+    /// The X of this layer: in its states, the machine makes progress or waits while that
+    /// assumption fails.
     pub wait: K::Function,
-    /// The Y after this step: all states at most this far from the goal.
+    /// The Y after this layer: the states of this layer and of all layers before it.
     pub reached: K::Function,
 }
 
-/// The steps toward goal `j` within the winning region: a move into an earlier `reached` is
-/// progress.
+/// Returns the layers of goal `j` within the winning region, the one nearest to the goal first. A
+/// move into an earlier layer is progress.
 pub fn layers<K: Kernel>(
     arena: &Arena<K>,
     j: usize,

@@ -1,20 +1,20 @@
-//! A strategy as functions: every next output bit as a diagram over the machine's known values, for
-//! games whose machine is too large to be written state by state.
+//! Computes a strategy as functions: every next output bit as a diagram over the values that the
+//! machine knows, for games whose machine is too large to be listed state by state.
 //!
-//! The strategy pursues one goal after the other, as in Bloem et al. 2012, section 4: a move that
-//! reaches the goal and stays in the winning region, or else one into an earlier layer, or else one
-//! that waits while an assumption fails. The pursued goal is stored in memory bits; a move that
-//! reaches it switches to the next one.
+//! The strategy pursues one goal after the other, as in Bloem et al. 2012, section 4. It takes a
+//! move that reaches the goal and stays in the winning region, or else one into an earlier layer,
+//! or else one that waits while an assumption fails. The number of the pursued goal is the only
+//! memory; a move that reaches the goal switches to the next one.
 //!
-//! No relation of all moves is ever built. For every goal, the next output bits are eliminated from
-//! the parts of the machine's safety and the strategy's target one after the other, from the bottom
-//! of the order up, each only from the parts that mention it (bucket elimination; Dechter, "Bucket
+//! No relation of all moves is ever built. For every goal, the next output bits are eliminated one
+//! after the other from the parts of the machine's safety and the strategy's target, the cheapest
+//! bit first, and each only from the parts that mention it (bucket elimination; Dechter, "Bucket
 //! elimination: a unifying framework for reasoning", Artificial Intelligence 113, 1999). The
-//! conjunction for a bit yields its function over the bits above it: it keeps its value where it
-//! may. Every choice for the bits above can be completed below, so no backtracking is needed.
+//! conjunction of these parts yields the bit's function over the bits eliminated later. Every
+//! choice for those can be completed, so no backtracking is needed.
 //!
-//! The functions are accompanied by a proof of their correctness: the [`Certificate`] is checked
-//! independently (`mealy::certify`).
+//! A [`Certificate`] proves that the functions are correct; `mealy::certify` checks it
+//! independently.
 
 use super::arena::Arena;
 use super::diagram_builder::{Choices, DiagramBuilder};
@@ -23,16 +23,16 @@ use crate::symbolic::{Bit, Diagram, Edge, Kernel, Limit, Order};
 use linewright_core::gr1::{Specification, Timing};
 use serde::{Deserialize, Serialize};
 
-/// Node count at which the builder is emptied between two goals.
+/// Node count above which the working storage is emptied between two goals.
 const CROWDED_NODES: usize = 1 << 15;
 
-/// Minimum number of layers for which to examine whether one way suffices.
+/// Maximum number of layers for which a goal always gets several modes; see [`Plain`].
 const FEW_LAYERS: usize = 2;
 
-/// An assumption that a step may break.
+/// An assumption about a single step, by its index in its list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Assumed {
-    /// An initial condition, by index.
+pub enum AssumedFormula {
+    /// An initial condition.
     Initial(usize),
     /// An invariant.
     Invariant(usize),
@@ -40,93 +40,93 @@ pub enum Assumed {
     Safety(usize),
 }
 
-/// One way of pursuing a goal.
+/// One mode of pursuing a goal.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Mode {
-    /// Condition under which it is taken, unless an earlier mode applies: over current bits, and
-    /// for Mealy next inputs. For the last mode it is `true`.
+    /// Condition under which the mode is used, unless an earlier mode applies. Over current bits
+    /// and, for Mealy, next inputs; `true` for the last mode.
     pub when: Edge,
-    /// The next output bits in an order in which they can be computed: each may depend on those
-    /// before it.
+    /// The next output bits with their functions, in the order of computation: each function can
+    /// depend on the bits before it.
     pub outputs: Vec<(Bit, Edge)>,
-    /// Effect of its steps.
+    /// Progress that the mode's steps make.
     pub aim: Aim,
 }
 
-/// Effect of the steps of a mode.
+/// Progress that the steps of a mode make.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Aim {
-    /// They reach the goal.
+    /// Each step reaches the goal.
     Goal,
-    /// They move into this layer, an index into [`Certificate::goals`], or wait in it while its
-    /// assumption fails.
+    /// Each step moves into the layer with this index (see [`Certificate::goals`]), or waits in it
+    /// while its assumption fails.
     Layer(usize),
-    /// Each step makes progress by itself: it reaches the goal, or leaves its layer for a lower
-    /// one, or waits while the layer's assumption fails.
+    /// Each step reaches the goal, or moves from its layer to a lower one, or waits in its layer
+    /// while the layer's assumption fails.
     Nearer,
 }
 
-/// One goal.
+/// The strategy for one goal.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Pursuit {
-    /// The ways of pursuing it, the best one first.
+pub struct GoalStrategy {
+    /// The modes of pursuing the goal, the best one first.
     pub modes: Vec<Mode>,
-    /// Whether a step has reached it, so that the next goal is pursued: over all current and next
+    /// Whether a step reaches the goal, so that the next goal is pursued. Over all current and next
     /// bits.
     pub reached: Edge,
 }
 
-/// Why the functions are correct: a set that is never left, and for every goal a rank that only
-/// decreases.
+/// Evidence that the functions are correct: an invariant set of states, and layers for every goal
+/// that a play only descends.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Certificate {
-    /// Functions of states, over current bits.
+    /// The sets of states, over current bits; the other fields refer to it.
     pub diagram: Diagram,
-    /// The states that are never left.
+    /// The winning region, which the strategy never leaves.
     pub region: Edge,
-    /// For every goal, its layers, the nearest first.
-    pub goals: Vec<Vec<Stage>>,
+    /// Layers of every goal, the one nearest to the goal first.
+    pub goals: Vec<Vec<CertifiedLayer>>,
 }
 
-/// The states of a layer of a goal: those of `reached` that were not in the layer before.
+/// A layer of a goal: the states of `reached` that do not belong to the layer before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Stage {
-    /// All states up to this layer.
+pub struct CertifiedLayer {
+    /// The states of this layer and of all layers before it.
     pub reached: Edge,
-    /// Index of the justice assumption that fails whenever the layer is not left.
+    /// Index of the justice assumption that fails in every step that stays in the layer.
     pub assumption: usize,
 }
 
 /// A strategy as plain data.
 ///
-/// Bits are laid out as by [`Encoding`](crate::symbolic::Encoding). A step's inputs and outputs are
-/// next bits, also in step 0. Step 0 pursues no goal; the first goal is pursued after it.
+/// [`Encoding`](crate::symbolic::Encoding) defines the bits. The inputs and outputs of a step are
+/// next bits, also in step 0. Step 0 pursues no goal; step 1 pursues the first one.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Controls {
-    /// The decisions that all functions share; it has no roots of its own.
+pub struct StrategyFunctions {
+    /// The nodes of all functions; without roots.
     pub diagram: Diagram,
-    /// Assumptions about step 0.
-    pub assumed_first: Vec<(Assumed, Edge)>,
-    /// Assumptions about later steps.
-    pub assumed: Vec<(Assumed, Edge)>,
-    /// Output bits of step 0, as in [`Mode::outputs`].
+    /// The assumptions about step 0, with the functions that check them.
+    pub assumed_first: Vec<(AssumedFormula, Edge)>,
+    /// The assumptions about later steps, with the functions that check them.
+    pub assumed: Vec<(AssumedFormula, Edge)>,
+    /// The output bits of step 0 with their functions, as in [`Mode::outputs`].
     pub first: Vec<(Bit, Edge)>,
-    /// The goals.
-    pub goals: Vec<Pursuit>,
-    /// An order of the pairs in which the functions are known to be small.
+    /// The strategies for the goals, in the order of pursuit.
+    pub goals: Vec<GoalStrategy>,
+    /// The variable order in which the functions were computed.
     pub order: Order,
     /// The proof of correctness.
     pub certificate: Certificate,
 }
 
-/// Computes functions for the winning region.
+/// Computes a strategy as functions; `region` is the winning region.
 pub fn functions<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     region: &K::Function,
-) -> Result<Controls, Limit> {
+) -> Result<StrategyFunctions, Limit> {
     let m = &arena.kernel;
-    // All goals use one order; otherwise they would share nothing.
+    // One order for all goals, so that they share nodes.
     m.set_reordering(false);
     let order = m.order();
     let positions = order.positions();
@@ -134,27 +134,27 @@ pub fn functions<K: Kernel>(
     outputs.sort_unstable_by_key(|b| positions[usize::from(b.pair())]);
 
     let limits = m.limits();
-    let bench = || DiagramBuilder::new(&order, &limits);
+    let new_builder = || DiagramBuilder::new(&order, &limits);
     let mut work = Work {
-        bench: bench(),
-        kept: bench(),
+        scratch: new_builder(),
+        finished: new_builder(),
         parts: Vec::new(),
         outputs,
     };
-    let mut states = bench();
-    let assumed_first = assumed(arena, specification, true, &mut work.kept)?;
+    let mut states = new_builder();
+    let assumed_first = assumed(arena, specification, true, &mut work.finished)?;
     let first = initial(arena, region, &mut work)?;
-    work.parts = work.bench.add(m, &safety(arena, specification)?)?;
+    work.parts = work.scratch.add(m, &safety(arena, specification)?)?;
     let mut care = region.clone();
     if arena.timing == Timing::Mealy {
         for part in arena.environment.parts() {
             care = m.and(&care, part)?;
         }
     }
-    // The kernel's work for all goals comes first, so that both phases find their nodes in the
-    // processor's caches.
-    let mut plans = bench();
-    let mut ways = Vec::new();
+    // The kernel works on all goals first, then the builder, so that the nodes of each phase stay
+    // in the processor's caches.
+    let mut plans = new_builder();
+    let mut modes_of_goals = Vec::new();
     let mut stages = Vec::new();
     let mut plain: Option<Plain<K>> = None;
     for j in 0..arena.goals.len() {
@@ -167,34 +167,37 @@ pub fn functions<K: Kernel>(
             };
             nearer = comes_nearer(arena, j, &layers, &plain.steps)?;
         }
-        ways.push(if nearer {
+        modes_of_goals.push(if nearer {
             None
         } else {
-            Some(self::ways(arena, j, region, &layers, &care, &mut plans)?)
+            Some(plan_modes(arena, j, region, &layers, &care, &mut plans)?)
         });
         let edges = states.add(m, layers.iter().map(|l| &l.reached))?;
-        let layers = layers.iter().zip(edges).map(|(layer, reached)| Stage {
-            reached,
-            assumption: layer.assumption,
-        });
+        let layers = layers
+            .iter()
+            .zip(edges)
+            .map(|(layer, reached)| CertifiedLayer {
+                reached,
+                assumption: layer.assumption,
+            });
         stages.push(layers.collect());
         m.safe_point()?;
     }
     let mut goals = Vec::new();
-    for (goal, ways) in arena.goals.iter().zip(ways) {
-        let modes = match (ways, &plain) {
+    for (goal, planned) in arena.goals.iter().zip(modes_of_goals) {
+        let modes = match (planned, &plain) {
             (None, Some(plain)) => vec![Mode {
                 when: Edge::TRUE,
                 outputs: plain.outputs.clone(),
                 aim: Aim::Nearer,
             }],
-            (ways, _) => work.modes(&mut plans, ways.unwrap_or_default())?,
+            (planned, _) => work.modes(&mut plans, planned.unwrap_or_default())?,
         };
-        let reached = work.kept.add(m, [goal])?[0];
-        goals.push(Pursuit { modes, reached });
-        work.tidy(bench)?;
+        let reached = work.finished.add(m, [goal])?[0];
+        goals.push(GoalStrategy { modes, reached });
+        work.tidy(new_builder)?;
     }
-    let assumed = assumed(arena, specification, false, &mut work.kept)?;
+    let assumed = assumed(arena, specification, false, &mut work.finished)?;
     let pairs = arena.encoding.pairs();
     let pairs = order
         .pairs()
@@ -203,13 +206,14 @@ pub fn functions<K: Kernel>(
         .filter(|p| usize::from(*p) < pairs)
         .collect();
     let region = states.add(m, [region])?[0];
-    Ok(Controls {
+    Ok(StrategyFunctions {
         assumed_first,
         assumed,
-        diagram: work.kept.into_diagram(),
+        diagram: work.finished.into_diagram(),
         first,
         goals,
-        order: Order::new(pairs).expect("an order of all pairs; please report this"),
+        order: Order::new(pairs)
+            .expect("the order is not a permutation of the pairs; please report this"),
         certificate: Certificate {
             diagram: states.into_diagram(),
             region,
@@ -218,13 +222,13 @@ pub fn functions<K: Kernel>(
     })
 }
 
-/// The assumptions about a step.
+/// Returns the assumptions about a step that are not constantly true, with their functions.
 fn assumed<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     first: bool,
     kept: &mut DiagramBuilder,
-) -> Result<Vec<(Assumed, Edge)>, Limit> {
+) -> Result<Vec<(AssumedFormula, Edge)>, Limit> {
     let m = &arena.kernel;
     let side = &specification.assumptions;
     let mut found = Vec::new();
@@ -237,17 +241,17 @@ fn assumed<K: Kernel>(
     if first {
         for (i, formula) in side.initial.iter().enumerate() {
             let function = arena.encoding.formula(m, &formula.expr)?;
-            add(Assumed::Initial(i), &m.prime(&function)?)?;
+            add(AssumedFormula::Initial(i), &m.prime(&function)?)?;
         }
     }
     for (i, formula) in side.invariants.iter().enumerate() {
         let function = arena.encoding.formula(m, &formula.expr)?;
-        add(Assumed::Invariant(i), &m.prime(&function)?)?;
+        add(AssumedFormula::Invariant(i), &m.prime(&function)?)?;
     }
     if !first {
         for (i, formula) in side.safety.iter().enumerate() {
             add(
-                Assumed::Safety(i),
+                AssumedFormula::Safety(i),
                 &arena.encoding.formula(m, &formula.expr)?,
             )?;
         }
@@ -255,7 +259,7 @@ fn assumed<K: Kernel>(
     Ok(found)
 }
 
-/// The outputs of step 0. There is no value to keep, so each bit is 0 where possible.
+/// Computes the outputs of step 0; each bit is 0 where possible.
 fn initial<K: Kernel>(
     arena: &Arena<K>,
     region: &K::Function,
@@ -266,56 +270,56 @@ fn initial<K: Kernel>(
     if arena.timing == Timing::Moore {
         good = m.implies_forall(&arena.env_initial, &good, &arena.inputs_now)?;
     }
-    let mut rest = work.bench.add(m, [&m.prime(&good)?])?[0];
+    let mut rest = work.scratch.add(m, [&m.prime(&good)?])?[0];
     let mut functions = Vec::new();
     for bit in work.outputs.iter().rev() {
-        let choices = work.bench.choices(rest, *bit)?;
+        let choices = work.scratch.choices(rest, *bit)?;
         rest = choices.possible;
-        let must = work.bench.and(choices.may_set, choices.forced)?;
-        functions.push((*bit, work.bench.simplify(must, rest)?));
+        let must = work.scratch.and(choices.may_set, choices.forced)?;
+        functions.push((*bit, work.scratch.simplify(must, rest)?));
     }
     functions.reverse();
     work.keep(&functions)
 }
 
-/// A way of pursuing a goal without functions so far.
-struct Way {
-    /// Purpose of a step: over all current and next bits.
+/// A mode whose output functions are not computed yet.
+struct Plan {
+    /// Condition on the steps, over all current and next bits.
     aim: Edge,
-    /// Where it is taken: it is possible and no earlier way is.
+    /// Where the mode is used: where it is possible and no earlier mode is.
     used: Edge,
-    /// Where it is possible.
+    /// Where the mode is possible.
     when: Edge,
-    /// Where no earlier way is possible.
-    asked: Edge,
+    /// Where no earlier mode is possible.
+    remaining: Edge,
     /// See [`Mode::aim`].
     achieves: Aim,
 }
 
-/// The ways of pursuing goal `j`: reach it, or else move into the lowest layer that is possible.
+/// Plans the modes of pursuing goal `j`: reach it, or else move into the lowest possible layer.
 ///
-/// In a state of layer k the machine can always reach the goal, or move below, or stay within while
-/// the layer's assumption fails. If a move into some layer is possible, that layer alone determines
-/// the aim, whatever layer the state is in: it is below, or it is the state's own, and then the
-/// assumption fails. Only an assumption about next values has to be aimed at, and needs a mode of
-/// its own.
+/// In a state of layer k, the machine can always reach the goal, or move to a lower layer, or stay
+/// while the assumption of layer k fails. So the mode depends only on the lowest layer into which a
+/// move is possible, not on the layer of the state: either the target layer is lower, or it is the
+/// state's own layer and the assumption fails. Only an assumption about next values depends on the
+/// move itself, and needs an additional mode.
 ///
-/// If safety allows only steps that make progress, as in work done piece by piece in some order, no
-/// aim is needed, and none of this is: see [`Plain`].
-fn ways<K: Kernel>(
+/// If safety allows only steps that make progress, a single mode without aims suffices: see
+/// [`Plain`].
+fn plan_modes<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
     region: &K::Function,
     layers: &[Layer<K>],
     care: &K::Function,
     plans: &mut DiagramBuilder,
-) -> Result<Vec<Way>, Limit> {
+) -> Result<Vec<Plan>, Limit> {
     let m = &arena.kernel;
     let reach = m.and(&arena.goals[j], &m.prime(region)?)?;
     let yes = m.constant(true);
     let mut aims: Vec<(K::Function, K::Function, Aim)> =
         vec![(yes.clone(), reach.clone(), Aim::Goal)];
-    // With Moore timing, which of several aims a move achieves may depend on the inputs.
+    // With Moore timing, the inputs can decide whether a move reaches the goal or the layer.
     let or_reach = |aim: K::Function| match arena.timing {
         Timing::Mealy => Ok(aim),
         Timing::Moore => m.or(&aim, &reach),
@@ -337,7 +341,7 @@ fn ways<K: Kernel>(
     }
 
     let mut todo = care.clone();
-    let mut ways = Vec::new();
+    let mut modes = Vec::new();
     for (within, aim, achieves) in aims {
         let aim = match arena.timing {
             Timing::Mealy => aim,
@@ -349,34 +353,34 @@ fn ways<K: Kernel>(
             continue;
         }
         let used = m.and(&todo, &when)?;
-        let asked = std::mem::replace(&mut todo, left);
-        let added = plans.add(m, [&aim, &used, &when, &asked])?;
-        ways.push(Way {
+        let remaining = std::mem::replace(&mut todo, left);
+        let added = plans.add(m, [&aim, &used, &when, &remaining])?;
+        modes.push(Plan {
             aim: added[0],
             used: added[1],
             when: added[2],
-            asked: added[3],
+            remaining: added[3],
             achieves,
         });
         if m.is_false(&todo) {
             break;
         }
     }
-    Ok(ways)
+    Ok(modes)
 }
 
-/// Functions that only stay in the region, and the steps that they take.
+/// Functions that merely keep the play in the region, and the steps that they take. If all these
+/// steps make progress toward a goal, they are its only mode.
 struct Plain<K: Kernel> {
     outputs: Vec<(Bit, Edge)>,
     steps: K::Function,
 }
 
-/// Whether possibly every step allowed by safety and the region makes progress toward goal `j`:
-/// decided only for the layers next to the goal. [`comes_nearer`] decides it for the others.
+/// Whether every step allowed by safety and the region makes progress toward goal `j`, as far as
+/// the layers nearest to the goal show. [`comes_nearer`] checks all layers.
 ///
-/// Only for goals about current values: if a step may or may not reach the goal, reaching it is
-/// better than making progress. And only for Mealy: a Moore machine's step is a step for all
-/// inputs.
+/// False for goals about next values, since reaching such a goal is better than making progress,
+/// and false for Moore machines, whose steps must be right for all inputs.
 fn may_come_nearer<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -411,7 +415,7 @@ fn may_come_nearer<K: Kernel>(
     Ok(true)
 }
 
-/// Whether all these steps make progress toward goal `j`; see [`Aim::Nearer`].
+/// Whether all of `steps` make progress toward goal `j`; see [`Aim::Nearer`].
 fn comes_nearer<K: Kernel>(
     arena: &Arena<K>,
     j: usize,
@@ -437,25 +441,25 @@ fn comes_nearer<K: Kernel>(
     Ok(m.is_false(&left))
 }
 
-/// Working storage for functions, and the store for finished ones.
+/// Working storage for functions under construction, and storage for finished ones.
 struct Work {
-    bench: DiagramBuilder,
-    kept: DiagramBuilder,
+    scratch: DiagramBuilder,
+    finished: DiagramBuilder,
     /// The machine's safety, formula by formula.
     parts: Vec<Edge>,
-    /// The next output bits by their position in the order.
+    /// The next output bits, sorted by their position in the order.
     outputs: Vec<Bit>,
 }
 
 impl Work {
-    /// Stores finished functions.
+    /// Copies finished functions to their storage.
     fn keep(&mut self, functions: &[(Bit, Edge)]) -> Result<Vec<(Bit, Edge)>, Limit> {
         let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
-        let kept = self.kept.copy(&mut self.bench, &roots)?;
+        let kept = self.finished.copy(&mut self.scratch, &roots)?;
         Ok(functions.iter().map(|(bit, _)| *bit).zip(kept).collect())
     }
 
-    /// Computes the functions that only stay in the region.
+    /// Computes the functions that merely keep the play in the region.
     fn plain<K: Kernel>(
         &mut self,
         arena: &Arena<K>,
@@ -463,11 +467,11 @@ impl Work {
         care: &K::Function,
     ) -> Result<Plain<K>, Limit> {
         let m = &arena.kernel;
-        let edges = self.bench.add(m, [&m.prime(region)?, care])?;
+        let edges = self.scratch.add(m, [&m.prime(region)?, care])?;
         let functions = self.eliminate(edges[0], edges[1])?;
         let roots: Vec<Edge> = functions.iter().map(|(_, f)| *f).collect();
         let mut apart = DiagramBuilder::new(&m.order(), &m.limits());
-        let roots = apart.copy(&mut self.bench, &roots)?;
+        let roots = apart.copy(&mut self.scratch, &roots)?;
         let mut diagram = apart.into_diagram();
         diagram.roots = roots;
         let mut steps = care.clone();
@@ -481,23 +485,27 @@ impl Work {
         })
     }
 
-    /// Computes the functions of a goal.
-    fn modes(&mut self, plans: &mut DiagramBuilder, ways: Vec<Way>) -> Result<Vec<Mode>, Limit> {
+    /// Computes the functions of a goal's modes.
+    fn modes(
+        &mut self,
+        plans: &mut DiagramBuilder,
+        planned: Vec<Plan>,
+    ) -> Result<Vec<Mode>, Limit> {
         let mut modes = Vec::new();
-        for way in ways {
-            let edges = [way.aim, way.used, way.when, way.asked];
-            let edges = self.bench.copy(plans, &edges)?;
+        for plan in planned {
+            let edges = [plan.aim, plan.used, plan.when, plan.remaining];
+            let edges = self.scratch.copy(plans, &edges)?;
             let functions = self.eliminate(edges[0], edges[1])?;
-            let when = self.bench.simplify(edges[2], edges[3])?;
+            let when = self.scratch.simplify(edges[2], edges[3])?;
             modes.push(Mode {
-                when: self.kept.copy(&mut self.bench, &[when])?[0],
+                when: self.finished.copy(&mut self.scratch, &[when])?[0],
                 outputs: self.keep(&functions)?,
-                aim: way.achieves,
+                aim: plan.achieves,
             });
         }
         match modes.last_mut() {
             Some(last) => last.when = Edge::TRUE,
-            // No step can be demanded at all.
+            // The environment has no move from the region, so any outputs will do.
             None => modes.push(Mode {
                 when: Edge::TRUE,
                 outputs: self.outputs.iter().map(|b| (*b, Edge::FALSE)).collect(),
@@ -507,34 +515,34 @@ impl Work {
         Ok(modes)
     }
 
-    /// Empties the working storage when it has grown large.
+    /// Empties the working storage, except for the safety, if it has grown large.
     fn tidy(&mut self, fresh: impl FnOnce() -> DiagramBuilder) -> Result<(), Limit> {
-        if self.bench.nodes() > CROWDED_NODES {
-            let mut bench = fresh();
-            self.parts = bench.copy(&mut self.bench, &self.parts)?;
-            self.bench = bench;
+        if self.scratch.nodes() > CROWDED_NODES {
+            let mut scratch = fresh();
+            self.parts = scratch.copy(&mut self.scratch, &self.parts)?;
+            self.scratch = scratch;
         }
         Ok(())
     }
 
-    /// Eliminates the outputs from the safety and an aim, always choosing the one with the smallest
-    /// parts. Gives for each a function over the others; those eliminated later come first. The
-    /// functions matter only where `care` holds.
+    /// Eliminates the output bits from the safety and an aim, always choosing the bit whose parts
+    /// are smallest. Returns a function for each bit over the bits before it in the result, which
+    /// were eliminated later. The functions matter only where `care` holds.
     fn eliminate(&mut self, aim: Edge, care: Edge) -> Result<Vec<(Bit, Edge)>, Limit> {
         let Self {
-            bench,
+            scratch,
             parts,
             outputs,
             ..
         } = self;
-        let part = |bench: &mut DiagramBuilder, f: Edge| {
-            let (support, size) = bench.measure(f, outputs);
+        let part = |scratch: &mut DiagramBuilder, f: Edge| {
+            let (support, size) = scratch.measure(f, outputs);
             (f, support, size)
         };
-        let mut pool = vec![part(bench, aim)];
-        // Simplified by `care`, parts and buckets would each be smaller, but share less with each
-        // other and with other goals.
-        pool.extend(parts.iter().map(|f| part(bench, *f)));
+        let mut pool = vec![part(scratch, aim)];
+        // Parts and buckets are not simplified with `care`: each would be smaller, but they would
+        // share fewer nodes with each other and with other goals.
+        pool.extend(parts.iter().map(|f| part(scratch, *f)));
         let mut left = outputs.clone();
         let mut functions = Vec::new();
         while !left.is_empty() {
@@ -542,7 +550,7 @@ impl Work {
                 let bucket = pool.iter().filter(|(_, support, _)| support.contains(*bit));
                 bucket.map(|(_, _, size)| *size).sum::<usize>()
             };
-            // Among equals, the lowest in the order.
+            // Of equally cheap bits, the lowest in the order.
             let place = (0..left.len()).min_by_key(|i| (cost(&left[*i]), std::cmp::Reverse(*i)));
             let bit = left.remove(place.unwrap_or(0));
             let (mut bucket, rest): (Vec<_>, Vec<_>) = pool
@@ -552,19 +560,20 @@ impl Work {
             bucket.sort_by_key(|(_, _, size)| *size);
             let mut both = Edge::TRUE;
             for (f, ..) in bucket {
-                both = bench.and(both, f)?;
+                both = scratch.and(both, f)?;
             }
             let Choices {
                 may_set,
                 possible,
                 forced,
-            } = bench.choices(both, bit)?;
-            // Where either value is allowed, it is chosen to make the function small: keeping the
-            // bit's value there makes it two to three times as large.
-            let function = bench.simplify(may_set, forced)?;
-            functions.push((bit, bench.simplify(function, care)?));
+            } = scratch.choices(both, bit)?;
+            // Where both values are allowed, the value is chosen to make the function small.
+            // Keeping the bit's current value there would make the function two to three times as
+            // large.
+            let function = scratch.simplify(may_set, forced)?;
+            functions.push((bit, scratch.simplify(function, care)?));
             if possible != Edge::TRUE {
-                pool.push(part(bench, possible));
+                pool.push(part(scratch, possible));
             }
         }
         functions.reverse();
@@ -572,7 +581,7 @@ impl Work {
     }
 }
 
-/// The machine's safety, conjunct by conjunct; for Moore, with the next inputs eliminated.
+/// Returns the conjuncts of the machine's safety; for Moore, with the next inputs eliminated.
 fn safety<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,

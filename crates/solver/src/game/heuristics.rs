@@ -27,7 +27,8 @@ pub enum Heuristic {
     StatePredecessors,
     /// Start with the states from which the machine can keep its safety for ever.
     SafetyFirst,
-    /// Pass the region left by one goal to the next, instead of intersecting a round of all goals.
+    /// Start each goal from the region left by the previous one, instead of intersecting the
+    /// results of all goals after each round.
     Carrying,
     /// Process goals with the fewest bits first: they shrink the region most often, and a late
     /// shrink sends all earlier goals through another round.
@@ -38,7 +39,7 @@ pub enum Heuristic {
     Recycling,
     /// Cache the last controllable predecessors.
     PredecessorCache,
-    /// Stop as soon as an initial choice of the environment is lost.
+    /// Stop as soon as the machine loses from some initial choice of the environment.
     EarlyStop,
 }
 
@@ -77,7 +78,7 @@ impl FromStr for Heuristic {
         known.map(|(h, _)| *h).ok_or_else(|| {
             let names: Vec<&str> = Self::ALL.iter().map(|(_, name)| *name).collect();
             format!(
-                "there is no heuristic `{text}`: give one of {}",
+                "unknown heuristic `{text}`: choose one of {}",
                 names.join(", ")
             )
         })
@@ -89,30 +90,30 @@ impl FromStr for Heuristic {
 pub struct Heuristics(u16);
 
 impl Default for Heuristics {
-    /// The heuristics that help overall; see the ablation table.
+    /// Returns all heuristics: each of them helps overall, see the ablation table.
     fn default() -> Self {
         Self::all()
     }
 }
 
 impl Heuristics {
-    /// Returns all heuristics.
+    /// Returns the set of all heuristics.
     pub fn all() -> Self {
         Self((1 << Heuristic::ALL.len()) - 1)
     }
 
-    /// Returns no heuristics.
+    /// Returns the empty set.
     pub fn none() -> Self {
         Self(0)
     }
 
-    /// Removes a heuristic.
+    /// Returns the set without a heuristic.
     #[must_use]
     pub fn without(self, heuristic: Heuristic) -> Self {
         Self(self.0 & !(1 << heuristic as u16))
     }
 
-    /// Adds a heuristic.
+    /// Returns the set with a heuristic.
     #[must_use]
     pub fn with(self, heuristic: Heuristic) -> Self {
         Self(self.0 | 1 << heuristic as u16)

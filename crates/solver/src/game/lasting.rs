@@ -1,5 +1,4 @@
-//! Plays that last for ever and keep all justice with both sides cooperating: what is possible at
-//! all.
+//! Infinite plays that satisfy all justice of both sides, if both sides cooperate.
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z
@@ -8,8 +7,8 @@
 use super::arena::Arena;
 use crate::symbolic::{Kernel, Limit};
 
-/// The states of `within` from which some path of `steps` stays there for ever, and meets all
-/// justice of both sides again and again.
+/// Returns the states of `within` from which some infinite path of `steps` stays within it and
+/// satisfies all justice of both sides infinitely often.
 pub fn lasting<K: Kernel>(
     arena: &Arena<K>,
     steps: &K::Function,
@@ -42,8 +41,9 @@ pub fn lasting<K: Kernel>(
     }
 }
 
-/// The states from which both sides together can keep everything for ever.
-pub fn together<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
+/// Returns the states from which both sides, if they cooperate, can keep all invariants and safety
+/// for ever and satisfy all justice infinitely often.
+pub fn cooperating<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
     let m = &arena.kernel;
     let both = m.and(&arena.environment_moves()?, &arena.system_moves()?)?;
     lasting(arena, &both, &arena.states)

@@ -1,9 +1,9 @@
-//! The verdict on a game, and the results available from a won game, whatever its kernel.
+//! The verdict on a game, and the results of a won game, independent of its kernel.
 
-use super::explore::Explicit;
+use super::explore::ExplicitStrategy;
 use super::findings::EnvironmentFindings;
-use super::findings::shape::Shape;
-use super::functions::Controls;
+use super::findings::shape::WeaknessFindings;
+use super::functions::StrategyFunctions;
 use super::ranking::Ranking;
 use super::reference::GuaranteeRef;
 use super::strategy::Preference;
@@ -18,11 +18,11 @@ pub enum Outcome {
     Realizable(WonGame),
     /// No machine exists.
     Unrealizable(LostGame),
-    /// A limit was reached; nothing is known.
+    /// A limit was reached before a verdict.
     GaveUp(Limit),
 }
 
-/// A realizable specification. [`WonGame::explore`] makes a strategy of it.
+/// A won game: the specification is realizable. [`WonGame::explore`] returns a strategy.
 #[derive(Debug)]
 pub struct WonGame {
     pub(super) game: Box<dyn Game>,
@@ -30,17 +30,17 @@ pub struct WonGame {
     pub peak_nodes: u64,
 }
 
-/// An unrealizable specification.
+/// A lost game: the specification is unrealizable.
 #[derive(Debug)]
 pub struct LostGame {
-    /// Guarantees that cannot be kept together under the assumptions, although any proper subset
-    /// could: a minimal core. `None` if a limit was reached first.
+    /// A minimal core: guarantees that cannot be kept together under the assumptions, although
+    /// every proper subset can. `None` if the search was skipped or reached a limit.
     pub core: Option<Vec<GuaranteeRef>>,
     /// Peak number of live nodes.
     pub peak_nodes: u64,
 }
 
-/// Operations on a won game, whatever its kernel.
+/// Operations on a won game, independent of its kernel.
 pub trait Game: Debug + Send + Sync {
     /// See [`WonGame::explore`].
     fn explore(
@@ -48,10 +48,14 @@ pub trait Game: Debug + Send + Sync {
         specification: &Specification,
         preference: Preference,
         limits: &Limits,
-    ) -> Result<Explicit, Limit>;
+    ) -> Result<ExplicitStrategy, Limit>;
 
     /// See [`WonGame::functions`].
-    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit>;
+    fn functions(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<StrategyFunctions, Limit>;
 
     /// See [`WonGame::examine_environment`].
     fn examine_environment(
@@ -60,8 +64,12 @@ pub trait Game: Debug + Send + Sync {
         limits: &Limits,
     ) -> Result<EnvironmentFindings, Limit>;
 
-    /// See [`WonGame::shape`].
-    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit>;
+    /// See [`WonGame::find_weaknesses`].
+    fn find_weaknesses(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<WeaknessFindings, Limit>;
 
     /// See [`WonGame::ranking`].
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit>;
@@ -71,7 +79,8 @@ pub trait Game: Debug + Send + Sync {
 }
 
 impl LostGame {
-    /// Names of the core's formulas, except definitions; empty if the core is not known.
+    /// Returns the names of the core's guarantees without definitions; empty if the core is
+    /// unknown.
     pub fn core_names(&self, specification: &Specification) -> Vec<String> {
         let core = self.core.iter().flatten();
         core.map(|r| r.formula(&specification.guarantees))
@@ -82,27 +91,27 @@ impl LostGame {
 }
 
 impl WonGame {
-    /// Returns a strategy as explicit states with guards, as plain data.
+    /// Returns a strategy as plain data: explicit states with guards.
     pub fn explore(
         &self,
         specification: &Specification,
         preference: Preference,
         limits: &Limits,
-    ) -> Result<Explicit, Limit> {
+    ) -> Result<ExplicitStrategy, Limit> {
         self.game.explore(specification, preference, limits)
     }
 
-    /// Returns a strategy as functions, as plain data: for machines that are too large for
+    /// Returns a strategy as plain data: functions of bits, for machines that are too large for
     /// [`WonGame::explore`].
     pub fn functions(
         &self,
         specification: &Specification,
         limits: &Limits,
-    ) -> Result<Controls, Limit> {
+    ) -> Result<StrategyFunctions, Limit> {
         self.game.functions(specification, limits)
     }
 
-    /// Checks the assumptions; see [`super::examine_environment`].
+    /// Examines the assumptions; see [`super::examine_environment`].
     pub fn examine_environment(
         &self,
         specification: &Specification,
@@ -111,12 +120,16 @@ impl WonGame {
         self.game.examine_environment(specification, limits)
     }
 
-    /// Finds where the specification demands less than it seems to; see [`Shape`].
-    pub fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
-        self.game.shape(specification, limits)
+    /// Finds where the specification demands less than it seems to; see [`WeaknessFindings`].
+    pub fn find_weaknesses(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<WeaknessFindings, Limit> {
+        self.game.find_weaknesses(specification, limits)
     }
 
-    /// Returns the reason why it is won, for an independent check.
+    /// Returns the evidence that the game is won, for an independent check; see [`Ranking`].
     pub fn ranking(
         &self,
         specification: &Specification,
@@ -125,7 +138,7 @@ impl WonGame {
         self.game.ranking(specification, limits)
     }
 
-    /// Returns the states from which the machine wins, over current bits, as the only root.
+    /// Returns a diagram over current bits whose only root is the winning region.
     pub fn region(&self) -> Diagram {
         self.game.region()
     }

@@ -1,7 +1,8 @@
 //! Progress of a solve, for a thread that waits for it.
 //!
-//! A single kernel operation cannot be interrupted and may take minutes. So a caller that must end
-//! in time does not wait for the solver, but reads its progress here and abandons it.
+//! A single kernel operation cannot be interrupted and can take minutes. So a caller with a
+//! deadline does not wait for the solver: it reads the progress here and abandons the solver's
+//! thread.
 
 use super::fixpoint::Iterations;
 use super::statistics::Statistics;
@@ -9,26 +10,26 @@ use std::fmt;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Phase of a solve.
+/// Phase of a solver run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Phase {
     /// Not started.
     #[default]
-    Waiting,
-    /// Formulas are encoded as functions.
+    NotStarted,
+    /// The formulas are being encoded as functions.
     Encoding,
-    /// A variable order is searched.
+    /// A variable order is being searched.
     Ordering,
-    /// The winning region is computed.
+    /// The winning region is being computed.
     Fixpoint,
-    /// The verdict is known; a core is searched.
+    /// The verdict is known; a core is being searched.
     Core,
     /// Finished.
     Ended,
 }
 
 const PHASES: [Phase; 6] = [
-    Phase::Waiting,
+    Phase::NotStarted,
     Phase::Encoding,
     Phase::Ordering,
     Phase::Fixpoint,
@@ -36,7 +37,7 @@ const PHASES: [Phase; 6] = [
     Phase::Ended,
 ];
 
-/// Progress of one solve.
+/// Progress of one solver run.
 #[derive(Debug, Default)]
 pub struct Progress {
     phase: AtomicU8,
@@ -45,36 +46,36 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Current phase.
+    /// Returns the current phase.
     pub fn phase(&self) -> Phase {
         PHASES[usize::from(self.phase.load(Ordering::Relaxed)).min(PHASES.len() - 1)]
     }
 
-    /// Effort so far.
+    /// Returns the statistics so far.
     pub fn statistics(&self) -> Statistics {
         let mut statistics = self.locked().clone();
-        self.iterations.add_to(&mut statistics);
+        self.iterations.write_to(&mut statistics);
         statistics
     }
 
-    /// Progress as text to follow "the time limit was reached":
-    /// `after 12 rounds, with 3 of 40 goals settled`.
-    pub fn reached(&self) -> String {
+    /// Returns the progress as text that follows "the time limit was reached": `in round 12, step
+    /// 31 of its fixpoint, with 3 of 40 goals settled and 1.2 M nodes`.
+    pub fn describe(&self) -> String {
         ProgressDisplay(self).to_string()
     }
 
-    pub(super) fn enter(&self, phase: Phase) {
+    pub(super) fn set_phase(&self, phase: Phase) {
         self.phase.store(phase as u8, Ordering::Relaxed);
     }
 
-    /// Starts again, on this kernel.
-    pub(super) fn begin(&self, statistics: Statistics) {
+    /// Resets the progress for a run on another kernel; `statistics` are its initial values.
+    pub(super) fn restart(&self, statistics: Statistics) {
         self.iterations.reset();
         *self.locked() = statistics;
-        self.enter(Phase::Encoding);
+        self.set_phase(Phase::Encoding);
     }
 
-    pub(super) fn note(&self, change: impl FnOnce(&mut Statistics)) {
+    pub(super) fn update(&self, change: impl FnOnce(&mut Statistics)) {
         change(&mut self.locked());
     }
 
@@ -95,9 +96,9 @@ impl fmt::Display for ProgressDisplay<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let progress = self.0;
         match progress.phase() {
-            Phase::Waiting => f.write_str("before it was begun"),
-            Phase::Encoding => f.write_str("while its formulas were encoded"),
-            Phase::Ordering => f.write_str("while an order of its variables was looked for"),
+            Phase::NotStarted => f.write_str("before solving started"),
+            Phase::Encoding => f.write_str("while encoding its formulas"),
+            Phase::Ordering => f.write_str("while searching for an order of its variables"),
             Phase::Fixpoint | Phase::Core | Phase::Ended => {
                 let get = |n: &std::sync::atomic::AtomicU64| n.load(Ordering::Relaxed);
                 let at = &progress.iterations;
@@ -116,7 +117,7 @@ impl fmt::Display for ProgressDisplay<'_> {
     }
 }
 
-/// `950`, `12 k`, `1.2 M`
+/// Formats a count with at most three significant digits above 9999: `950`, `12 k`, `1.2 M`.
 fn rounded(n: u64) -> String {
     match n {
         0..10_000 => n.to_string(),
@@ -137,10 +138,10 @@ mod tests {
     }
 
     #[test]
-    fn what_was_reached() {
+    fn progress_is_described() {
         let progress = Progress::default();
-        assert_eq!(progress.reached(), "before it was begun");
-        progress.enter(Phase::Fixpoint);
+        assert_eq!(progress.describe(), "before solving started");
+        progress.set_phase(Phase::Fixpoint);
         let at = progress.iterations();
         at.outer.store(12, Ordering::Relaxed);
         at.inner.store(31, Ordering::Relaxed);
@@ -148,7 +149,7 @@ mod tests {
         at.goals.store(40, Ordering::Relaxed);
         at.nodes.store(1_234_567, Ordering::Relaxed);
         assert_eq!(
-            progress.reached(),
+            progress.describe(),
             "in round 12, step 31 of its fixpoint, with 3 of 40 goals settled and 1.2 M nodes"
         );
     }

@@ -1,39 +1,40 @@
-//! Why a game is won, as plain data: the winning region, and for every goal the layers in which it
-//! is approached.
+//! Evidence that a game is won, as plain data: the winning region, and for every goal the layers
+//! through which a play approaches it.
 //!
-//! An outsider can check the verdict from this without solving anything; `docs/proof.md` describes
-//! the check.
+//! It allows an independent program to check the verdict without solving the game; `docs/proof.md`
+//! describes the check.
 
 use super::arena::Arena;
 use super::fixpoint::layers;
 use crate::symbolic::{Diagram, Encoding, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
 
-/// The ranking of a winning region.
+/// A winning region with the layers of every goal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ranking {
-    /// For each variable of the specification, the numbers of its current bits, most significant
-    /// first. The next bit of a current bit has the next higher number.
+    /// Numbers of the current bits of each variable of the specification, most significant first.
+    /// The next bit of a current bit has the next higher number.
     pub bits: Vec<Vec<u16>>,
-    /// The current bits from the top of the diagram to its bottom, each followed by its next bit.
+    /// Numbers of the current bits from the top of the diagram to its bottom. Each current bit is
+    /// directly above its next bit, which is not listed.
     pub order: Vec<u16>,
-    /// All functions, over current bits. Its first root is the winning region.
+    /// All sets of states, over current bits. The first root is the winning region.
     pub diagram: Diagram,
-    /// For every goal, its layers, the nearest first. A specification without goals has the single
-    /// goal `true`.
+    /// Layers of every goal, the one nearest to the goal first. A specification without goals has
+    /// the single goal `true`.
     pub goals: Vec<Vec<Rank>>,
 }
 
-/// One layer on the way to a goal.
+/// One layer of a goal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rank {
-    /// Index of the assumption that fails for ever if the play waits here for ever; without
-    /// assumptions there is a single one, `true`.
+    /// Index of the justice assumption that is never met if the play waits in this layer for ever.
+    /// A specification without justice assumptions has the single assumption `true`.
     pub assumption: usize,
-    /// Root of the states in which the machine makes progress, or waits while that assumption does
-    /// not hold.
+    /// Index of the root with the states in which the machine makes progress, or waits while that
+    /// assumption does not hold.
     pub wait: usize,
-    /// Root of all states of this layer and the layers before it.
+    /// Index of the root with the states of this layer and of all layers before it.
     pub reached: usize,
 }
 
@@ -65,7 +66,7 @@ pub fn ranking<K: Kernel>(
         bits: variables
             .map(|v| encoding.bits(v, Time::Now).map(|b| b.0).collect())
             .collect(),
-        // The last pair belongs to the strategy; no function here depends on it.
+        // The last pair holds the strategy's flag; no function here depends on it.
         order: order
             .pairs()
             .iter()

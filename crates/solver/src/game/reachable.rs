@@ -4,7 +4,8 @@ use super::arena::Arena;
 use crate::symbolic::{BitSet, Kernel, Limit};
 use linewright_core::gr1::Timing;
 
-/// The arena's states that can be reached from `from` by these moves.
+/// Returns the states of the arena that `moves` can reach from `from`, including `from`. For a
+/// machine that moves first, only answers that are legal for all inputs count.
 pub fn reachable<K: Kernel>(
     arena: &Arena<K>,
     from: &K::Function,
@@ -15,7 +16,7 @@ pub fn reachable<K: Kernel>(
     let legal = m.prime(&arena.states)?;
     let mut moves = m.and(moves, &legal)?;
     if arena.timing == Timing::Moore {
-        // Only answers that are correct for all inputs.
+        // Only answers that are legal for all inputs.
         moves = m.and(&moves, &arena.for_all_inputs(&legal)?)?;
     }
     let mut reachable = from.clone();

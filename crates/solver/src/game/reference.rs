@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 /// A reference to a guarantee of a specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct GuaranteeRef {
-    /// Kind of formula, that is, its list.
+    /// Kind of the formula, which selects a list of its side.
     pub kind: GuaranteeKind,
-    /// Index in that list.
+    /// Index of the formula in that list.
     pub index: usize,
 }
 
-/// A reference to an assumption of a specification.
+/// A reference to an assumption of a specification; has the same form as one to a guarantee.
 pub type AssumptionRef = GuaranteeRef;
 
-/// The lists of [`Side`].
+/// Kinds of formulas: the lists of [`Side`]. Also used for assumptions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum GuaranteeKind {
     /// [`Side::initial`]
@@ -29,25 +29,25 @@ pub enum GuaranteeKind {
 }
 
 impl GuaranteeRef {
-    /// Returns the referenced formula.
-    pub fn formula(self, guarantees: &Side) -> &Formula {
+    /// Returns the referenced formula of this side.
+    pub fn formula(self, side: &Side) -> &Formula {
         match self.kind {
-            GuaranteeKind::Initial => &guarantees.initial[self.index],
-            GuaranteeKind::Invariant => &guarantees.invariants[self.index],
-            GuaranteeKind::Safety => &guarantees.safety[self.index],
-            GuaranteeKind::Justice => &guarantees.justice[self.index],
+            GuaranteeKind::Initial => &side.initial[self.index],
+            GuaranteeKind::Invariant => &side.invariants[self.index],
+            GuaranteeKind::Safety => &side.safety[self.index],
+            GuaranteeKind::Justice => &side.justice[self.index],
         }
     }
 }
 
-/// Separates guarantees that only define monitors from those that demand something.
-pub fn definitions(guarantees: &Side) -> (Vec<GuaranteeRef>, Vec<GuaranteeRef>) {
-    let (definitions, asked): (Vec<_>, Vec<_>) = all(guarantees).partition(|(_, f)| f.defines);
+/// Returns the guarantees that only define monitors, and the other guarantees.
+pub fn split_definitions(guarantees: &Side) -> (Vec<GuaranteeRef>, Vec<GuaranteeRef>) {
+    let (definitions, demands): (Vec<_>, Vec<_>) = all(guarantees).partition(|(_, f)| f.defines);
     let refs = |list: Vec<(GuaranteeRef, &Formula)>| list.into_iter().map(|(at, _)| at).collect();
-    (refs(definitions), refs(asked))
+    (refs(definitions), refs(demands))
 }
 
-/// All formulas of a side with their references.
+/// Returns all formulas of a side with their references.
 pub fn all(side: &Side) -> impl Iterator<Item = (GuaranteeRef, &Formula)> {
     let lists = [
         (GuaranteeKind::Initial, &side.initial),

@@ -1,28 +1,29 @@
-//! A transition relation as clusters, and its product with a set: conjoin and quantify, cluster by
-//! cluster.
+//! A transition relation as clusters, and its relational product with a set.
 //!
-//! A product visits the clusters in an order in which bits can be quantified early (after Ranjan,
-//! Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms for FSM synthesis and
-//! verification", IWLS 1995): a bit is quantified together with the last cluster that mentions it.
+//! A product conjoins the clusters one after the other, in an order that allows bits to be
+//! quantified early (after Ranjan, Aziz, Brayton, Plessier and Pixley, "Efficient BDD algorithms
+//! for FSM synthesis and verification", IWLS 1995): a bit is quantified together with the last
+//! cluster that mentions it.
 
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use std::collections::HashMap;
 
-/// A conjunction of clusters and the bits to be quantified in a product with it.
+/// A conjunction of clusters, and the bits that a product with it quantifies.
 #[derive(Debug, Clone)]
 pub struct Relation<K: Kernel> {
-    /// Each cluster with the bits that are quantified together with it.
+    /// The clusters in the order of use, each with the bits that are quantified together with it.
     clusters: Vec<(K::Function, BitSet)>,
     /// Bits to quantify that no cluster mentions.
     first: BitSet,
+    /// Whether conjunction and quantification are one operation.
     fused: bool,
 }
 
 impl<K: Kernel> Relation<K> {
-    /// Creates the conjunction of `parts`, combined by `clustering`; the bits `gone` will be
-    /// quantified.
+    /// Creates the conjunction of `parts`, combined by `clustering`. `gone` are the bits that
+    /// products quantify.
     pub fn new(
         kernel: &K,
         parts: &[K::Function],
@@ -92,30 +93,30 @@ impl<K: Kernel> Relation<K> {
         Ok(result)
     }
 
-    /// The relation as a single function.
+    /// Returns the relation as a single function.
     pub fn whole(&self, kernel: &K) -> Result<K::Function, Limit> {
         kernel.all(self.clusters.iter().map(|(c, _)| c))
     }
 
-    /// The clusters.
+    /// Returns the clusters.
     pub fn parts(&self) -> impl Iterator<Item = &K::Function> {
         self.clusters.iter().map(|(c, _)| c)
     }
 
-    /// The number of clusters.
+    /// Returns the number of clusters.
     pub fn count(&self) -> usize {
         self.clusters.len()
     }
 
-    /// The number of nodes of all clusters.
+    /// Returns the sum of the numbers of nodes of the clusters.
     pub fn size(&self, kernel: &K) -> usize {
         self.clusters.iter().map(|(c, _)| kernel.size(c)).sum()
     }
 }
 
-/// The order in which a product visits clusters with these supports: next is the one that releases
-/// most bits for the fewest new ones; clusters that release none come last, when the product is
-/// smallest.
+/// Returns the order in which a product uses clusters with these supports. Next comes the cluster
+/// that allows the most bits to be quantified and introduces the fewest new bits. Clusters without
+/// bits to quantify come last, when the product is smallest.
 fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     let mut left: Vec<usize> = (0..supports.len()).collect();
     let mut present = BitSet::default();
@@ -123,7 +124,7 @@ fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
     for bit in supports.iter().flat_map(BitSet::iter) {
         *mentions.entry(bit).or_default() += 1;
     }
-    let frees: Vec<bool> = supports
+    let has_bits: Vec<bool> = supports
         .iter()
         .map(|s| s.iter().any(|bit| gone.contains(bit)))
         .collect();
@@ -135,15 +136,15 @@ fn schedule(supports: &[BitSet], gone: &BitSet) -> Vec<usize> {
                 let freed = gone.contains(bit) && mentions[&bit] == 1;
                 2 * i64::from(freed) - i64::from(!present.contains(bit))
             });
-            (frees[index], worth.sum::<i64>())
+            (has_bits[index], worth.sum::<i64>())
         };
-        // The first among equals, so that file order decides.
+        // Ties are decided by file order.
         let (place, index) = left
             .iter()
             .copied()
             .enumerate()
             .max_by_key(|(place, index)| (score(*index), std::cmp::Reverse(*place)))
-            .expect("something is left");
+            .expect("a cluster is left; please report this");
         left.remove(place);
         for bit in supports[index].iter() {
             present.insert(bit);

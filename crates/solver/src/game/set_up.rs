@@ -1,12 +1,11 @@
-//! The board before the fixpoint: encoded formulas, a good variable order, the relations in
-//! clusters.
+//! Sets up a game before the fixpoint: encodes the formulas, finds a good variable order, and
+//! builds the relations as clusters.
 //!
-//! The order is sifted for small clusters first, so that larger ones can be built in it. Whether to
-//! combine the pieces of a relation is then decided by size: if the larger clusters take far more
-//! nodes than the smaller ones, the game is set up again with clusters that are sifted but not
-//! combined further.
+//! The order is first sifted for small clusters, so that larger ones can be built in it. If the
+//! larger clusters then take far more nodes than the small ones, the game is set up again from the
+//! start with clusters of medium size.
 
-use super::arena::{Arena, Formulas, Selection, first_order};
+use super::arena::{Arena, Formulas, Selection, initial_order};
 use super::clusters::Clustering;
 use super::heuristics::{Heuristic, Heuristics};
 use super::progress::{Phase, Progress};
@@ -14,31 +13,32 @@ use crate::symbolic::{Kernel, Limit, Limits, Order};
 use linewright_core::gr1::Specification;
 use std::time::Instant;
 
-/// Bounds of the clusters in nodes. Some relations are best in one piece (generators of buffers,
-/// three to four times faster), others in a few (AMBA's arbiter, the reverse).
+/// First attempt: small clusters. Bounds of clusters are numbers of nodes. Some relations are
+/// solved fastest as one piece (generators of buffers, three to four times), others as a few pieces
+/// (AMBA's arbiter, by the same factor).
 const FIRST: Clustering = Clustering::InOrder(1_000);
 
-/// For relations that may be in one piece.
+/// Second attempt: large clusters, for relations that are best as one piece.
 const WHOLE: Clustering = Clustering::InOrder(5_000);
 
-/// For relations that benefited from it, when they are rebuilt.
+/// For rebuilding relations whose large clusters proved worthwhile.
 const WHOLE_AGAIN: Clustering = Clustering::ByBits(5_000);
 
-/// For relations that should stay in pieces.
+/// For relations that are best as a few pieces.
 pub const SPLIT: Clustering = Clustering::InOrder(3_000);
 
-/// Number of clusters that need not be reduced further.
+/// Number of clusters, over both relations, that need not be reduced further.
 const FEW_CLUSTERS: usize = 3;
 
-/// Maximum number of times that larger clusters are rebuilt in the latest order, as long as their
-/// number decreases.
-const MORE_ROUNDS: usize = 3;
+/// Maximum number of times that the large clusters are rebuilt in the latest order. Rebuilding ends
+/// earlier if their number does not decrease.
+const MAX_REBUILDS: usize = 3;
 
-/// A relation stays in pieces if combining it takes more than this percentage of the nodes of its
-/// pieces.
+/// A relation stays in pieces if the large clusters take more than this percentage of the nodes of
+/// the small ones.
 const WHOLE_PERCENT: usize = 180;
 
-/// Builds the formulas and the whole game in a good order. The effort of each step is recorded,
+/// Encodes the formulas and builds the whole game in a good order. Records the time of each step,
 /// even if a limit ends it.
 pub fn set_up<K: Kernel>(
     specification: &Specification,
@@ -50,28 +50,28 @@ pub fn set_up<K: Kernel>(
     let encode = || Formulas::<K>::encode(specification, order, heuristics, limits);
     let clock = Instant::now();
     let formulas = encode();
-    progress.note(|s| s.encode_seconds = clock.elapsed().as_secs_f64());
+    progress.update(|s| s.encode_seconds = clock.elapsed().as_secs_f64());
     let formulas = formulas?;
 
-    progress.enter(Phase::Ordering);
+    progress.set_phase(Phase::Ordering);
     let clock = Instant::now();
     let found = if heuristics.has(Heuristic::Sifting) && K::REORDERS {
-        in_order(formulas, encode)
+        with_sifting(formulas, encode)
     } else {
         let arena = formulas.arena(&Selection::All, SPLIT);
         arena.map(|arena| (formulas, arena))
     };
-    progress.note(|s| s.order_seconds = clock.elapsed().as_secs_f64());
+    progress.update(|s| s.order_seconds = clock.elapsed().as_secs_f64());
     found
 }
 
-/// Builds both with default options, for examining a specification beside its verdict.
+/// Sets up a game with default heuristics, for examinations that are independent of a verdict.
 pub fn set_up_default<K: Kernel>(
     specification: &Specification,
     limits: &Limits,
 ) -> Result<(Formulas<K>, Arena<K>), Limit> {
     let heuristics = Heuristics::default();
-    let order = first_order(specification, heuristics);
+    let order = initial_order(specification, heuristics);
     set_up(
         specification,
         &order,
@@ -81,7 +81,8 @@ pub fn set_up_default<K: Kernel>(
     )
 }
 
-fn in_order<K: Kernel>(
+/// Chooses the clusters by size and sifts the order; see the module documentation.
+fn with_sifting<K: Kernel>(
     formulas: Formulas<K>,
     encode: impl Fn() -> Result<Formulas<K>, Limit>,
 ) -> Result<(Formulas<K>, Arena<K>), Limit> {
@@ -94,7 +95,7 @@ fn in_order<K: Kernel>(
     drop(arena);
     let (mut arena, whole) = sifted(&formulas, WHOLE)?;
     if whole * 100 <= pieces * WHOLE_PERCENT {
-        for _ in 0..MORE_ROUNDS {
+        for _ in 0..MAX_REBUILDS {
             if count(&arena) <= FEW_CLUSTERS {
                 break;
             }
@@ -114,7 +115,8 @@ fn in_order<K: Kernel>(
     Ok((formulas, arena))
 }
 
-/// The game in clusters, then sifted, and the number of nodes of its relations.
+/// Builds the game with this clustering and sifts. Returns it with the number of nodes of its
+/// relations.
 fn sifted<K: Kernel>(
     formulas: &Formulas<K>,
     clustering: Clustering,

@@ -1,18 +1,19 @@
-//! From a specification to a verdict: choice of kernel and order, and statistics.
+//! Solves a specification: chooses the kernel and the variable order, decides, and collects
+//! statistics.
 //!
-//! Small games are played on biodivine's kernel, which starts at once. A game that exceeds
-//! [`SMALL_NODES`] there, or [`SMALL_MADE`], or has more than [`SMALL_PAIRS`] pairs of bits, is
-//! played on `OxiDD`'s. The choice depends only on the specification, so that the same input always
+//! Small games are solved on biodivine's kernel, which starts at once. A game that has more than
+//! [`SMALL_PAIRS`] pairs of bits, or exceeds [`SMALL_NODES`] or [`SMALL_CREATED`] there, is solved
+//! on `OxiDD`'s kernel. The choice depends only on the specification, so that the same input always
 //! gives the same machine.
 
-use super::arena::{Arena, Formulas, first_order};
-use super::attack::{self, Attack, Play};
+use super::arena::{Arena, Formulas, initial_order};
+use super::attack::{self, Attack, Play, PlayEnd};
 use super::core;
-use super::explore::{self, Explicit};
-use super::findings::shape::{self, Shape};
+use super::explore::{self, ExplicitStrategy};
+use super::findings::shape::{self, WeaknessFindings};
 use super::findings::{self, EnvironmentFindings};
 use super::fixpoint::winning_region;
-use super::functions::{self, Controls};
+use super::functions::{self, StrategyFunctions};
 use super::heuristics::Heuristics;
 use super::outcome::{Game, LostGame, Outcome, WonGame};
 use super::progress::{Phase, Progress};
@@ -30,27 +31,27 @@ use std::time::Instant;
 /// Maximum number of bit pairs of a small game.
 const SMALL_PAIRS: usize = 48;
 
-/// Maximum number of nodes at once in a small game.
+/// Maximum number of nodes that exist at the same time in a small game.
 const SMALL_NODES: u64 = 13_000;
 
-/// Maximum number of nodes made in total in a small game: about a hundredth of a second.
-const SMALL_MADE: u64 = 50_000;
+/// Maximum number of nodes created in total in a small game: about a hundredth of a second.
+const SMALL_CREATED: u64 = 50_000;
 
-/// Number of nodes at once above which a game is large.
+/// Peak number of nodes above which a game is large.
 const LARGE_NODES: u64 = 100_000;
 
-/// The same bound where dead nodes count until they are collected.
+/// The same bound for a kernel that counts dead nodes until it collects them.
 const LARGE_NODES_SHARED: u64 = 1 << 20;
 
-/// The kernel that a game is played on.
+/// The kernel on which a game is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum KernelChoice {
-    /// Chosen by the size of the game.
+    /// The solver chooses by the size of the game.
     #[default]
     Automatic,
-    /// biodivine-lib-bdd: every function owns its nodes.
+    /// biodivine-lib-bdd, where every function owns its nodes.
     Biodivine,
-    /// `OxiDD`: a shared store with complement edges.
+    /// `OxiDD`, with a shared store and complement edges.
     OxiDd,
 }
 
@@ -63,15 +64,15 @@ pub struct Options {
     pub kernel: KernelChoice,
     /// Enabled heuristics.
     pub heuristics: Heuristics,
-    /// Whether to skip the search for a core if there is no machine.
+    /// Whether to skip the search for a core if the specification is unrealizable.
     pub without_core: bool,
-    /// Initial variable order, instead of searching for one. With the automatic kernel, only a
-    /// large game uses it.
-    pub first_order: Option<Order>,
-    /// A set of states, as the first root, that is known to contain the winning region. With the
+    /// Initial variable order, such as that of an earlier run; `None` to derive one from the
+    /// formulas. With the automatic kernel, only a large game uses it.
+    pub initial_order: Option<Order>,
+    /// A diagram whose only root is a set of states known to contain the winning region. With the
     /// automatic kernel, only a large game uses it.
-    pub first_region: Option<Diagram>,
-    /// Where progress is published. Cloned options publish to the same place.
+    pub initial_region: Option<Diagram>,
+    /// Progress of the run, updated while it runs. Clones of the options share it.
     pub progress: Arc<Progress>,
 }
 
@@ -80,14 +81,14 @@ pub struct Options {
 pub struct Solution {
     /// The verdict.
     pub outcome: Outcome,
-    /// Statistics; if a limit was reached, up to that point.
+    /// Statistics of the run; if a limit was reached, up to that point.
     pub statistics: Statistics,
 }
 
-/// A game won on one kernel.
+/// A game that was won on kernel `K`.
 #[derive(Debug)]
 struct RealizedGame<K: Kernel> {
-    /// Separate formulas; not kept for a large game.
+    /// The encoded formulas; dropped for a large game.
     formulas: Option<Formulas<K>>,
     arena: Arena<K>,
     /// The states from which the machine wins.
@@ -100,13 +101,17 @@ impl<K: Kernel> Game for RealizedGame<K> {
         specification: &Specification,
         preference: Preference,
         limits: &Limits,
-    ) -> Result<Explicit, Limit> {
+    ) -> Result<ExplicitStrategy, Limit> {
         let arena = self.arena.with_limits(limits);
         let strategy = strategy::strategy(&arena, specification, preference, &self.region)?;
         explore::explore(&arena, specification, &strategy, limits)
     }
 
-    fn functions(&self, specification: &Specification, limits: &Limits) -> Result<Controls, Limit> {
+    fn functions(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<StrategyFunctions, Limit> {
         functions::functions(&self.arena.with_limits(limits), specification, &self.region)
     }
 
@@ -125,8 +130,12 @@ impl<K: Kernel> Game for RealizedGame<K> {
         }
     }
 
-    fn shape(&self, specification: &Specification, limits: &Limits) -> Result<Shape, Limit> {
-        shape::shape(&self.arena.with_limits(limits), specification, &self.region)
+    fn find_weaknesses(
+        &self,
+        specification: &Specification,
+        limits: &Limits,
+    ) -> Result<WeaknessFindings, Limit> {
+        shape::find_weaknesses(&self.arena.with_limits(limits), specification, &self.region)
     }
 
     fn ranking(&self, specification: &Specification, limits: &Limits) -> Result<Ranking, Limit> {
@@ -138,8 +147,8 @@ impl<K: Kernel> Game for RealizedGame<K> {
     }
 }
 
-/// Decides whether a machine exists, with default options; if there is none, also finds a minimal
-/// core of guarantees.
+/// Decides with default options whether a machine exists. If none exists, also searches for a
+/// minimal core of guarantees.
 pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
     let options = Options {
         limits: *limits,
@@ -148,14 +157,14 @@ pub fn solve(specification: &Specification, limits: &Limits) -> Outcome {
     solve_with(specification, &options).outcome
 }
 
-/// Decides whether a machine exists.
+/// Decides whether a machine exists, with these options.
 pub fn solve_with(specification: &Specification, options: &Options) -> Solution {
-    let order = first_order(specification, options.heuristics);
-    if let Some(limits) = small(&order, options) {
+    let order = initial_order(specification, options.heuristics);
+    if let Some(limits) = small_limits(&order, options) {
         let solved = if options.kernel == KernelChoice::Automatic {
-            play::<Biodivine>(specification, &order, &limits, options, Start::default())
+            solve_on::<Biodivine>(specification, &order, &limits, options, Hints::default())
         } else {
-            play::<Biodivine>(specification, &order, &limits, options, Start::of(options))
+            solve_on::<Biodivine>(specification, &order, &limits, options, Hints::of(options))
         };
         let outgrown = options.kernel == KernelChoice::Automatic
             && matches!(solved.outcome, Outcome::GaveUp(Limit::Memory));
@@ -163,27 +172,27 @@ pub fn solve_with(specification: &Specification, options: &Options) -> Solution 
             return solved;
         }
     }
-    let start = Start::of(options);
-    play::<OxiDd>(specification, &order, &options.limits, options, start)
+    let hints = Hints::of(options);
+    solve_on::<OxiDd>(specification, &order, &options.limits, options, hints)
 }
 
-/// Prior knowledge for a solve.
+/// Prior knowledge from the options.
 #[derive(Clone, Copy, Default)]
-struct Start<'a> {
+struct Hints<'a> {
     order: Option<&'a Order>,
     region: Option<&'a Diagram>,
 }
 
-impl<'a> Start<'a> {
+impl<'a> Hints<'a> {
     fn of(options: &'a Options) -> Self {
         Self {
-            order: options.first_order.as_ref(),
-            region: options.first_region.as_ref(),
+            order: options.initial_order.as_ref(),
+            region: options.initial_region.as_ref(),
         }
     }
 
-    /// Drops everything that does not fit the bits of the game.
-    fn fitting(self, pairs: usize) -> Self {
+    /// Drops an order or a region that does not fit the number of pairs of the game.
+    fn drop_unfitting(self, pairs: usize) -> Self {
         Self {
             order: self.order.filter(|o| o.pairs().len() == pairs),
             region: self
@@ -193,21 +202,22 @@ impl<'a> Start<'a> {
     }
 }
 
-/// Limits for an attempt on biodivine's kernel, if one is to be made.
-fn small(order: &Order, options: &Options) -> Option<Limits> {
+/// Returns the limits of the attempt on biodivine's kernel, or `None` to go to `OxiDD`'s kernel
+/// directly.
+fn small_limits(order: &Order, options: &Options) -> Option<Limits> {
     match options.kernel {
         KernelChoice::Biodivine => Some(options.limits),
         KernelChoice::OxiDd => None,
         KernelChoice::Automatic if order.pairs().len() > SMALL_PAIRS => None,
         KernelChoice::Automatic => Some(Limits {
-            most_nodes: Some(SMALL_NODES),
-            most_made: Some(SMALL_MADE),
+            max_nodes: Some(SMALL_NODES),
+            max_created: Some(SMALL_CREATED),
             ..options.limits
         }),
     }
 }
 
-/// Examines the environment. Independent of whether the specification is realizable.
+/// Examines the assumptions of a specification, whether or not it is realizable.
 pub fn examine_environment(
     specification: &Specification,
     limits: &Limits,
@@ -216,8 +226,8 @@ pub fn examine_environment(
         limits: *limits,
         ..Options::default()
     };
-    let order = first_order(specification, options.heuristics);
-    if let Some(limits) = small(&order, &options) {
+    let order = initial_order(specification, options.heuristics);
+    if let Some(limits) = small_limits(&order, &options) {
         let found = examine_on::<Biodivine>(specification, &order, &limits, options.heuristics);
         if found != Err(Limit::Memory) {
             return found;
@@ -238,33 +248,42 @@ fn examine_on<K: Kernel>(
     findings::examine(&formulas, &arena, specification)
 }
 
-/// Computes the counterstrategy of a specification and the play that shows it, or `None` if the
-/// machine wins.
+/// Computes a counterstrategy and a play in which it wins; `None` if the machine wins.
 ///
-/// In the play the machine starts as `beginning` says, if it can. Meant for the
-/// [reduced](super::reduced) specification of a minimal core: a machine that cannot keep the core
-/// cannot keep more.
+/// In the play, the machine starts with values that satisfy `start`, if possible. The specification
+/// is usually [reduced](super::select_guarantees) to a minimal core: a machine that cannot keep the
+/// core cannot keep all guarantees either.
 pub fn attack(
     specification: &Specification,
-    beginning: &[Formula],
+    start: &[Formula],
+    limits: &Limits,
+) -> Result<Option<Attack>, Limit> {
+    attack_until(PlayEnd::Violation, specification, start, limits)
+}
+
+/// Like [`attack`], but with a choice of the step in which the play ends.
+pub fn attack_until(
+    end: PlayEnd,
+    specification: &Specification,
+    start: &[Formula],
     limits: &Limits,
 ) -> Result<Option<Attack>, Limit> {
     let options = Options {
         limits: *limits,
         ..Options::default()
     };
-    let order = first_order(specification, options.heuristics);
-    if let Some(limits) = small(&order, &options) {
-        let found = attack::attack_on::<Biodivine>(specification, beginning, &limits);
+    let order = initial_order(specification, options.heuristics);
+    if let Some(limits) = small_limits(&order, &options) {
+        let found = attack::attack_on::<Biodivine>(end, specification, start, &limits);
         if !matches!(found, Err(Limit::Memory)) {
             return found;
         }
     }
-    attack::attack_on::<OxiDd>(specification, beginning, limits)
+    attack::attack_on::<OxiDd>(end, specification, start, limits)
 }
 
-/// Suggests repairs of an unrealizable specification, given a minimal core and a play that shows
-/// it.
+/// Suggests repairs of an unrealizable specification, given a minimal core and a play that the
+/// machine loses.
 pub fn advise(
     specification: &Specification,
     core: &[GuaranteeRef],
@@ -275,10 +294,10 @@ pub fn advise(
         limits: *limits,
         ..Options::default()
     };
-    let order = first_order(specification, options.heuristics);
-    if let Some(limits) = small(&order, &options) {
+    let order = initial_order(specification, options.heuristics);
+    if let Some(limits) = small_limits(&order, &options) {
         let limits = Limits {
-            most_made: None,
+            max_created: None,
             ..limits
         };
         let found = repair::advise_on::<Biodivine>(specification, core, play, &limits);
@@ -290,27 +309,27 @@ pub fn advise(
 }
 
 /// Solves a game on one kernel.
-fn play<K: Kernel>(
+fn solve_on<K: Kernel>(
     specification: &Specification,
     order: &Order,
     limits: &Limits,
     options: &Options,
-    start: Start<'_>,
+    hints: Hints<'_>,
 ) -> Solution {
-    let start = start.fitting(order.pairs().len());
-    let order = start.order.unwrap_or(order);
+    let hints = hints.drop_unfitting(order.pairs().len());
+    let order = hints.order.unwrap_or(order);
     let progress = &*options.progress;
-    progress.begin(Statistics {
+    progress.restart(Statistics {
         kernel: K::NAME,
         pairs: order.pairs().len(),
         large: order.pairs().len() > SMALL_PAIRS,
-        order_before: variables(specification, order),
+        order_before: variables_by_position(specification, order),
         ..Statistics::default()
     });
-    let outcome = decide::<K>(specification, order, limits, options, start);
-    // Otherwise the phase shows how far it came.
+    let outcome = decide::<K>(specification, order, limits, options, hints);
+    // After a limit, the phase continues to show where the run ended.
     if outcome.is_ok() {
-        progress.enter(Phase::Ended);
+        progress.set_phase(Phase::Ended);
     }
     Solution {
         outcome: outcome.unwrap_or_else(Outcome::GaveUp),
@@ -323,15 +342,15 @@ fn decide<K: Kernel>(
     order: &Order,
     limits: &Limits,
     options: &Options,
-    start: Start<'_>,
+    hints: Hints<'_>,
 ) -> Result<Outcome, Limit> {
     let progress = &*options.progress;
     let (formulas, arena) =
         set_up::set_up::<K>(specification, order, options.heuristics, limits, progress)?;
 
-    progress.enter(Phase::Fixpoint);
+    progress.set_phase(Phase::Fixpoint);
     let clock = Instant::now();
-    let within = match start.region {
+    let within = match hints.region {
         Some(region) => Some(arena.kernel.import(region)?.swap_remove(0)),
         None => None,
     };
@@ -339,10 +358,10 @@ fn decide<K: Kernel>(
     drop(within);
     let peak_nodes = formulas.peak_nodes();
     let last_order = formulas.kernel().order();
-    progress.note(|s| {
+    progress.update(|s| {
         s.fixpoint_seconds = clock.elapsed().as_secs_f64();
         s.peak_nodes = peak_nodes;
-        s.order_after = variables(specification, &last_order);
+        s.order_after = variables_by_position(specification, &last_order);
         s.last_order = Some(last_order);
         s.large |= peak_nodes
             > match K::NAME {
@@ -361,13 +380,13 @@ fn decide<K: Kernel>(
         }));
     }
     drop(arena);
-    progress.enter(Phase::Core);
+    progress.set_phase(Phase::Core);
     let core = if options.without_core {
         None
     } else {
         match core::minimal_core(&formulas, specification) {
-            // This was an attempt with little room; the other kernel has more.
-            Err(Limit::Memory) if limits.most_made != options.limits.most_made => {
+            // The attempt on the small kernel ran out of room; the large kernel has more.
+            Err(Limit::Memory) if limits.max_created != options.limits.max_created => {
                 return Err(Limit::Memory);
             }
             core => core.ok(),
@@ -379,9 +398,9 @@ fn decide<K: Kernel>(
     }))
 }
 
-/// Converts an order of variables, given by index, to an order of bit pairs. `None` unless each
-/// variable occurs once.
-pub fn order_of_variables(
+/// Converts an order of variables, given by index, to an order of pairs of bits. Returns `None`
+/// unless every variable with more than one value occurs exactly once; unknown indices are ignored.
+pub fn order_from_variables(
     specification: &Specification,
     variables: impl IntoIterator<Item = usize>,
 ) -> Option<Order> {
@@ -392,14 +411,14 @@ pub fn order_of_variables(
         let bits = encoding.bits(VarId(v as u32), Time::Now);
         bits.map(Bit::pair).collect::<Vec<_>>()
     });
-    // The strategy's own pair comes last.
+    // The pair for the strategy's flag comes last.
     let last = encoding.pairs() as u16;
     let order = Order::new(pairs.chain([last]).collect())?;
     (order.pairs().len() == usize::from(last) + 1).then_some(order)
 }
 
-/// The variables by the position of their topmost bit.
-fn variables(specification: &Specification, order: &Order) -> Vec<VarId> {
+/// Returns the variables by the position of their topmost bit.
+fn variables_by_position(specification: &Specification, order: &Order) -> Vec<VarId> {
     let encoding = Encoding::new(specification);
     let positions = order.positions();
     let mut places: Vec<(u16, VarId)> = (0..specification.variables.len() as u32)

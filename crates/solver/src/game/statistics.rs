@@ -3,18 +3,18 @@
 use crate::symbolic::Order;
 use linewright_core::gr1::VarId;
 
-/// Effort for a verdict.
+/// Time, nodes and iterations that a verdict took.
 #[derive(Debug, Clone, Default)]
 pub struct Statistics {
     /// Name of the kernel.
     pub kernel: &'static str,
     /// Number of pairs of a current and a next bit.
     pub pairs: usize,
-    /// Wall-clock seconds for encoding all formulas.
+    /// Wall-clock seconds spent on encoding all formulas.
     pub encode_seconds: f64,
-    /// Seconds spent on the order before the fixpoint.
+    /// Wall-clock seconds spent on the variable order before the fixpoint.
     pub order_seconds: f64,
-    /// Seconds for the fixpoint.
+    /// Wall-clock seconds spent on the fixpoint.
     pub fixpoint_seconds: f64,
     /// Peak number of live nodes.
     pub peak_nodes: u64,
@@ -26,14 +26,14 @@ pub struct Statistics {
     pub inner: u64,
     /// Number of controllable predecessors computed.
     pub predecessors: u64,
-    /// Whether the game is too large for further checks beside its verdict. Decided by bits and
-    /// nodes, never by time.
+    /// Whether the game is too large for checks in addition to its verdict. Depends on the numbers
+    /// of bits and nodes, never on time.
     pub large: bool,
-    /// Variables from the top of the diagrams to the bottom at the start, by the position of their
-    /// first bit.
+    /// Variables in the initial order, from the top of the diagrams to the bottom, by the position
+    /// of their topmost bit.
     pub order_before: Vec<VarId>,
-    /// Variables from top to bottom at the end.
+    /// Variables in the final order; empty before the end.
     pub order_after: Vec<VarId>,
-    /// The final order; `None` before the end.
+    /// Final order of the pairs of bits; `None` before the end.
     pub last_order: Option<Order>,
 }

@@ -1,104 +1,108 @@
-//! From a won game to a function: for every goal, the answer to each next input in each state.
+//! Computes a deterministic strategy for a won game: for every goal, the answer to each next input
+//! in each state.
 //!
-//! There are four steps, each of which keeps at least one winning move wherever there was one:
+//! There are four steps, each of which keeps at least one winning move wherever one exists:
 //!
-//! 1. *Preference.* Of the winning moves, the best possible kind (Bloem et al. 2012, section 4):
-//!    reach the goal, and get as close to the next goal as possible; else get as close to this goal
-//!    as possible; else wait for an assumption. If many valuations could occur, or few states are
-//!    requested, only moves into a small closed set of states are kept.
-//! 2. *Forgetting.* A move should depend on as few inputs as possible: the machine would have to
-//!    remember current inputs, and next inputs make its guards longer. Input by input, moves that
-//!    are correct for every value of that input are preferred, where every combination that cannot
-//!    occur in play counts as correct.
-//! 3. *Choice.* Outputs keep their value where possible and are otherwise as small as possible, one
-//!    after the other.
-//! 4. *Reachability*, to omit what never occurs.
+//! 1. *Preference.* Of the winning moves, keep the best kind that is possible (Bloem et al. 2012,
+//!    section 4): reach the goal, and get as close to the next goal as possible; or else get as
+//!    close to this goal as possible; or else wait while an assumption fails. If many valuations
+//!    could occur, or few states are requested, keep only moves into a small closed set of states.
+//! 2. *Forgetting.* A move should depend on as few inputs as possible, since the machine has to
+//!    remember current inputs, and next inputs make its guards longer. Input by input, prefer moves
+//!    that are correct for every value of that input. Combinations that cannot occur in a play
+//!    count as correct.
+//! 3. *Choice.* One after the other, each output keeps its value where possible, and otherwise
+//!    takes the smallest possible value.
+//! 4. *Reachability.* Compute the reachable states, so that all others can be omitted.
 //!
-//! The pursued goal is not encoded in bits; there is one relation per goal. A flag `g` beside the
-//! next outputs gives the number of goals that the transition reaches, starting with the pursued
-//! one; the goal after these is pursued next.
+//! The pursued goal is not encoded in bits: there is one relation per goal. In addition to the next
+//! outputs, a relation determines a flag `g`: the number of consecutive goals that the transition
+//! reaches, starting with the pursued one. The goal after these is pursued next.
 
 use super::arena::Arena;
 use super::fixpoint::{Layer, layers};
 use crate::symbolic::{Bit, BitSet, Kernel, Limit};
 use linewright_core::gr1::{Owner, Specification, Time, Timing, VarId};
 
-/// Number of valuations, summed over the goals, above which successors are gathered.
+/// Number of valuations, summed over the goals, above which moves are restricted to a small set of
+/// states; see `gather`.
 const MANY_VALUATIONS: f64 = 5_000.0;
 
 /// What a machine is optimized for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Preference {
-    /// Short ways to the next goal.
+    /// Reaching the next goal in few steps.
     #[default]
     Reaction,
-    /// Few states.
+    /// A small number of states.
     States,
 }
 
 /// A deterministic strategy.
 #[derive(Debug)]
 pub struct Strategy<K: Kernel> {
-    /// For each goal, the transition (x, y, x′, y′, g) taken. Meaningless in unreachable states.
+    /// For each goal, the transitions (x, y, x′, y′, g) of the strategy. Meaningless in unreachable
+    /// states.
     pub moves: Vec<K::Function>,
     /// For each goal, the states (x, y) in which it is pursued.
     pub reachable: Vec<K::Function>,
     /// The initial valuations (x, y), over current bits.
     pub initial: K::Function,
-    /// The flag g as a number: how many goals a transition reaches, starting with the pursued one.
+    /// The bits of the flag g, most significant first: the number of consecutive goals that a
+    /// transition reaches, starting with the pursued one.
     pub flag: [Bit; 2],
 }
 
-/// Computes a strategy for the winning region.
+/// Computes a strategy; `region` is the winning region.
 pub fn strategy<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     preference: Preference,
     region: &K::Function,
 ) -> Result<Strategy<K>, Limit> {
-    let maker = Maker::new(arena, specification, region)?;
+    let builder = StrategyBuilder::new(arena, specification, region)?;
     let goals = arena.goals.len();
     let layers: Vec<Vec<Layer<K>>> = (0..goals)
         .map(|j| layers(arena, j, region))
         .collect::<Result<_, _>>()?;
-    let initial = maker.initial()?;
+    let initial = builder.initial()?;
 
     let mut wide = Vec::new();
     for j in 0..goals {
-        let mut targets = maker.targets(j, &layers[j], &layers[(j + 1) % goals])?;
+        let mut targets = builder.targets(j, &layers[j], &layers[(j + 1) % goals])?;
         if preference == Preference::States {
-            targets = vec![maker.any(targets)?];
+            targets = vec![builder.union(targets)?];
         }
         wide.push(match arena.timing {
-            Timing::Mealy => maker.first_feasible_mealy(&targets)?,
-            Timing::Moore => maker.first_feasible_moore(&targets)?,
+            Timing::Mealy => builder.first_feasible_mealy(&targets)?,
+            Timing::Moore => builder.first_feasible_moore(&targets)?,
         });
     }
-    // An upper bound of the reachable states limits what has to be correct.
-    let mut possible = maker.reachable(&wide, &initial)?;
-    let gather = preference == Preference::States || maker.count(&possible) > MANY_VALUATIONS;
+    // Moves have to be correct in the reachable states; a superset is cheaper to compute.
+    let mut possible = builder.reachable(&wide, &initial)?;
+    let gather = preference == Preference::States || builder.count(&possible) > MANY_VALUATIONS;
     if gather && arena.timing == Timing::Mealy {
-        possible = maker.gather(&wide, &initial)?;
+        possible = builder.gather(&wide, &initial)?;
         for (j, moves) in wide.iter_mut().enumerate() {
-            *moves = maker.moves_to_met(moves, j, &possible)?;
+            *moves = builder.moves_into(moves, j, &possible)?;
         }
     }
     let mut moves = Vec::new();
     for j in 0..goals {
-        let chosen = maker.choose(&maker.forget(&wide[j], &possible[j])?)?;
-        moves.push(maker.with_flag(&chosen, j)?);
+        let chosen = builder.choose(&builder.forget(&wide[j], &possible[j])?)?;
+        moves.push(builder.with_flag(&chosen, j)?);
     }
     drop(wide);
-    let reachable = maker.reachable(&moves, &initial)?;
+    let reachable = builder.reachable(&moves, &initial)?;
     Ok(Strategy {
         moves,
         reachable,
         initial,
-        flag: maker.flag,
+        flag: builder.flag,
     })
 }
 
-struct Maker<'a, K: Kernel> {
+struct StrategyBuilder<'a, K: Kernel> {
     arena: &'a Arena<K>,
     specification: &'a Specification,
     region: &'a K::Function,
@@ -108,7 +112,7 @@ struct Maker<'a, K: Kernel> {
     flag: [Bit; 2],
 }
 
-impl<'a, K: Kernel> Maker<'a, K> {
+impl<'a, K: Kernel> StrategyBuilder<'a, K> {
     fn new(
         arena: &'a Arena<K>,
         specification: &'a Specification,
@@ -126,8 +130,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         })
     }
 
-    /// The valuations of step 0. The plain strategy has no value to keep there, so it takes the
-    /// smallest.
+    /// Returns the valuations of step 0, with the smallest possible outputs, since there are no
+    /// values to keep.
     fn initial(&self) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut good = m.and(&arena.sys_initial, self.region)?;
@@ -138,8 +142,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         m.and(&good, &arena.env_initial)
     }
 
-    /// The transitions to aim at in pursuit of goal `j`, the best kind first. Each contains only
-    /// winning moves of its source state.
+    /// Returns the kinds of transitions to prefer in pursuit of goal `j`, the best kind first.
+    /// `own` and `next` are the layers of this goal and of the next one.
     fn targets(
         &self,
         j: usize,
@@ -171,9 +175,9 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(targets)
     }
 
-    /// The union of all targets. With any choice, the play makes progress toward the goal or waits
+    /// Returns the union of all targets. Every move in it makes progress toward the goal or waits
     /// while an assumption fails.
-    fn any(&self, targets: Vec<K::Function>) -> Result<K::Function, Limit> {
+    fn union(&self, targets: Vec<K::Function>) -> Result<K::Function, Limit> {
         let mut any = self.arena.kernel.constant(false);
         for target in targets {
             any = self.arena.kernel.or(&any, &target)?;
@@ -181,7 +185,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(any)
     }
 
-    /// For every state of the region and every next input, the moves of the first possible kind.
+    /// Returns, for every state of the region and every next input, the moves of the best possible
+    /// kind.
     fn first_feasible_mealy(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = m.and(self.region, &self.environment)?;
@@ -198,8 +203,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// For every state of the region, the next outputs that are correct for all next inputs, aiming
-    /// as high as possible. Over (x, y, y′).
+    /// Returns, for every state of the region, the next outputs that are of the best possible kind
+    /// and correct for all next inputs. Over (x, y, y′).
     fn first_feasible_moore(&self, targets: &[K::Function]) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut todo = self.region.clone();
@@ -220,7 +225,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
     }
 
     /// Prefers moves that do not depend on inputs, one input after the other. Only `possible`
-    /// states, and inputs that keep the assumptions, matter.
+    /// states and inputs that keep the assumptions matter.
     fn forget(&self, moves: &K::Function, possible: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut care = possible.clone();
@@ -228,22 +233,21 @@ impl<'a, K: Kernel> Maker<'a, K> {
             care = m.and(&care, &self.environment)?;
         }
         let mut allowed = m.implies(&care, moves)?;
-        // Next inputs are included: an input that an answer does not need makes no guard longer.
-        // They come last, since reading an input is better than remembering it.
+        // Next inputs are forgotten, too, to shorten the guards. They come last, since reading an
+        // input is better than remembering it.
         //
-        // Current inputs are first forgotten only where that is correct for all next inputs;
-        // otherwise a command would be forgotten, and everything that reveals it remembered
-        // instead. After that, nothing reveals it any more.
+        // The first round forgets a current input only where that is correct for all next inputs.
+        // Otherwise the machine might forget a command but remember other inputs that reveal it.
         let rounds = [(Time::Now, true), (Time::Now, false), (Time::Next, false)];
         let inputs = |round| self.specification.inputs().map(move |v| (v, round));
-        for (input, (time, blindly)) in rounds.into_iter().flat_map(inputs) {
+        for (input, (time, for_all_inputs)) in rounds.into_iter().flat_map(inputs) {
             let bits = arena.encoding.bit_set([input], time);
             if !bits.iter().any(|b| m.depends_on(&allowed, b)) {
                 continue;
             }
             let always = m.forall(&allowed, &bits)?;
             let mut offers = m.exists(&always, &arena.outputs_next)?;
-            if blindly {
+            if for_all_inputs {
                 offers = m.forall(&offers, &arena.inputs_next)?;
             }
             allowed = m.ite(&offers, &always, &allowed)?;
@@ -251,8 +255,8 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(allowed)
     }
 
-    /// Fixes the next outputs: each variable keeps its value where possible, and otherwise takes
-    /// the smallest possible one.
+    /// Fixes the next outputs: each output keeps its value where possible, and otherwise takes the
+    /// smallest possible value.
     fn choose(&self, moves: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let mut moves = moves.clone();
@@ -266,7 +270,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// Restricts the relation to the smallest outputs of this time, one output after the other.
+    /// Restricts the relation to the smallest current or next outputs, one output after the other.
     fn smallest(&self, mut relation: K::Function, time: Time) -> Result<K::Function, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let answers = match time {
@@ -281,21 +285,20 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(relation)
     }
 
-    /// Restricts the relation to answers that satisfy `wish` wherever there is one.
+    /// Restricts the relation to answers that satisfy `preferred`, wherever there are any.
     fn prefer(
         &self,
         relation: &K::Function,
-        wish: &K::Function,
+        preferred: &K::Function,
         answers: &BitSet,
     ) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
-        let wished = m.and(relation, wish)?;
-        let possible = m.exists(&wished, answers)?;
-        m.or(&wished, &m.and_not(relation, &possible)?)
+        let satisfying = m.and(relation, preferred)?;
+        let possible = m.exists(&satisfying, answers)?;
+        m.or(&satisfying, &m.and_not(relation, &possible)?)
     }
 
-    /// Adds the flag: whether the transition reaches goal `j`. With a single goal there is nothing
-    /// to remember.
+    /// Adds the flag: the number of goals that the transition reaches from goal `j` on.
     fn with_flag(&self, moves: &K::Function, j: usize) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         let mut moves = moves.clone();
@@ -305,8 +308,9 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok(moves)
     }
 
-    /// The number of goals that a transition reaches, from `j` on and up to three, as two bits.
-    /// With a single goal there is nothing to remember.
+    /// Returns the number of consecutive goals that a transition reaches, from goal `j` on and up
+    /// to three, as two bits, most significant first. With a single goal it is always 0, since
+    /// there is nothing to remember.
     fn reached(&self, j: usize) -> Result<[K::Function; 2], Limit> {
         let (m, goals) = (&self.arena.kernel, &self.arena.goals);
         let mut all = m.constant(goals.len() > 1);
@@ -323,7 +327,7 @@ impl<'a, K: Kernel> Maker<'a, K> {
         Ok([at_least.swap_remove(1), odd])
     }
 
-    /// Steps in pursuit of goal `j`, grouped by the goal pursued after them.
+    /// Groups steps in pursuit of goal `j` by the goal that is pursued after them.
     fn by_goal(&self, steps: K::Function, j: usize) -> Result<Vec<(usize, K::Function)>, Limit> {
         let m = &self.arena.kernel;
         let goals = self.arena.goals.len();
@@ -340,23 +344,24 @@ impl<'a, K: Kernel> Maker<'a, K> {
         ])
     }
 
-    /// Moves in pursuit of goal `j` that lead to states already met.
-    fn moves_to_met(
+    /// Returns the moves in pursuit of goal `j` that lead into these states, given by goal.
+    fn moves_into(
         &self,
         moves: &K::Function,
         j: usize,
-        met: &[K::Function],
+        states: &[K::Function],
     ) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         let mut into = m.constant(false);
         for (k, steps) in self.by_goal(moves.clone(), j)? {
-            into = m.or(&into, &m.and(&steps, &m.prime(&met[k])?)?)?;
+            into = m.or(&into, &m.and(&steps, &m.prime(&states[k])?)?)?;
         }
         Ok(into)
     }
 
-    /// For every goal a closed set of states, small in total: each answer to each input leads to
-    /// one already met, or else to one that most other answers can also lead to.
+    /// Returns, for every goal, a set of states; the sets are small, and closed under moves that
+    /// are possible within them. For each input, an answer into a known state is preferred;
+    /// otherwise a new state is added, the same one for as many source states as possible.
     fn gather(
         &self,
         moves: &[K::Function],
@@ -364,45 +369,45 @@ impl<'a, K: Kernel> Maker<'a, K> {
     ) -> Result<Vec<K::Function>, Limit> {
         let (arena, m) = (self.arena, &self.arena.kernel);
         let goals = moves.len();
-        let mut met = vec![m.constant(false); goals];
-        let mut fresh = met.clone();
+        let mut known = vec![m.constant(false); goals];
+        let mut fresh = known.clone();
         fresh[0] = initial.clone();
-        met[0] = initial.clone();
+        known[0] = initial.clone();
         while let Some(j) = (0..goals).find(|j| !m.is_false(&fresh[*j])) {
             let from = std::mem::replace(&mut fresh[j], m.constant(false));
             let mut todo = m.and(&m.and(&moves[j], &from)?, &self.environment)?;
             loop {
                 m.safe_point()?;
-                let served = self.moves_to_met(&todo, j, &met)?;
+                let served = self.moves_into(&todo, j, &known)?;
                 todo = m.and_not(&todo, &m.exists(&served, &arena.outputs_next)?)?;
                 if m.is_false(&todo) {
                     break;
                 }
-                // For every remaining next input, one more valuation, for all states that can
-                // answer with it.
+                // Adds one more valuation for every remaining next input, shared by all states that
+                // can answer with it.
                 for (k, steps) in self.by_goal(todo.clone(), j)? {
                     let offers = self.smallest(m.exists(&steps, &self.now)?, Time::Next)?;
                     let offers = m.unprime(&offers)?;
-                    let more = m.and_not(&offers, &met[k])?;
+                    let more = m.and_not(&offers, &known[k])?;
                     fresh[k] = m.or(&fresh[k], &more)?;
-                    met[k] = m.or(&met[k], &more)?;
+                    known[k] = m.or(&known[k], &more)?;
                     if !m.is_false(&more) {
                         break;
                     }
                 }
             }
         }
-        Ok(met)
+        Ok(known)
     }
 
-    /// Number of valuations, summed over the goals.
+    /// Returns the number of valuations, summed over the goals.
     fn count(&self, states: &[K::Function]) -> f64 {
         let states: Vec<&K::Function> = states.iter().collect();
         let shares = self.arena.kernel.export(&states).shares();
         shares.iter().sum::<f64>() * (self.now.iter().count() as f64).exp2()
     }
 
-    /// For every goal, the states in which it may be pursued.
+    /// Returns, for every goal, the reachable states in which it is pursued.
     fn reachable(
         &self,
         moves: &[K::Function],

@@ -1,28 +1,28 @@
-//! A variable order from the structure of a specification: variables that occur together lie near
-//! each other.
+//! Finds a variable order from the structure of a specification, in which variables that occur
+//! together lie near each other.
 //!
-//! FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement variable-ordering
-//! heuristic", GLSVLSI 2003): formulas are hyperedges, conjunctions one per part; every formula
-//! pulls its variables toward its center of gravity, until the sum of all spans no longer shrinks.
-//! A small span is only a starting point for sifting.
+//! The method is FORCE (Aloul, Markov and Sakallah, "FORCE: a fast and easy-to-implement
+//! variable-ordering heuristic", GLSVLSI 2003). Every formula, or every conjunct of a conjunction,
+//! is a hyperedge. It pulls its variables toward its center of gravity, until the sum of all spans
+//! no longer shrinks. The result is only a starting point for sifting.
 //!
 //! A formula about whole arrays does not show which elements belong together, but its comparisons
-//! do: that of `built[i]` with `target[i]` is small if the two are adjacent; otherwise its
-//! conjunction with the others is never small. In games of many bits, where formulas can be encoded
-//! only in a reasonable order, comparisons of numbers pull as well.
+//! do: the comparison of `built[i]` with `target[i]` is small only if the two are adjacent;
+//! otherwise its conjunction with the other comparisons is never small. Games of many bits can be
+//! encoded only in a reasonable order, so there comparisons of numbers are hyperedges, too.
 
 use crate::symbolic::{Bit, Encoding, Order};
 use linewright_core::gr1::{BinaryOp, Expr, Side, Specification, Time, VarId};
 
-/// Maximum number of pulling rounds; spans hardly shrink after the first few.
-const MOST_ROUNDS: usize = 30;
+/// Maximum number of rounds; spans hardly shrink after the first few.
+const MAX_ROUNDS: usize = 30;
 
-/// Number of bit pairs above which comparisons pull, and formulas are restricted to codes that have
-/// a value.
+/// Number of bit pairs above which comparisons are hyperedges, and formulas are restricted to codes
+/// that have a value.
 pub const MANY_PAIRS: usize = 48;
 
-/// The pairs of bits by variable, with the variables ordered by structure; pairs without a variable
-/// come last.
+/// Returns the pairs of bits, with the variables ordered by structure; the pairs of a variable stay
+/// together, and pairs without a variable come last. `pairs` is the total number of pairs.
 pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -> Order {
     let sides = [&specification.assumptions, &specification.guarantees];
     let formulas = sides.into_iter().flat_map(Side::all);
@@ -36,10 +36,10 @@ pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -
     edges.extend(parts.into_iter().map(variables));
     edges.retain(|e| e.len() > 1);
 
-    let mut best = first_seen(&edges, specification.variables.len());
+    let mut best = order_of_mention(&edges, specification.variables.len());
     let mut best_span = span(&edges, &best);
     let mut current = best.clone();
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         current = pull(&edges, &current);
         let current_span = span(&edges, &current);
         if current_span >= best_span {
@@ -54,10 +54,10 @@ pub fn order(specification: &Specification, encoding: &Encoding, pairs: usize) -
         order.extend(bits.map(Bit::pair));
     }
     order.extend(encoding.pairs() as u16..pairs as u16);
-    Order::new(order).expect("every variable has its place; please report this")
+    Order::new(order).expect("the order is not a permutation of the pairs; please report this")
 }
 
-/// The comparisons in a formula, from left to right.
+/// Returns the comparisons in a formula, from left to right.
 fn comparisons(formula: &Expr) -> Vec<&Expr> {
     let mut found = Vec::new();
     let mut left = vec![formula];
@@ -82,7 +82,7 @@ fn is_comparison(op: BinaryOp) -> bool {
     matches!(op, Eq | Ne | Lt | Le | Gt | Ge)
 }
 
-/// The variables of a formula, each once.
+/// Returns the indices of a formula's variables, ascending, without repetition.
 fn variables(formula: &Expr) -> Vec<usize> {
     let mut found = Vec::new();
     formula.for_each_var(&mut |v, _| found.push(v.index()));
@@ -91,8 +91,8 @@ fn variables(formula: &Expr) -> Vec<usize> {
     found
 }
 
-/// The variables in the order in which formulas mention them, followed by the rest.
-fn first_seen(edges: &[Vec<usize>], variables: usize) -> Vec<usize> {
+/// Returns the variables in the order in which the hyperedges mention them, followed by the others.
+fn order_of_mention(edges: &[Vec<usize>], variables: usize) -> Vec<usize> {
     let mut order = Vec::new();
     let mut seen = vec![false; variables];
     for variable in edges.iter().flatten().copied().chain(0..variables) {
@@ -111,7 +111,7 @@ fn positions(order: &[usize]) -> Vec<usize> {
     positions
 }
 
-/// The sum of the distances between the first and the last variable of each formula.
+/// Returns the sum of the distances between the first and the last variable of each hyperedge.
 fn span(edges: &[Vec<usize>], order: &[usize]) -> usize {
     let positions = positions(order);
     let spans = edges.iter().map(|edge| {
@@ -121,7 +121,7 @@ fn span(edges: &[Vec<usize>], order: &[usize]) -> usize {
     spans.sum()
 }
 
-/// One round: moves every variable to the mean of the centers of its formulas.
+/// Runs one round: moves every variable to the mean of the centers of its hyperedges.
 fn pull(edges: &[Vec<usize>], order: &[usize]) -> Vec<usize> {
     let positions = positions(order);
     let mut sums = vec![(0.0, 0usize); order.len()];

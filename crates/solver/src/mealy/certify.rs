@@ -1,46 +1,49 @@
-//! Checks whether a controller that exists only as [`Functions`] keeps its contract: an independent
+//! Checks whether a controller in the form of [`Functions`] keeps its contract: an independent
 //! inductive check of its certificate.
 //!
 //! The functions and the sets of the [`Certificate`](crate::game::Certificate) are built from plain
 //! data in a fresh kernel, the specification is encoded anew, and every obligation is one
-//! implication between functions. The check is independent of how the game was solved and the
-//! functions were chosen; a wrong certificate can only make it fail.
+//! implication between functions. The check does not depend on how the game was solved or the
+//! functions were chosen. A wrong certificate can only make the check fail.
 //!
 //! - Step 0: for inputs that keep the assumptions, the outputs keep the initial conditions and lie
 //!   in the region.
 //! - The region lies within the machine's invariants and domains.
 //! - Every step from the region, on inputs that keep the assumptions, keeps the machine's safety
-//!   and lies in the region.
-//! - While a goal is pursued, every step reaches it, or leads to a lower layer, or stays in its
-//!   layer while the layer's assumption fails. So a play that never reaches it stays in some layer
-//!   for ever, and breaks that layer's assumption. A step that reaches the goal, and no other step,
-//!   switches to the next goal.
-//! - A step is refused exactly when it breaks an assumption; for Moore, no output depends on the
+//!   and leads into the region.
+//! - While a goal is pursued, every step reaches the goal, or leads to a lower layer, or stays in
+//!   its layer while the layer's assumption fails. So a play that never reaches the goal stays in
+//!   some layer for ever, and breaks that layer's assumption. Exactly the steps that reach the goal
+//!   switch to the next one.
+//! - A step is refused exactly if it breaks an assumption. For Moore, no output depends on the
 //!   step's inputs.
 //!
-//! The steps of a mode are combined into one relation: its condition, conjoined with the functions
-//! of all outputs. It is small, since it starts from the relevant states and inputs.
+//! The steps of a mode form one relation: the mode's condition, conjoined with the functions of all
+//! outputs. It is small, since it is restricted to the relevant states and inputs from the start.
 
 use super::Port;
 use super::functions::Functions;
-use crate::game::{Aim, Assumed, Limit, Limits};
+use crate::game::{Aim, AssumedFormula, Limit, Limits};
 use crate::symbolic::{Biodivine, Bit, BitSet, Diagram, Edge, Encoding, Kernel, OxiDd};
 use linewright_core::gr1::{Expr, Owner, Specification, Time, Timing, VarId};
 use std::fmt;
 use std::ops::Range;
 
-/// Number of nodes above which functions are checked on the kernel for large games.
+/// Number of nodes above which functions are checked on `OxiDD`'s kernel instead of biodivine's.
 const SMALL_NODES: usize = 2_000;
 
-/// A rule that functions break, or that their certificate does not show.
+/// A violated clause of the certified property.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fault {
-    /// The violated clause of the definition.
+    /// The violated clause.
     pub clause: Clause,
 }
 
-/// A clause of the certified property, by the way it can be violated. If a contract's formula is
-/// violated, the clause carries its name; the clauses about layers carry the name of the goal.
+/// A clause of the certified property.
+///
+/// The name of a variant describes the violation, its documentation what must hold. Clauses about
+/// formulas of the contract carry the name of a violated formula; clauses about layers carry the
+/// name of the goal.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
     /// Ports, their bits, timing and the number of goals equal those of the contract.
@@ -49,86 +52,90 @@ pub enum Clause {
     Diagram,
     /// Sets of states depend only on current bits.
     SetOfStates,
-    /// A layer waits for an existing assumption.
+    /// The assumption of every layer exists.
     LayerAssumption,
-    /// An output depends only on values known when it is computed.
-    OutputKnown,
-    /// Only outputs are computed, each once.
+    /// Every output depends only on values that are known when it is computed.
+    OutputDependency,
+    /// Only outputs are computed, and none of them twice.
     OutputTwice,
     /// Every output is computed.
     OutputMissing,
-    /// A mode's condition depends only on values known before the outputs.
-    ModeKnown,
-    /// A mode leads to an existing layer.
+    /// The condition of every mode depends only on values that are known before the outputs.
+    ModeDependency,
+    /// The target layer of every mode exists.
     ModeLayer,
-    /// One mode of a goal applies to all states.
+    /// The last mode of every goal applies to all states.
     ModeMissing,
-    /// An assumption to check depends only on values that the driver knows, and has the name of a
-    /// formula.
-    AssumptionKnown,
-    /// The region lies within the domains; carries the output's name.
+    /// The check of every assumption depends only on current values and next inputs, and names an
+    /// existing formula.
+    AssumptionCheck,
+    /// The region lies within the domains of all outputs; carries the name of an output.
     Domain(String),
-    /// The region lies within each guaranteed invariant.
+    /// The region lies within every guaranteed invariant.
     Invariant(String),
-    /// Layers lie within each other and the region.
+    /// Every layer lies within the next one, and the last one within the region.
     Layers,
     /// Inputs that keep the assumptions are not refused.
-    Refused,
+    LegalInputRefused,
     /// Inputs that break an assumption are refused.
-    NotRefused,
-    /// Step 0 keeps each initial condition.
+    IllegalInputAccepted,
+    /// Step 0 keeps every guaranteed initial condition.
     Initial(String),
     /// Step 0 leads into the region.
-    Start,
-    /// Every step keeps each safety formula.
+    InitialRegion,
+    /// Every step keeps every guaranteed safety formula.
     Safety(String),
-    /// The next goal is pursued exactly after steps that reach this one.
-    Reached(String),
-    /// A step of a mode that reaches the goal does so, and stays in the region.
-    Missed(String),
-    /// A step leads into its target layer.
-    Strays(String),
-    /// A step does not lead back up from below its target layer.
-    Back(String),
-    /// A step waits only where the layer's assumption fails.
-    Waits(String),
-    /// A step that must make progress starts in a layer.
-    Nowhere(String),
+    /// The next goal is pursued exactly after the steps that reach this one.
+    GoalSwitch(String),
+    /// Every step of a mode for reaching the goal reaches it, and leads into the region.
+    GoalMissed(String),
+    /// Every step that does not reach the goal leads into its target layer.
+    LayerMissed(String),
+    /// No step starts in a layer below its target layer.
+    MovesAway(String),
+    /// A step that waits in a layer does so only while the layer's assumption fails.
+    UnjustifiedWait(String),
+    /// Every step that must make progress starts in some layer.
+    OutsideLayers(String),
 }
 
 impl fmt::Display for Clause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Ports => "the functions are not those of this contract",
-            Self::Diagram => "a diagram refers to what does not exist",
+            Self::Ports => "the functions belong to another contract",
+            Self::Diagram => "a diagram refers to a node or bit that does not exist",
             Self::SetOfStates => "a set of states refers to next values",
-            Self::LayerAssumption => "a layer waits for an assumption that does not exist",
-            Self::OutputKnown => "an output asks for what is not known yet",
+            Self::LayerAssumption => "a layer refers to an assumption that does not exist",
+            Self::OutputDependency => "an output depends on a value that is not known yet",
             Self::OutputTwice => "an output is computed twice",
             Self::OutputMissing => "an output is not computed",
-            Self::ModeKnown => "a mode asks for what is not known yet",
+            Self::ModeDependency => {
+                "the condition of a mode depends on a value that is not known yet"
+            }
             Self::ModeLayer => "a mode leads to a layer that does not exist",
-            Self::ModeMissing => "a goal has no mode for all states",
-            Self::AssumptionKnown => "an assumption asks for what is not known yet, or has no name",
+            Self::ModeMissing => "the last mode of a goal does not apply to all states",
+            Self::AssumptionCheck => {
+                "the check of an assumption depends on an unknown value or names no formula"
+            }
             Self::Domain(output) => return write!(f, "`{output}` can leave its domain"),
-            Self::Layers => "the layers do not lie within each other",
-            Self::Refused => "inputs that keep the assumptions are refused",
-            Self::NotRefused => "inputs that break an assumption are not refused",
-            Self::Start => "step 0 leads to a state of which nothing is known",
+            Self::Layers => "a layer does not lie within the next one or the region",
+            Self::LegalInputRefused => "inputs that keep the assumptions are refused",
+            Self::IllegalInputAccepted => "inputs that break an assumption are accepted",
+            Self::InitialRegion => "step 0 leads out of the certified region",
             Self::Invariant(name)
             | Self::Initial(name)
             | Self::Safety(name)
-            | Self::Reached(name)
-            | Self::Missed(name)
-            | Self::Strays(name)
-            | Self::Back(name)
-            | Self::Waits(name)
-            | Self::Nowhere(name) => name,
+            | Self::GoalSwitch(name)
+            | Self::GoalMissed(name)
+            | Self::LayerMissed(name)
+            | Self::MovesAway(name)
+            | Self::UnjustifiedWait(name)
+            | Self::OutsideLayers(name) => name,
         })
     }
 }
 
-/// Checks functions against their specification.
+/// Checks functions against their specification, on a kernel chosen by their size.
 pub fn certify(
     specification: &Specification,
     functions: &Functions,
@@ -141,7 +148,7 @@ pub fn certify(
     }
 }
 
-/// Checks functions on a kernel.
+/// Checks functions against their specification on kernel `K`.
 pub fn certify_on<K: Kernel>(
     specification: &Specification,
     functions: &Functions,
@@ -168,7 +175,8 @@ fn fault<T>(clause: Clause) -> Result<T, Fault> {
     Err(Fault { clause })
 }
 
-/// Whether all references are valid and each function depends only on values already known.
+/// Checks that all references are valid and that each function depends only on values already
+/// known.
 fn well_formed(specification: &Specification, functions: &Functions) -> Result<(), Fault> {
     let encoding = Encoding::new(specification);
     let bits_of = |v: VarId| -> Vec<Bit> { encoding.bits(v, Time::Now).collect() };
@@ -261,7 +269,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         let mut count = 0;
         for (bit, edge) in outputs {
             if !supports.of(*edge).all(|b| known.contains(b)) {
-                return fault(Clause::OutputKnown);
+                return fault(Clause::OutputDependency);
             }
             if !next_outputs.contains(*bit) || known.contains(*bit) {
                 return fault(Clause::OutputTwice);
@@ -279,7 +287,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
     for (goal, ranks) in controls.goals.iter().zip(&controls.certificate.goals) {
         for mode in &goal.modes {
             if !supports.of(mode.when).all(|b| known(false).contains(b)) {
-                return fault(Clause::ModeKnown);
+                return fault(Clause::ModeDependency);
             }
             if matches!(mode.aim, Aim::Layer(k) if k >= ranks.len()) {
                 return fault(Clause::ModeLayer);
@@ -290,18 +298,18 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
             return fault(Clause::ModeMissing);
         }
     }
-    let inputs_only = |first: bool, list: &[(Assumed, Edge)]| {
+    let inputs_only = |first: bool, list: &[(AssumedFormula, Edge)]| {
         list.iter().all(|(_, edge)| {
             let mut signals = supports.of(*edge);
             signals.all(|b| next_inputs.contains(b) || (!first && b != b.primed()))
         })
     };
     let side = &specification.assumptions;
-    let named = |list: &[(Assumed, Edge)], names: &[String]| {
-        let name = |(assumed, _): &(Assumed, Edge)| match assumed {
-            Assumed::Initial(i) => side.initial.get(*i).map(|f| &f.name),
-            Assumed::Invariant(i) => side.invariants.get(*i).map(|f| &f.name),
-            Assumed::Safety(i) => side.safety.get(*i).map(|f| &f.name),
+    let named = |list: &[(AssumedFormula, Edge)], names: &[String]| {
+        let name = |(assumed, _): &(AssumedFormula, Edge)| match assumed {
+            AssumedFormula::Initial(i) => side.initial.get(*i).map(|f| &f.name),
+            AssumedFormula::Invariant(i) => side.invariants.get(*i).map(|f| &f.name),
+            AssumedFormula::Safety(i) => side.safety.get(*i).map(|f| &f.name),
         };
         list.iter().map(name).eq(names.iter().map(Some))
     };
@@ -310,7 +318,7 @@ fn well_formed(specification: &Specification, functions: &Functions) -> Result<(
         || !named(&controls.assumed_first, &functions.names_first)
         || !named(&controls.assumed, &functions.names)
     {
-        return fault(Clause::AssumptionKnown);
+        return fault(Clause::AssumptionCheck);
     }
     Ok(())
 }
@@ -349,29 +357,30 @@ impl Supports {
     }
 }
 
-/// Node count up to which formulas of the machine's safety are combined.
+/// Maximum node count up to which formulas of the machine's safety are combined.
 const CLUSTER_NODES: usize = 3_000;
 
-/// Node count up to which outputs are combined.
+/// Maximum node count up to which outputs are combined.
 const OUTPUT_NODES: usize = 500;
 
+/// A check with all its functions.
 struct Check<'a, K: Kernel> {
     specification: &'a Specification,
     functions: &'a Functions,
     encoding: Encoding,
     kernel: K,
-    /// Functions by node of the diagram.
+    /// The function of each node of the controller's diagram.
     nodes: Vec<K::Function>,
     region: K::Function,
-    /// For every goal, its layers.
+    /// Layers of every goal.
     layers: Vec<Vec<K::Function>>,
-    /// Moves of the environment in step 0, over next bits.
-    may_begin: Vec<K::Function>,
-    /// Moves of the environment in later steps.
-    may_do: Vec<K::Function>,
-    /// The machine's safety: single formulas by index, and conjunctions of several with their
-    /// indices.
+    /// Conjuncts of the environment's moves in step 0, over next bits.
+    initial_moves: Vec<K::Function>,
+    /// Conjuncts of the environment's moves in later steps.
+    later_moves: Vec<K::Function>,
+    /// The formulas of the machine's safety.
     safety: Vec<K::Function>,
+    /// Conjunctions of consecutive formulas of `safety`, with their indices.
     clusters: Vec<(K::Function, Range<usize>)>,
     assumptions: Vec<K::Function>,
     goals: Vec<K::Function>,
@@ -389,7 +398,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         let controls = &functions.controls;
         let encoding = Encoding::new(specification);
         let m = K::new(&controls.order, limits)?;
-        // The order that comes with the functions is good.
+        // The functions are small in the order that comes with them.
         m.set_reordering(false);
         let mut all = controls.diagram.clone();
         all.roots = (0..all.nodes.len()).map(Edge::to).collect();
@@ -408,7 +417,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         let layers = layers
             .map(|list| sets.by_ref().take(list.len()).collect())
             .collect();
-        let region = sets.next().expect("a root each; please report this");
+        let region = sets.next().expect("a root is missing; please report this");
 
         let side = &specification.assumptions;
         let mut legal = Vec::new();
@@ -418,13 +427,13 @@ impl<'a, K: Kernel> Check<'a, K> {
         for formula in &side.invariants {
             legal.push(m.prime(&encoding.formula(&m, &formula.expr)?)?);
         }
-        let mut may_begin = legal.clone();
+        let mut initial_moves = legal.clone();
         for formula in &side.initial {
-            may_begin.push(m.prime(&encoding.formula(&m, &formula.expr)?)?);
+            initial_moves.push(m.prime(&encoding.formula(&m, &formula.expr)?)?);
         }
-        let mut may_do = legal;
+        let mut later_moves = legal;
         for formula in &side.safety {
-            may_do.push(encoding.formula(&m, &formula.expr)?);
+            later_moves.push(encoding.formula(&m, &formula.expr)?);
         }
         let mut safety = Vec::new();
         let mut clusters: Vec<(K::Function, Range<usize>)> = Vec::new();
@@ -459,14 +468,15 @@ impl<'a, K: Kernel> Check<'a, K> {
             nodes,
             region,
             layers,
-            may_begin,
-            may_do,
+            initial_moves,
+            later_moves,
             safety,
             clusters,
             kernel: m,
         })
     }
 
+    /// Returns the function of an edge of the controller's diagram.
     fn at(&self, edge: Edge) -> Result<K::Function, Limit> {
         match edge.node() {
             None => Ok(self.kernel.constant(edge.is_negated())),
@@ -475,20 +485,21 @@ impl<'a, K: Kernel> Check<'a, K> {
         }
     }
 
-    /// Whether something can happen while the environment keeps its promises.
-    fn possible(&self, what: K::Function, promises: &[K::Function]) -> Result<bool, Limit> {
-        let mut left = what;
-        for promise in promises {
+    /// Whether some step of `steps` satisfies all `rules`.
+    fn possible(&self, steps: K::Function, rules: &[K::Function]) -> Result<bool, Limit> {
+        let mut left = steps;
+        for rule in rules {
             if self.kernel.is_false(&left) {
                 return Ok(false);
             }
-            left = self.kernel.and(&left, promise)?;
+            left = self.kernel.and(&left, rule)?;
         }
         Ok(!self.kernel.is_false(&left))
     }
 
-    /// The steps that start here, as a relation. Several small outputs are combined before they are
-    /// conjoined with the many states, so that the large relation is rebuilt only a few times.
+    /// Returns the steps of `from` with the computed outputs, as a relation. Several small outputs
+    /// are combined before they are conjoined with `from`, so that the large relation is rebuilt
+    /// only a few times.
     fn steps(&self, from: K::Function, outputs: &[(Bit, Edge)]) -> Result<K::Function, Limit> {
         let m = &self.kernel;
         let mut steps = from;
@@ -504,7 +515,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         m.and(&steps, &several)
     }
 
-    /// The formula of the machine's safety that a step breaks.
+    /// Returns the index of a formula of the machine's safety that some step breaks, if any.
     fn broken(&self, steps: &K::Function) -> Result<Option<usize>, Limit> {
         let m = &self.kernel;
         for (cluster, places) in &self.clusters {
@@ -519,8 +530,8 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(None)
     }
 
-    /// The region lies within the machine's invariants and domains, and layers lie within each
-    /// other and the region.
+    /// Checks that the region lies within the machine's invariants and domains, that every layer
+    /// lies within the next one, and the last layer within the region.
     fn region(&mut self) -> StageResult {
         let m = &self.kernel;
         let within = |set: &K::Function, bound: &K::Function| -> Result<bool, Limit> {
@@ -549,41 +560,45 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(Ok(()))
     }
 
-    /// A step is refused exactly when it breaks an assumption.
+    /// Checks that a step is refused exactly if it breaks an assumption.
     fn assumptions(&mut self) -> StageResult {
         let m = &self.kernel;
         let controls = &self.functions.controls;
         let stages = [
-            (&controls.assumed_first, &self.may_begin, m.constant(true)),
-            (&controls.assumed, &self.may_do, self.region.clone()),
+            (
+                &controls.assumed_first,
+                &self.initial_moves,
+                m.constant(true),
+            ),
+            (&controls.assumed, &self.later_moves, self.region.clone()),
         ];
-        for (assumed, promises, at) in stages {
-            let mut asked = Vec::new();
+        for (assumed, rules, at) in stages {
+            let mut checked = Vec::new();
             for (_, edge) in assumed {
-                asked.push(self.at(*edge)?);
+                checked.push(self.at(*edge)?);
             }
-            for function in asked.iter().filter(|f| !promises.contains(f)) {
-                if self.possible(m.and_not(&at, function)?, promises)? {
-                    return Ok(fault(Clause::Refused));
+            for function in checked.iter().filter(|f| !rules.contains(f)) {
+                if self.possible(m.and_not(&at, function)?, rules)? {
+                    return Ok(fault(Clause::LegalInputRefused));
                 }
             }
-            // An input lies in its domain; this is checked earlier.
+            // Values outside an input's domain are refused before the assumptions are checked.
             for input in self.specification.inputs() {
-                asked.push(self.encoding.in_domain(m, input, Time::Next)?);
+                checked.push(self.encoding.in_domain(m, input, Time::Next)?);
             }
-            for promise in promises.iter().filter(|p| !asked.contains(p)) {
-                if self.possible(m.and_not(&at, promise)?, &asked)? {
-                    return Ok(fault(Clause::NotRefused));
+            for rule in rules.iter().filter(|p| !checked.contains(p)) {
+                if self.possible(m.and_not(&at, rule)?, &checked)? {
+                    return Ok(fault(Clause::IllegalInputAccepted));
                 }
             }
         }
         Ok(Ok(()))
     }
 
-    /// Step 0 keeps the initial conditions and lies in the region.
+    /// Checks that step 0 keeps the initial conditions and leads into the region.
     fn first(&mut self) -> StageResult {
         let m = &self.kernel;
-        let steps = self.steps(m.all(&self.may_begin)?, &self.functions.controls.first)?;
+        let steps = self.steps(m.all(&self.initial_moves)?, &self.functions.controls.first)?;
         for formula in &self.specification.guarantees.initial {
             let function = m.prime(&self.encoding.formula(m, &formula.expr)?)?;
             if !m.is_false(&m.and_not(&steps, &function)?) {
@@ -591,7 +606,7 @@ impl<'a, K: Kernel> Check<'a, K> {
             }
         }
         if !m.is_false(&m.and_not(&steps, &m.prime(&self.region)?)?) {
-            return Ok(fault(Clause::Start));
+            return Ok(fault(Clause::InitialRegion));
         }
         Ok(Ok(()))
     }
@@ -605,7 +620,7 @@ impl<'a, K: Kernel> Check<'a, K> {
         let name = || name.to_owned();
         let wrong = m.xor(&self.at(pursuit.reached)?, &self.goals[goal])?;
         let reach = m.and(&self.goals[goal], &m.prime(&self.region)?)?;
-        let mut rest = m.and(&self.region, &m.all(&self.may_do)?)?;
+        let mut rest = m.and(&self.region, &m.all(&self.later_moves)?)?;
         for mode in &pursuit.modes {
             let when = self.at(mode.when)?;
             let steps = self.steps(m.and(&rest, &when)?, &mode.outputs)?;
@@ -615,21 +630,21 @@ impl<'a, K: Kernel> Check<'a, K> {
                 return Ok(fault(Clause::Safety(broken.name.clone())));
             }
             if !m.is_false(&m.and(&steps, &wrong)?) {
-                return Ok(fault(Clause::Reached(name())));
+                return Ok(fault(Clause::GoalSwitch(name())));
             }
             let missed = m.and_not(&steps, &reach)?;
-            let late = match mode.aim {
-                Aim::Goal => (!m.is_false(&missed)).then_some(ProgressFault::Missed),
-                Aim::Layer(layer) => self.late(goal, layer, &missed)?,
-                Aim::Nearer => self.late_anywhere(goal, &missed)?,
+            let progress_fault = match mode.aim {
+                Aim::Goal => (!m.is_false(&missed)).then_some(ProgressFault::GoalMissed),
+                Aim::Layer(layer) => self.fault_in_layer(goal, layer, &missed)?,
+                Aim::Nearer => self.fault_in_any_layer(goal, &missed)?,
             };
-            if let Some(late) = late {
-                return Ok(fault(match late {
-                    ProgressFault::Missed => Clause::Missed(name()),
-                    ProgressFault::Strays => Clause::Strays(name()),
-                    ProgressFault::Back => Clause::Back(name()),
-                    ProgressFault::Waits => Clause::Waits(name()),
-                    ProgressFault::Nowhere => Clause::Nowhere(name()),
+            if let Some(progress_fault) = progress_fault {
+                return Ok(fault(match progress_fault {
+                    ProgressFault::GoalMissed => Clause::GoalMissed(name()),
+                    ProgressFault::LayerMissed => Clause::LayerMissed(name()),
+                    ProgressFault::MovesAway => Clause::MovesAway(name()),
+                    ProgressFault::UnjustifiedWait => Clause::UnjustifiedWait(name()),
+                    ProgressFault::OutsideLayers => Clause::OutsideLayers(name()),
                 }));
             }
             m.safe_point()?;
@@ -637,9 +652,9 @@ impl<'a, K: Kernel> Check<'a, K> {
         Ok(Ok(()))
     }
 
-    /// Problem with one of the steps: it neither makes progress from its starting layer, nor waits
-    /// in it where it may.
-    fn late_anywhere(
+    /// Returns the fault of a step that does not reach the goal and neither moves from its layer to
+    /// a lower one nor waits while the layer's assumption fails; `None` if all steps are right.
+    fn fault_in_any_layer(
         &self,
         goal: usize,
         steps: &K::Function,
@@ -654,19 +669,19 @@ impl<'a, K: Kernel> Check<'a, K> {
             let kept = m.and_not(&here, &m.prime(&below)?)?;
             let waits = m.and(&kept, &m.prime(reached)?)?;
             if !m.is_false(&m.and(&waits, &self.assumptions[stage.assumption])?) {
-                return Ok(Some(ProgressFault::Waits));
+                return Ok(Some(ProgressFault::UnjustifiedWait));
             }
             if waits != kept {
-                return Ok(Some(ProgressFault::Strays));
+                return Ok(Some(ProgressFault::LayerMissed));
             }
             below = reached.clone();
         }
-        Ok((!m.is_false(&rest)).then_some(ProgressFault::Nowhere))
+        Ok((!m.is_false(&rest)).then_some(ProgressFault::OutsideLayers))
     }
 
-    /// Problem with one of the steps: it neither makes progress toward the goal nor waits where it
-    /// may. A step that leaves the region strays.
-    fn late(
+    /// Returns the fault of a step that does not reach the goal and neither moves into the target
+    /// layer nor waits while the layer's assumption fails; `None` if all steps are right.
+    fn fault_in_layer(
         &self,
         goal: usize,
         layer: usize,
@@ -680,27 +695,28 @@ impl<'a, K: Kernel> Check<'a, K> {
             None => m.constant(false),
         };
         let assumption = self.functions.controls.certificate.goals[goal][layer].assumption;
-        // From above, all moves into the layer are correct; from within, all moves below it and
-        // those that wait. The set of correct steps is never built: sets of states are combined
-        // first, and only the wrong steps are computed. Once none of them starts below the layer,
-        // those that start in it are all that it has reached.
+        // From above the layer, all moves into it are correct; from within, all moves below it, and
+        // waiting while its assumption fails. Only the wrong steps are computed, and sets of states
+        // are combined first, so that the large set of correct steps is never built. At the last
+        // check no step starts below the layer, so the steps that start in `reached` start in the
+        // layer itself.
         if !m.is_false(&m.and_not(steps, &m.prime(reached)?)?) {
-            return Ok(Some(ProgressFault::Strays));
+            return Ok(Some(ProgressFault::LayerMissed));
         }
         if !m.is_false(&m.and(steps, &below)?) {
-            return Ok(Some(ProgressFault::Back));
+            return Ok(Some(ProgressFault::MovesAway));
         }
         let wakes = m.and(reached, &self.assumptions[assumption])?;
         let stays = m.and_not(&m.and(steps, &wakes)?, &m.prime(&below)?)?;
-        Ok((!m.is_false(&stays)).then_some(ProgressFault::Waits))
+        Ok((!m.is_false(&stays)).then_some(ProgressFault::UnjustifiedWait))
     }
 }
 
-/// Problem with a step toward a goal: see the [clauses](Clause) of these names.
+/// A fault of a step toward a goal; see the [clauses](Clause) with the same names.
 enum ProgressFault {
-    Missed,
-    Strays,
-    Back,
-    Waits,
-    Nowhere,
+    GoalMissed,
+    LayerMissed,
+    MovesAway,
+    UnjustifiedWait,
+    OutsideLayers,
 }

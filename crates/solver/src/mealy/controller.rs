@@ -1,5 +1,4 @@
-//! A verified controller in either form: written state by state if it is small, otherwise as
-//! functions.
+//! A controller in one of two forms: explicit states if it is small, otherwise functions of bits.
 
 use super::functions::Functions;
 use super::{Machine, Port};
@@ -47,7 +46,7 @@ impl Controller {
         }
     }
 
-    /// The machine, if it has this form.
+    /// Returns the machine, if the controller has this form.
     pub fn machine(&self) -> Option<&Machine> {
         match self {
             Self::Machine(machine) => Some(machine),
@@ -55,7 +54,7 @@ impl Controller {
         }
     }
 
-    /// The functions, if it has this form.
+    /// Returns the functions, if the controller has this form.
     pub fn functions(&self) -> Option<&Functions> {
         match self {
             Self::Machine(_) => None,

@@ -1,39 +1,39 @@
-//! Decision diagrams over whole inputs, with intervals on the edges: the behavior of a state in
-//! canonical form.
+//! Decision diagrams over whole inputs, with intervals on the edges: a canonical form for the
+//! behavior of a state.
 //!
-//! A state's transitions as one diagram: each inner node tests one input; each leaf gives the
-//! output and the next state, or marks the inputs as don't-care. Equal behavior is the same node,
-//! so minimization compares numbers, and reading a diagram back gives disjoint cubes in a fixed
-//! order.
+//! The transitions of a state form one diagram. Each inner node tests one input; each leaf holds
+//! the output and the next state, or marks the inputs as don't-care. Equal behavior has the same
+//! node, so minimization compares numbers, and reading a diagram back gives disjoint cubes in a
+//! fixed order.
 
 use super::{Cube, Port, Test};
 use std::collections::{BTreeMap, HashMap};
 
-/// The number of a diagram.
+/// Number of the root node of a diagram.
 pub type Ref = u32;
 
-/// Action of a leaf: number of the output, and the next state or block.
+/// A leaf: output and next state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Leaf {
-    /// Number of the output.
+    /// Number of the output valuation.
     pub output: u32,
-    /// Next state or block.
+    /// Next state, or block of states during minimization.
     pub to: u32,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 enum Node {
-    /// These inputs break an assumption.
-    Nothing,
+    /// Don't-care: these inputs break an assumption.
+    DontCare,
     Leaf(Leaf),
     /// Tests an input; each edge covers values up to its bound, starting after the previous edge.
-    Ask {
+    Test {
         input: u32,
         edges: Vec<(i64, Ref)>,
     },
 }
 
-/// All diagrams of a machine.
+/// A store of the diagrams of a machine.
 #[derive(Debug)]
 pub struct Diagrams {
     domains: Vec<(i64, i64)>,
@@ -42,16 +42,16 @@ pub struct Diagrams {
 }
 
 /// The diagram that is don't-care everywhere.
-pub const NOTHING: Ref = 0;
+pub const DONT_CARE: Ref = 0;
 
 impl Diagrams {
-    /// Creates an empty store.
+    /// Creates a store without diagrams, for these inputs.
     pub fn new(inputs: &[Port]) -> Self {
         let domains = inputs.iter().map(|p| (p.domain.low(), p.domain.high()));
         Self {
             domains: domains.collect(),
-            nodes: vec![Node::Nothing],
-            numbers: HashMap::from([(Node::Nothing, NOTHING)]),
+            nodes: vec![Node::DontCare],
+            numbers: HashMap::from([(Node::DontCare, DONT_CARE)]),
         }
     }
 
@@ -65,7 +65,8 @@ impl Diagrams {
         number
     }
 
-    fn ask(&mut self, input: u32, edges: Vec<(i64, Ref)>) -> Ref {
+    /// Returns the node with these edges; merges adjacent edges to the same child.
+    fn test(&mut self, input: u32, edges: Vec<(i64, Ref)>) -> Ref {
         let mut merged: Vec<(i64, Ref)> = Vec::with_capacity(edges.len());
         for (high, child) in edges {
             match merged.last_mut() {
@@ -76,41 +77,41 @@ impl Diagrams {
         if let [(_, only)] = merged[..] {
             return only;
         }
-        self.intern(Node::Ask {
+        self.intern(Node::Test {
             input,
             edges: merged,
         })
     }
 
-    /// The leaf on one cube, don't-care elsewhere.
+    /// Returns the diagram with `leaf` on the cube and don't-care elsewhere.
     pub fn cube(&mut self, cube: &Cube, leaf: Leaf) -> Ref {
         let mut result = self.intern(Node::Leaf(leaf));
         for test in cube.0.iter().rev() {
             let (low, high) = self.domains[test.input];
             let mut edges = Vec::with_capacity(3);
             if test.low > low {
-                edges.push((test.low - 1, NOTHING));
+                edges.push((test.low - 1, DONT_CARE));
             }
             edges.push((test.high.min(high), result));
             if test.high < high {
-                edges.push((high, NOTHING));
+                edges.push((high, DONT_CARE));
             }
-            result = self.ask(test.input as u32, edges);
+            result = self.test(test.input as u32, edges);
         }
         result
     }
 
-    /// The first tested input of a diagram and its edges; a constant tests none.
+    /// Returns the input that a node tests, and its edges; `u32::MAX` for a node that tests none.
     fn edges(&self, node: Ref) -> (u32, &[(i64, Ref)]) {
         match &self.nodes[node as usize] {
-            Node::Ask { input, edges } => (*input, edges),
+            Node::Test { input, edges } => (*input, edges),
             _ => (u32::MAX, &[]),
         }
     }
 
-    /// Combines both: where one is don't-care, the other. Where both are leaves, `join` decides; if
-    /// it returns `None`, there is a conflict, and the result is `None`. `steps` is decremented at
-    /// every node, and the result is also `None` when it reaches 0.
+    /// Combines two diagrams: where one is don't-care, the result is the other; where both have a
+    /// leaf, `join` decides. Returns `None` if `join` does, or if `steps`, which is decremented at
+    /// every pair of nodes, is used up.
     pub fn overlay(
         &mut self,
         a: Ref,
@@ -119,10 +120,10 @@ impl Diagrams {
         seen: &mut HashMap<(Ref, Ref), Ref>,
         steps: &mut u64,
     ) -> Option<Ref> {
-        if a == NOTHING || a == b {
+        if a == DONT_CARE || a == b {
             return Some(b);
         }
-        if b == NOTHING {
+        if b == DONT_CARE {
             return Some(a);
         }
         if let Some(known) = seen.get(&(a, b)) {
@@ -156,13 +157,13 @@ impl Diagrams {
                 i += usize::from(left[i].0 == bound);
                 k += usize::from(right[k].0 == bound);
             }
-            self.ask(input, edges)
+            self.test(input, edges)
         };
         seen.insert((a, b), result);
         Some(result)
     }
 
-    /// Changes every leaf of a diagram.
+    /// Applies `change` to every leaf of a diagram.
     pub fn relabel(
         &mut self,
         node: Ref,
@@ -173,21 +174,21 @@ impl Diagrams {
             return *known;
         }
         let result = match self.nodes[node as usize].clone() {
-            Node::Nothing => NOTHING,
+            Node::DontCare => DONT_CARE,
             Node::Leaf(leaf) => self.intern(Node::Leaf(change(leaf))),
-            Node::Ask { input, edges } => {
+            Node::Test { input, edges } => {
                 let edges = edges
                     .into_iter()
                     .map(|(high, child)| (high, self.relabel(child, change, seen)))
                     .collect();
-                self.ask(input, edges)
+                self.test(input, edges)
             }
         };
         seen.insert(node, result);
         result
     }
 
-    /// Every leaf with its cubes, in the order of its first occurrence.
+    /// Returns every leaf with its cubes, in the order of the leaf's first occurrence.
     pub fn read(&self, node: Ref) -> Vec<(Leaf, Vec<Cube>)> {
         let mut order = Vec::new();
         let mut cubes: BTreeMap<Leaf, Vec<Cube>> = BTreeMap::new();
@@ -204,7 +205,7 @@ impl Diagrams {
         cubes: &mut BTreeMap<Leaf, Vec<Cube>>,
     ) {
         match &self.nodes[node as usize] {
-            Node::Nothing => {}
+            Node::DontCare => {}
             Node::Leaf(leaf) => {
                 let known = cubes.entry(*leaf).or_default();
                 if known.is_empty() {
@@ -212,7 +213,7 @@ impl Diagrams {
                 }
                 known.push(Cube(path.clone()));
             }
-            Node::Ask { input, edges } => {
+            Node::Test { input, edges } => {
                 let input = *input as usize;
                 let mut low = self.domains[input].0;
                 for (high, child) in edges {
@@ -229,12 +230,12 @@ impl Diagrams {
         }
     }
 
-    /// Number of cubes in a diagram.
+    /// Returns the number of cubes of a diagram.
     pub fn cubes(&self, node: Ref, seen: &mut HashMap<Ref, u64>) -> u64 {
         match &self.nodes[node as usize] {
-            Node::Nothing => 0,
+            Node::DontCare => 0,
             Node::Leaf(_) => 1,
-            Node::Ask { edges, .. } => {
+            Node::Test { edges, .. } => {
                 if let Some(known) = seen.get(&node) {
                     return *known;
                 }
@@ -247,7 +248,7 @@ impl Diagrams {
         }
     }
 
-    /// Calls `visit` for every leaf, in order, once each.
+    /// Calls `visit` once for every leaf, in no particular order.
     pub fn leaves(&self, node: Ref, visit: &mut impl FnMut(Leaf)) {
         let mut seen = std::collections::HashSet::new();
         let mut stack = vec![node];
@@ -256,9 +257,9 @@ impl Diagrams {
                 continue;
             }
             match &self.nodes[node as usize] {
-                Node::Nothing => {}
+                Node::DontCare => {}
                 Node::Leaf(leaf) => visit(*leaf),
-                Node::Ask { edges, .. } => stack.extend(edges.iter().rev().map(|e| e.1)),
+                Node::Test { edges, .. } => stack.extend(edges.iter().rev().map(|e| e.1)),
             }
         }
     }

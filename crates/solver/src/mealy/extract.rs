@@ -4,20 +4,20 @@ use super::{Cube, Guard, Machine, Port, Test, Transition, minimise};
 use crate::game::{Limit, Limits, Preference, Row, WonGame};
 use linewright_core::gr1::{Specification, VarId};
 
-/// The minimized machine of a won game, not yet verified.
+/// Extracts the minimized machine of a won game. It is not verified yet.
 pub fn extract(
     specification: &Specification,
     won: &WonGame,
     limits: &Limits,
 ) -> Result<Machine, Limit> {
-    extract_preferring(Preference::default(), specification, won, limits)
+    extract_with_preference(Preference::default(), specification, won, limits)
 }
 
-/// The same, for a machine with a preference.
+/// Extracts the minimized machine of a won game with a preference. It is not verified yet.
 ///
-/// If few states are requested, freedom of aim mostly leads to fewer, but not always; so both
-/// machines are made, and the one with fewer states is used.
-pub fn extract_preferring(
+/// [`Preference::States`] usually leads to fewer states, but not always. So if it is requested, the
+/// machines for both preferences are extracted, and the one with fewer states is returned.
+pub fn extract_with_preference(
     preference: Preference,
     specification: &Specification,
     won: &WonGame,
@@ -37,7 +37,7 @@ pub fn extract_preferring(
     }
 }
 
-/// The minimized machine of one strategy.
+/// Extracts the minimized machine of one strategy.
 fn machine(
     preference: Preference,
     specification: &Specification,
@@ -57,6 +57,7 @@ fn machine(
     minimise::minimise(&machine, limits)
 }
 
+/// Returns variables as ports.
 pub(super) fn ports(specification: &Specification, ids: impl Iterator<Item = VarId>) -> Vec<Port> {
     let port = |id: VarId| {
         let variable = specification.variable(id);
@@ -70,6 +71,7 @@ pub(super) fn ports(specification: &Specification, ids: impl Iterator<Item = Var
     ids.map(port).collect()
 }
 
+/// Converts a row of an explicit strategy to a transition.
 pub(super) fn transition(row: Row) -> Transition {
     let cube = |conditions: Vec<(usize, i64, i64)>| {
         let tests = conditions.into_iter();

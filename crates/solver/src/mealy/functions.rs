@@ -1,23 +1,24 @@
-//! Controllers as functions: for contracts whose machine is too large to be written state by state.
+//! Controllers as functions of bits, for contracts whose machine is too large to be listed state by
+//! state.
 //!
-//! Every port's value is encoded in bits. A step computes the next output bits one after the other,
-//! each as a decision diagram over the signals: bits of the current step's inputs and outputs, of
-//! the next step's inputs, and of next outputs computed before. Apart from the current values, only
-//! the pursued goal is stored. A goal has several modes; the first one whose condition holds
-//! determines the outputs.
+//! The value of every port is encoded in bits. A step computes the next output bits one after the
+//! other, each with a decision diagram over the signals: the bits of the current inputs and
+//! outputs, of the next inputs, and of the next outputs computed so far. The memory between steps
+//! consists of the current values and the pursued goal. A goal has several modes; the first one
+//! whose condition holds determines the outputs.
 //!
-//! Signal `2k` is a current bit, `2k + 1` the same bit in the next step. Step 0 has no current
-//! values; its inputs and outputs are next bits, too. The diagrams' edges are as in [`Edge`].
+//! Signal `2k` is a current bit, and `2k + 1` the same bit in the next step. Step 0 has no current
+//! values; its inputs and outputs are next bits, too. [`Edge`] defines the edges of the diagrams.
 
 use super::Port;
 use super::extract::ports;
-use crate::game::{Assumed, Controls, Limit, Limits, WonGame};
+use crate::game::{AssumedFormula, Limit, Limits, StrategyFunctions, WonGame};
 use crate::symbolic::{Bit, Diagram, Edge, Encoding};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// The JSON Schema of the document of functions.
+/// JSON Schema of the document; see [`Functions::to_json`].
 pub const SCHEMA: &str = include_str!("functions.schema.json");
 
 /// A controller as functions.
@@ -31,23 +32,23 @@ pub struct Functions {
     pub inputs: Vec<Port>,
     /// Outputs and internal variables in the order of the specification.
     pub outputs: Vec<Port>,
-    /// For every input, its current bits, most significant first; they encode its value minus the
-    /// smallest one of its domain.
+    /// Current bits of every input, most significant first. They encode the value minus the
+    /// smallest value of the domain.
     pub input_bits: Vec<Vec<Bit>>,
-    /// For every output, its current bits in the same form.
+    /// Current bits of every output, in the same form.
     pub output_bits: Vec<Vec<Bit>>,
-    /// Names of the assumptions about step 0, in the order of [`Controls::assumed_first`].
+    /// Names of the assumptions about step 0, in the order of [`StrategyFunctions::assumed_first`].
     pub names_first: Vec<String>,
-    /// Names of the assumptions about later steps, in the order of [`Controls::assumed`].
+    /// Names of the assumptions about later steps, in the order of [`StrategyFunctions::assumed`].
     pub names: Vec<String>,
-    /// The functions.
-    pub controls: Controls,
+    /// The functions and their certificate.
+    pub controls: StrategyFunctions,
 }
 
 /// State of a controller between two steps.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct State {
-    /// The signals; the current ones hold the last step's values.
+    /// The signals; the current ones hold the values of the last step.
     signals: Vec<bool>,
     /// Index of the pursued goal; `None` before step 0.
     goal: Option<usize>,
@@ -63,7 +64,7 @@ pub enum Refusal {
 }
 
 impl Functions {
-    /// The functions of a won game, not yet certified.
+    /// Extracts the functions of a won game. They are not certified yet.
     pub fn extract(
         specification: &Specification,
         won: &WonGame,
@@ -73,10 +74,10 @@ impl Functions {
         let encoding = Encoding::new(specification);
         let bits = |v: VarId| encoding.bits(v, Time::Now).collect();
         let side = &specification.assumptions;
-        let name = |(assumed, _): &(Assumed, Edge)| match assumed {
-            Assumed::Initial(i) => side.initial[*i].name.clone(),
-            Assumed::Invariant(i) => side.invariants[*i].name.clone(),
-            Assumed::Safety(i) => side.safety[*i].name.clone(),
+        let name = |(assumed, _): &(AssumedFormula, Edge)| match assumed {
+            AssumedFormula::Initial(i) => side.initial[*i].name.clone(),
+            AssumedFormula::Invariant(i) => side.invariants[*i].name.clone(),
+            AssumedFormula::Safety(i) => side.safety[*i].name.clone(),
         };
         Ok(Self {
             name: specification.name.clone(),
@@ -91,21 +92,21 @@ impl Functions {
         })
     }
 
-    /// The state before step 0.
-    pub fn start(&self) -> State {
+    /// Returns the state before step 0.
+    pub fn initial_state(&self) -> State {
         State {
             signals: vec![false; 2 * self.pairs()],
             goal: None,
         }
     }
 
-    /// Number of pairs of a current and a next bit.
+    /// Returns the number of pairs of a current and a next bit.
     pub fn pairs(&self) -> usize {
         let bits = self.input_bits.iter().chain(&self.output_bits);
         bits.map(Vec::len).sum()
     }
 
-    /// Number of modes, summed over all goals.
+    /// Returns the number of modes, summed over all goals.
     pub fn mode_count(&self) -> usize {
         self.controls.goals.iter().map(|g| g.modes.len()).sum()
     }
@@ -118,7 +119,7 @@ impl Functions {
             return Err(Refusal::Domain(input));
         }
         let mut signals = state.signals.clone();
-        self.put_inputs(&mut signals, Time::Next, inputs);
+        self.write_inputs(&mut signals, Time::Next, inputs);
         let (assumed, names) = match state.goal {
             None => (&self.controls.assumed_first, &self.names_first),
             Some(_) => (&self.controls.assumed, &self.names),
@@ -127,8 +128,8 @@ impl Functions {
         if let Some(broken) = broken {
             return Err(Refusal::Assumption(names[broken].clone()));
         }
-        let values = self.answer(state.goal, &mut signals);
-        let goal = self.pursued(state.goal, &signals);
+        let values = self.compute_outputs(state.goal, &mut signals);
+        let goal = self.next_goal(state.goal, &signals);
         for pair in signals.chunks_exact_mut(2) {
             pair[0] = pair[1];
         }
@@ -139,25 +140,27 @@ impl Functions {
         Ok(values)
     }
 
-    /// The outputs of a Moore controller in the next step, before it has seen that step's inputs.
+    /// Returns the outputs of a Moore controller in the next step, which do not depend on the
+    /// inputs of that step.
     pub fn moore_output(&self, state: &State) -> Vec<i64> {
         debug_assert_eq!(self.timing, Timing::Moore);
-        self.answer(state.goal, &mut state.signals.clone())
+        self.compute_outputs(state.goal, &mut state.signals.clone())
     }
 
-    /// Writes the inputs' values to their current or next signals.
-    pub fn put_inputs(&self, signals: &mut [bool], time: Time, values: &[i64]) {
-        put(&self.inputs, &self.input_bits, signals, time, values);
+    /// Writes values of the inputs to their current or next signals.
+    pub fn write_inputs(&self, signals: &mut [bool], time: Time, values: &[i64]) {
+        write_values(&self.inputs, &self.input_bits, signals, time, values);
     }
 
-    /// Writes the outputs' values to their current or next signals.
-    pub fn put_outputs(&self, signals: &mut [bool], time: Time, values: &[i64]) {
-        put(&self.outputs, &self.output_bits, signals, time, values);
+    /// Writes values of the outputs to their current or next signals.
+    pub fn write_outputs(&self, signals: &mut [bool], time: Time, values: &[i64]) {
+        write_values(&self.outputs, &self.output_bits, signals, time, values);
     }
 
-    /// The outputs of a step in pursuit of a goal, `None` in step 0. The signals hold the current
-    /// values and, for Mealy, the next inputs; the next outputs' signals are written as well.
-    pub fn answer(&self, goal: Option<usize>, signals: &mut [bool]) -> Vec<i64> {
+    /// Computes the outputs of a step in pursuit of a goal, or of step 0 if `goal` is `None`.
+    /// `signals` must hold the current values and, for Mealy, the next inputs. Also writes the next
+    /// outputs to `signals`.
+    pub fn compute_outputs(&self, goal: Option<usize>, signals: &mut [bool]) -> Vec<i64> {
         let controls = &self.controls;
         let roots = match goal {
             None => &controls.first,
@@ -180,8 +183,9 @@ impl Functions {
         values.collect()
     }
 
-    /// The goal pursued after a step with these signals.
-    pub fn pursued(&self, goal: Option<usize>, signals: &[bool]) -> usize {
+    /// Returns the goal that is pursued after a step with these signals; `goal` is the one pursued
+    /// before, `None` in step 0.
+    pub fn next_goal(&self, goal: Option<usize>, signals: &[bool]) -> usize {
         let goals = &self.controls.goals;
         match goal {
             None => 0,
@@ -196,9 +200,9 @@ impl Functions {
 
     /// Returns the document with the schema `linewright/functions/1`.
     ///
-    /// `nodes` are decisions `[signal, edge if it is 1, edge if it is 0]`; edge `2n` is node
-    /// `n - 1` and `2n + 1` its negation, 0 is false and 1 is true. `outputs` are pairs of a next
-    /// output's signal and its edge, in the order in which they are computed.
+    /// `nodes` are decisions `[signal, edge if it is 1, edge if it is 0]`. Edge 0 is false, 1 is
+    /// true, `2n` is node `n - 1`, and `2n + 1` its negation. `outputs` are pairs of a next
+    /// output's signal and its edge, in the order of computation.
     pub fn to_json(&self, verified: bool) -> Value {
         let ports = |ports: &[Port], bits: &[Vec<Bit>]| -> Vec<Value> {
             let pairs = ports.iter().zip(bits);
@@ -213,7 +217,7 @@ impl Functions {
         let edges = |outputs: &[(Bit, Edge)]| -> Value {
             outputs.iter().map(|(b, e)| json!([b.0, e.0])).collect()
         };
-        let assumed = |assumed: &[(Assumed, Edge)], names: &[String]| -> Vec<Value> {
+        let assumed = |assumed: &[(AssumedFormula, Edge)], names: &[String]| -> Vec<Value> {
             let pairs = assumed.iter().zip(names);
             pairs
                 .map(|((_, edge), name)| json!({"name": name, "holds": edge.0}))
@@ -244,8 +248,14 @@ impl Functions {
     }
 }
 
-/// Writes values to signals.
-fn put(ports: &[Port], bits: &[Vec<Bit>], signals: &mut [bool], time: Time, values: &[i64]) {
+/// Writes values of ports to their current or next signals.
+fn write_values(
+    ports: &[Port],
+    bits: &[Vec<Bit>],
+    signals: &mut [bool],
+    time: Time,
+    values: &[i64],
+) {
     for ((port, bits), value) in ports.iter().zip(bits).zip(values) {
         let code = value.wrapping_sub(port.domain.low()) as u64;
         for (place, bit) in bits.iter().rev().enumerate() {
@@ -258,7 +268,7 @@ fn put(ports: &[Port], bits: &[Vec<Bit>], signals: &mut [bool], time: Time, valu
     }
 }
 
-/// The value of an edge.
+/// Returns the value of an edge.
 fn evaluate(diagram: &Diagram, mut edge: Edge, signals: &[bool]) -> bool {
     let mut value = edge.is_negated();
     while let Some(node) = edge.node() {

@@ -1,14 +1,15 @@
-//! A machine in the JSON that `gr1c -t json` writes (format version 1, see `doc/formats.md` of
-//! tulip-control/gr1c).
+//! Converts machines to the JSON format of `gr1c -t json` (format version 1, see `doc/formats.md`
+//! of tulip-control/gr1c).
 //!
 //! gr1c's automaton labels *nodes* with valuations: a node is a state together with the inputs and
-//! outputs by which it was entered, and `trans` lists the possible next nodes. So every step is
-//! written letter by letter, for letters that keep the assumptions; above [`MOST_NODES`] this gives
-//! up. gr1c's variables are boolean or `[0, n]`: a range that begins elsewhere is shifted to 0, and
-//! labels become their numbers; `extra` records the shift and the labels. `mode` (the pursued goal)
-//! and `rgrad` (the distance to it) are unknown for a minimized machine: every node has mode 0 and
-//! gr1c's own "not available", -1. `gr1c` (the version of the format) and `date` are constant, so
-//! that the same machine gives the same bytes; `extra` also names this program.
+//! outputs of the step that entered it, and `trans` lists the possible next nodes. So every input
+//! valuation that keeps the assumptions is written separately; above [`MAX_NODES`] nodes or 5
+//! million edges, the conversion gives up. gr1c's variables are boolean or `[0, n]`: a range with
+//! another lower bound is shifted to 0, and labels become their numbers; `extra` records the shift
+//! and the labels. `mode` (the pursued goal) and `rgrad` (the distance to it) are unknown for a
+//! minimized machine: every node has mode 0, and -1, which means "not available" in gr1c. `gr1c`
+//! (the version of gr1c) and `date` are constant, so that the same machine gives the same bytes;
+//! `extra` also names this program.
 
 use super::{Machine, Port};
 use crate::game::Limit;
@@ -17,25 +18,27 @@ use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 
 /// Maximum number of nodes.
-pub const MOST_NODES: usize = 100_000;
+pub const MAX_NODES: usize = 100_000;
 
 /// Maximum number of edges.
-const MOST_EDGES: usize = 5_000_000;
+const MAX_EDGES: usize = 5_000_000;
 
-/// Nodes by valuation and machine state.
+/// Numbered nodes.
 #[derive(Default)]
 struct Nodes {
-    /// Machine state, valuation, and whether the node is initial.
+    /// Machine state and valuation of each node, and whether it is initial.
     list: Vec<(usize, Vec<i64>, bool)>,
+    /// Number of each node by machine state and valuation.
     numbers: HashMap<(usize, Vec<i64>), usize>,
 }
 
 impl Nodes {
+    /// Finds or adds a node and returns its number.
     fn number(&mut self, state: usize, valuation: Vec<i64>) -> Result<usize, Limit> {
         if let Some(number) = self.numbers.get(&(state, valuation.clone())) {
             return Ok(*number);
         }
-        if self.list.len() >= MOST_NODES {
+        if self.list.len() >= MAX_NODES {
             return Err(Limit::Size);
         }
         self.list.push((state, valuation.clone(), false));
@@ -44,18 +47,18 @@ impl Nodes {
     }
 }
 
-/// Returns the document, or [`Limit::Size`] above [`MOST_NODES`]. The machine belongs to this
-/// specification.
+/// Returns the document, or [`Limit::Size`] if it has too many nodes or edges. The machine must
+/// belong to the specification.
 pub fn to_json(machine: &Machine, specification: &Specification) -> Result<Value, Limit> {
-    let promises = Promises::new(specification);
+    let assumptions = Assumptions::new(specification);
     let mut nodes = Nodes::default();
-    for node in successors(machine, &promises, None, &mut nodes)? {
+    for node in successors(machine, &assumptions, None, &mut nodes)? {
         nodes.list[node].2 = true;
     }
     let mut edges: Vec<Vec<usize>> = Vec::new();
-    let mut room = MOST_EDGES;
+    let mut room = MAX_EDGES;
     while let Some((state, valuation, _)) = nodes.list.get(edges.len()).cloned() {
-        let targets = successors(machine, &promises, Some((state, &valuation)), &mut nodes)?;
+        let targets = successors(machine, &assumptions, Some((state, &valuation)), &mut nodes)?;
         room = room.checked_sub(targets.len()).ok_or(Limit::Size)?;
         edges.push(targets);
     }
@@ -93,15 +96,15 @@ pub fn to_json(machine: &Machine, specification: &Specification) -> Result<Value
     }))
 }
 
-/// Successors of a node, or the initial nodes, in ascending order.
+/// Returns the successors of a node, or the initial nodes, in ascending order.
 fn successors(
     machine: &Machine,
-    promises: &Promises<'_>,
+    assumptions: &Assumptions<'_>,
     from: Option<(usize, &[i64])>,
     nodes: &mut Nodes,
 ) -> Result<Vec<usize>, Limit> {
     let mut found = Vec::new();
-    promises.letters(from.map(|(_, valuation)| valuation), &mut |letter| {
+    assumptions.letters(from.map(|(_, valuation)| valuation), &mut |letter| {
         if let Some(step) = machine.step(from.map(|(state, _)| state), letter) {
             let valuation = letter.iter().chain(&step.output).copied().collect();
             found.push(nodes.number(step.to, valuation)?);
@@ -112,21 +115,21 @@ fn successors(
     Ok(found)
 }
 
-/// The environment's promises, by the index of the last next input that each formula reads: it can
-/// be evaluated as soon as that one is chosen.
-struct Promises<'a> {
+/// The assumptions, grouped by the number of chosen inputs after which each formula can be
+/// evaluated.
+struct Assumptions<'a> {
     specification: &'a Specification,
     inputs: Vec<VarId>,
     outputs: Vec<VarId>,
-    /// Promises about step 0; current values are those of the letter.
+    /// Initial conditions; their current values are those of the chosen inputs.
     first: Vec<Vec<&'a Expr>>,
-    /// Promises about every step; current values are those of the letter.
+    /// Invariants; their current values are those of the chosen inputs.
     always: Vec<Vec<&'a Expr>>,
-    /// Promises about later steps.
+    /// Safety formulas.
     later: Vec<Vec<&'a Expr>>,
 }
 
-impl<'a> Promises<'a> {
+impl<'a> Assumptions<'a> {
     fn new(specification: &'a Specification) -> Self {
         let inputs: Vec<VarId> = specification.inputs().collect();
         let by_place = |formulas: &'a [linewright_core::gr1::Formula], letter: Time| {
@@ -154,8 +157,8 @@ impl<'a> Promises<'a> {
         }
     }
 
-    /// All letters that keep the promises after a valuation of inputs and outputs, or in step 0;
-    /// the last input varies fastest.
+    /// Calls `visit` with all input valuations that keep the assumptions in step 0, or after the
+    /// valuation `from` of inputs and outputs. The last input varies fastest.
     fn letters(
         &self,
         from: Option<&[i64]>,
@@ -198,7 +201,7 @@ impl<'a> Promises<'a> {
         }
     }
 
-    /// Whether the promises hold that can be evaluated once `chosen` inputs are chosen.
+    /// Whether the assumptions hold that can be evaluated as soon as `chosen` inputs are chosen.
     fn keeps(&self, chosen: usize, first: bool, now: &[i64], next: &[i64]) -> bool {
         let own = if first {
             self.first[chosen].iter().all(|e| eval::holds(e, next, &[]))
@@ -219,7 +222,7 @@ fn variable(port: &Port) -> Value {
     json!({ port.name.as_str(): domain })
 }
 
-/// Information that gr1c's domains cannot express.
+/// Returns the information that gr1c's domains cannot express, as text.
 fn extra(machine: &Machine) -> String {
     let ports = machine.inputs.iter().chain(&machine.outputs);
     let notes = ports.filter_map(|port| match &port.domain {

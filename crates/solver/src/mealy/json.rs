@@ -1,17 +1,17 @@
-//! A machine as JSON: the schema `linewright/machine/1` of `synth --emit json`.
+//! Converts machines to JSON with the schema `linewright/machine/1`, for `synth --emit json`.
 //!
-//! A guard is given twice: as text for people, and under `cubes` as data: a disjunction of objects,
-//! each a conjunction that gives the lowest and highest value of every input it mentions. Outputs
-//! are objects from name to value.
+//! A guard is written twice: as text for readers, and as data in the field `cubes`, a disjunction
+//! of objects. Each object is a conjunction with the lowest and the highest value of every input
+//! that it mentions. Outputs are objects from names to values.
 
 use super::{Cube, Guard, Machine, Port, Transition};
 use linewright_core::gr1::{Domain, Timing};
 use serde_json::{Map, Value, json};
 
-/// The JSON Schema of the document.
+/// JSON Schema of the document.
 pub const SCHEMA: &str = include_str!("machine.schema.json");
 
-/// The document. `verified` says whether [`super::verify::verify`] has accepted the machine.
+/// Returns the document. `verified` tells whether [`super::verify::verify`] accepted the machine.
 pub fn to_json(machine: &Machine, verified: bool) -> Value {
     let ports = |ports: &[Port]| -> Vec<Value> { ports.iter().map(port).collect() };
     let initial = machine.initial.iter().map(|t| transition(machine, None, t));
@@ -31,8 +31,7 @@ pub fn to_json(machine: &Machine, verified: bool) -> Value {
     })
 }
 
-/// The document as text with one line per port and transition, which suits people and line-based
-/// tools.
+/// Formats the document with one line per port and transition, for readers and line-based tools.
 pub fn to_text(document: &Value) -> String {
     let Value::Object(fields) = document else {
         return document.to_string();
@@ -47,6 +46,7 @@ pub fn to_text(document: &Value) -> String {
     format!("{{\n{}\n}}\n", fields.collect::<Vec<_>>().join(",\n"))
 }
 
+/// Returns a port in JSON.
 pub(super) fn port(port: &Port) -> Value {
     let domain = match &port.domain {
         Domain::Bool => json!({"type": "bool"}),
@@ -94,7 +94,7 @@ fn cubes(machine: &Machine, guard: &Guard) -> Vec<Value> {
     guard.0.iter().map(cube).collect()
 }
 
-/// A value in JSON: a boolean, a number or a label.
+/// Returns a value in JSON: a boolean, a number or a label.
 fn value(domain: &Domain, value: i64) -> Value {
     match domain {
         Domain::Bool => json!(value != 0),

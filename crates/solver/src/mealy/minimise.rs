@@ -1,21 +1,23 @@
-//! Reduces the number of states, with the same behavior on all inputs that keep the assumptions.
+//! Reduces the number of states of a machine and keeps its behavior on all inputs that keep the
+//! assumptions.
 //!
-//! First by partition refinement (Hopcroft's and Moore's idea; signatures are canonical diagrams,
-//! so that no letter is enumerated), then by merging states that agree wherever both have a
-//! transition: where one is don't-care, the other decides (Paull and Unger 1959, greedily and with
-//! closure). A merged machine gives the same outputs on every play that keeps the assumptions.
-//! States are numbered breadth-first in order of discovery.
+//! The first method is partition refinement (after Hopcroft and Moore); its signatures are
+//! canonical diagrams, so that input valuations are not enumerated. The second method merges states
+//! that agree wherever both have a transition: where one is don't-care, the other decides (Paull
+//! and Unger 1959, greedily and with closure). The result gives the same outputs in every play that
+//! keeps the assumptions. States are numbered breadth-first in order of discovery.
 
-use super::diagram::{Diagrams, Leaf, NOTHING, Ref};
+use super::diagram::{DONT_CARE, Diagrams, Leaf, Ref};
 use super::{Guard, Machine, Transition};
 use crate::game::{Limit, Limits};
 use linewright_core::gr1::Timing;
 use std::collections::HashMap;
 
-/// Maximum number of diagram nodes visited while merging by don't-cares: where it is expensive, it
-/// gains little.
+/// Maximum number of pairs of diagram nodes visited while merging by don't-cares. Where merging is
+/// expensive, it gains little.
 const MERGE_STEPS: u64 = 300_000;
 
+/// A machine during minimization, with its states as diagrams.
 struct Work {
     diagrams: Diagrams,
     outputs: Vec<Vec<i64>>,
@@ -24,7 +26,7 @@ struct Work {
     timing: Timing,
 }
 
-/// Returns the minimized machine. Unreachable states are dropped.
+/// Returns the minimized machine, without unreachable states.
 pub fn minimise(machine: &Machine, limits: &Limits) -> Result<Machine, Limit> {
     let mut work = Work::new(machine, limits)?;
     work.refine(limits)?;
@@ -38,7 +40,7 @@ impl Work {
         let mut work = Self {
             diagrams: Diagrams::new(&machine.inputs),
             outputs: Vec::new(),
-            initial: NOTHING,
+            initial: DONT_CARE,
             states: Vec::new(),
             timing: machine.timing,
         };
@@ -71,12 +73,13 @@ impl Work {
                 parts.push(self.diagrams.cube(cube, leaf));
             }
         }
-        // Pairwise, so that large diagrams are combined only a few times. The parts are disjoint.
+        // Combines the parts, which are disjoint, in pairs, so that large diagrams are combined
+        // only a few times.
         while parts.len() > 1 {
             let mut halves = Vec::with_capacity(parts.len().div_ceil(2));
             for pair in parts.chunks(2) {
                 let mut seen = HashMap::new();
-                let (a, b) = (pair[0], pair.get(1).copied().unwrap_or(NOTHING));
+                let (a, b) = (pair[0], pair.get(1).copied().unwrap_or(DONT_CARE));
                 let both = self.diagrams.overlay(
                     a,
                     b,
@@ -88,10 +91,10 @@ impl Work {
             }
             parts = halves;
         }
-        parts.first().copied().unwrap_or(NOTHING)
+        parts.first().copied().unwrap_or(DONT_CARE)
     }
 
-    /// Combines states with equal behavior.
+    /// Combines states with equal behavior by partition refinement.
     fn refine(&mut self, limits: &Limits) -> Result<(), Limit> {
         let mut blocks = vec![0u32; self.states.len()];
         let mut count = 1;
@@ -135,10 +138,10 @@ impl Work {
             }
         }
         self.initial = self.diagrams.relabel(self.initial, &change, &mut seen);
-        self.states = states.into_iter().map(|s| s.unwrap_or(NOTHING)).collect();
+        self.states = states.into_iter().map(|s| s.unwrap_or(DONT_CARE)).collect();
     }
 
-    /// Merges states that agree wherever both have a transition, up to the number of steps.
+    /// Merges states that agree wherever both have a transition, within [`MERGE_STEPS`].
     fn merge(&mut self, limits: &Limits) -> Result<(), Limit> {
         let count = self.states.len();
         let moore: Vec<Option<u32>> = self
@@ -185,7 +188,7 @@ impl Work {
             let next = numbers.len() as u32;
             blocks.push(*numbers.entry(merged.find(state)).or_insert(next));
         }
-        // Every class is represented by its smallest state, which is also discovered first.
+        // Every class is represented by its smallest state.
         self.states = (0..count as u32)
             .map(|s| merged.diagram[merged.find(s) as usize])
             .collect();
@@ -228,15 +231,17 @@ impl Work {
 /// Classes of merged states.
 #[derive(Clone)]
 struct StatePartition {
-    /// A smaller member of the same class; itself for the smallest.
+    /// For each state, a smaller member of its class; for the smallest member, itself.
     parent: Vec<u32>,
-    /// Behavior of the class; valid for its smallest member.
+    /// Behavior of the class; valid at the index of its smallest member.
     diagram: Vec<Ref>,
-    /// Output of the class in a Moore machine, if it has one; valid for its smallest member.
+    /// Output of the class in a Moore machine, if it has transitions; valid at the index of its
+    /// smallest member.
     moore: Vec<Option<u32>>,
 }
 
 impl StatePartition {
+    /// Returns the smallest member of a state's class.
     fn find(&self, mut state: u32) -> u32 {
         while self.parent[state as usize] != state {
             state = self.parent[state as usize];
@@ -244,8 +249,9 @@ impl StatePartition {
         state
     }
 
-    /// Merges the classes of `a` and `b`, with everything that follows from it; `None` if they do
-    /// not agree.
+    /// Merges the classes of `a` and `b`, and all classes that must be merged as a consequence.
+    /// Returns `None` if two of them disagree, the steps are used up, or the number of cubes would
+    /// grow.
     fn try_merge(
         &self,
         diagrams: &mut Diagrams,
@@ -278,7 +284,7 @@ impl StatePartition {
                 Some(x)
             };
             let joined = diagrams.overlay(left, right, &mut join, &mut HashMap::new(), steps)?;
-            // One state less is no gain if its rows become more.
+            // Saving a state is not worthwhile if the number of cubes grows.
             let mut count = |node| diagrams.cubes(node, sizes);
             if count(joined) > count(left).saturating_add(count(right)) {
                 return None;

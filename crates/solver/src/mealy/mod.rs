@@ -1,10 +1,10 @@
 //! Controllers: finite machines whose transitions carry guards over the inputs.
 //!
-//! A [`Machine`] starts *before* step 0. Its first step takes one of the `initial` transitions,
-//! every later one a transition of the current state: the one whose guard the step's inputs
-//! satisfy. The guards of one state are disjoint. They cover at least every input that keeps the
-//! assumptions; on other inputs there may be no transition. A `Moore` machine is one in which all
-//! transitions of a state (and all initial ones) have the same output.
+//! A [`Machine`] starts *before* step 0. Step 0 takes one of the `initial` transitions, and every
+//! later step a transition of the current state: the transition whose guard the step's inputs
+//! satisfy. The guards of a state are disjoint. They cover at least all inputs that keep the
+//! assumptions; other inputs can be without a transition. In a `Moore` machine, all transitions of
+//! a state have the same output, and so have all initial transitions.
 
 pub mod certify;
 mod controller;
@@ -21,7 +21,7 @@ pub mod verify;
 
 pub use controller::Controller;
 
-use linewright_core::gr1::{Domain, Timing, shown};
+use linewright_core::gr1::{Domain, Timing, show_value};
 use serde::{Deserialize, Serialize};
 
 /// An input or output.
@@ -31,13 +31,13 @@ pub struct Port {
     pub name: String,
     /// Domain of its values.
     pub domain: Domain,
-    /// Unit, such as `mm`; empty for bare numbers.
+    /// Unit, such as `mm`; empty for values without a unit.
     pub unit: String,
-    /// Whether it is an internal variable: an output that is not part of the interface.
+    /// Whether the port is an internal variable: an output that is not part of the interface.
     pub internal: bool,
 }
 
-/// One condition of a cube: input `input` lies in `low..=high`.
+/// A condition of a cube: the value of an input lies in `low..=high`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Test {
     /// Index into [`Machine::inputs`].
@@ -48,7 +48,7 @@ pub struct Test {
     pub high: i64,
 }
 
-/// A conjunction of tests, at most one per input, in ascending order of input. The empty cube is
+/// A conjunction of tests, at most one per input, in ascending order of inputs. The empty cube is
 /// `true`.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Default, Serialize, Deserialize)]
 pub struct Cube(pub Vec<Test>);
@@ -73,7 +73,7 @@ impl Guard {
     }
 }
 
-/// Behavior of the machine on some inputs.
+/// A step of a machine for the inputs that satisfy its guard.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Transition {
     /// Condition on the inputs of the step.
@@ -84,7 +84,7 @@ pub struct Transition {
     pub to: usize,
 }
 
-/// A controller.
+/// A controller with explicit states.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// Name of the contract.
@@ -97,45 +97,46 @@ pub struct Machine {
     pub outputs: Vec<Port>,
     /// Transitions of step 0.
     pub initial: Vec<Transition>,
-    /// The transitions of every state.
+    /// Transitions of each state, for all later steps.
     pub states: Vec<Vec<Transition>>,
 }
 
 impl Machine {
-    /// The transition for these inputs: from `state`, or in step 0 if that is `None`. Returns
-    /// `None` if no guard holds, which means that the inputs break an assumption.
+    /// Returns the transition for these inputs from `state`, or in step 0 if `state` is `None`.
+    /// Returns `None` if no guard holds, which means that the inputs break an assumption.
     pub fn step(&self, state: Option<usize>, inputs: &[i64]) -> Option<&Transition> {
         self.transitions(state)
             .iter()
             .find(|t| t.guard.holds(inputs))
     }
 
-    /// The transitions of `state`, or the initial ones.
+    /// Returns the transitions of `state`, or the initial ones if `state` is `None`.
     pub fn transitions(&self, state: Option<usize>) -> &[Transition] {
         state.map_or(&self.initial, |s| &self.states[s])
     }
 
-    /// The outputs of a Moore machine before it has seen the inputs of the step.
+    /// Returns the outputs of a Moore machine in the next step, which do not depend on the inputs
+    /// of that step.
     ///
     /// # Panics
-    /// Returns `None` if the machine has no transition in that state.
+    /// Panics if `state` has no transition.
     pub fn moore_output(&self, state: Option<usize>) -> &[i64] {
         debug_assert_eq!(self.timing, Timing::Moore);
         &self.transitions(state)[0].output
     }
 
-    /// Number of transitions, including the initial ones.
+    /// Returns the number of transitions, including the initial ones.
     pub fn transition_count(&self) -> usize {
         self.initial.len() + self.states.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// A guard as a disjunction of conjunctions, combined for reading: for every conjunction, the
-    /// values of each input as ascending intervals with gaps between them.
+    /// Returns a guard as a disjunction of conjunctions, with cubes combined for readability. Each
+    /// conjunction lists the values of every input as ascending intervals with gaps between them.
     pub fn guard_values(&self, guard: &Guard) -> Vec<Vec<Vec<(i64, i64)>>> {
         text::guard_values(self, &[guard])
     }
 
-    /// A guard as text: `command = turn & desired = 3 | command != turn`.
+    /// Formats a guard: `command = turn & desired = 3 | command != turn`.
     pub fn show_guard(&self, guard: &Guard) -> String {
         if guard.0.is_empty() {
             return "false".to_owned();
@@ -151,7 +152,7 @@ impl Machine {
         cubes.map(show).collect::<Vec<_>>().join(" | ")
     }
 
-    /// A cube as text: `command = turn & 2 <= desired <= 4 & !grip`.
+    /// Formats a cube: `command = turn & 2 <= desired <= 4 & !grip`.
     pub fn show_cube(&self, cube: &Cube) -> String {
         if cube.0.is_empty() {
             return "true".to_owned();
@@ -168,7 +169,7 @@ impl Machine {
                 format!("{}{name}", if test.low == 0 { "!" } else { "" })
             }
             domain if test.low == test.high => {
-                format!("{name} = {}", shown(domain, test.low, &port.unit))
+                format!("{name} = {}", show_value(domain, test.low, &port.unit))
             }
             Domain::Enum { .. } => {
                 let labels: Vec<String> = (test.low..=test.high)
@@ -178,8 +179,8 @@ impl Machine {
             }
             domain => format!(
                 "{} <= {name} <= {}",
-                shown(domain, test.low, &port.unit),
-                shown(domain, test.high, &port.unit)
+                show_value(domain, test.low, &port.unit),
+                show_value(domain, test.high, &port.unit)
             ),
         }
     }

@@ -1,27 +1,26 @@
-//! A machine as a graph, for Graphviz and as a picture.
+//! Draws a machine as a graph, in Graphviz's language or as SVG.
 //!
-//! An edge is labelled `guard / assignments`. To keep labels short, an output is written on an edge
-//! only if the state it enters does not already show it: outputs on which all edges into a state
-//! agree are written once, in the state. Transitions between the same two states form one edge, and
-//! long guards are broken into lines.
+//! An edge is labeled `guard / assignments`. To keep labels short, outputs on which all edges into
+//! a state agree are written once, in the state, and not on the edges. Transitions between the same
+//! two states form one edge, and long guards are broken into lines.
 
 use super::text::guard_parts;
 use super::{Guard, Machine, Port, Transition};
 use linewright_core::drawing::{Edge, Graph, dot, svg};
-use linewright_core::gr1::{Domain, shown};
+use linewright_core::gr1::{Domain, show_value};
 use std::collections::BTreeMap;
 
-/// Maximum number of cubes of a guard in a label; the JSON has them all.
-const MOST_LINES: usize = 3;
+/// Maximum number of cubes of a guard in a label; the JSON output has all of them.
+const MAX_LINES: usize = 3;
 
-/// Maximum number of combinations of outputs on an edge.
-const MOST_GROUPS: usize = 3;
+/// Maximum number of output combinations in the label of an edge.
+const MAX_GROUPS: usize = 3;
 
-/// Line length above which a line is broken at a conjunction.
+/// Maximum line length in characters, if the parts of the line allow it.
 const WIDTH: usize = 40;
 
-/// States and edges with their labels.
-pub fn graph(machine: &Machine) -> Graph {
+/// Converts a machine to a graph with labeled states and edges.
+pub fn to_graph(machine: &Machine) -> Graph {
     let common = common_outputs(machine);
     let mut states = Vec::new();
     for (number, values) in common.iter().enumerate() {
@@ -44,7 +43,7 @@ pub fn graph(machine: &Machine) -> Graph {
         for (to, outputs) in merged {
             let groups = outputs.len();
             let mut label = Vec::new();
-            for (output, guards) in outputs.into_iter().take(MOST_GROUPS) {
+            for (output, guards) in outputs.into_iter().take(MAX_GROUPS) {
                 label.extend(guard_lines(machine, &guards));
                 let pairs = machine.outputs.iter().zip(output).zip(&common[to]);
                 let own: Vec<String> = pairs
@@ -57,8 +56,8 @@ pub fn graph(machine: &Machine) -> Graph {
                     label.extend(lines);
                 }
             }
-            if groups > MOST_GROUPS {
-                label.push(format!("... {} more", groups - MOST_GROUPS));
+            if groups > MAX_GROUPS {
+                label.push(format!("... {} more", groups - MAX_GROUPS));
             }
             edges.push(Edge { from, to, label });
         }
@@ -66,17 +65,17 @@ pub fn graph(machine: &Machine) -> Graph {
     Graph { states, edges }
 }
 
-/// The text of the graph.
+/// Returns the graph in Graphviz's language.
 pub fn to_dot(machine: &Machine) -> String {
-    dot::of(&machine.name, &graph(machine))
+    dot::render(&machine.name, &to_graph(machine))
 }
 
-/// The picture.
+/// Returns the graph as SVG.
 pub fn to_svg(machine: &Machine) -> String {
-    svg::of(&machine.name, &graph(machine))
+    svg::render(&machine.name, &to_graph(machine))
 }
 
-/// For each state, the outputs that all transitions into it agree on.
+/// Returns, for each state, the outputs on which all transitions into it agree.
 fn common_outputs(machine: &Machine) -> Vec<Vec<Option<i64>>> {
     let mut common: Vec<Option<Vec<Option<i64>>>> = vec![None; machine.states.len()];
     for transition in machine
@@ -103,21 +102,21 @@ fn common_outputs(machine: &Machine) -> Vec<Vec<Option<i64>>> {
         .collect()
 }
 
-/// `turning`, `!turning`, `angle = 3`
+/// Formats the value of an output: `turning`, `!turning`, `angle = 3`.
 fn assignment(port: &Port, value: i64) -> String {
     let name = &port.name;
     match &port.domain {
         Domain::Bool if value == 0 => format!("!{name}"),
         Domain::Bool => name.to_owned(),
-        domain => format!("{name} = {}", shown(domain, value, &port.unit)),
+        domain => format!("{name} = {}", show_value(domain, value, &port.unit)),
     }
 }
 
-/// One line per cube, broken if it is too long.
+/// Formats guards with one line per cube, broken if it is too long.
 fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
     let cubes = guard_parts(machine, guards);
     let mut lines = Vec::new();
-    for (i, tests) in cubes.iter().take(MOST_LINES).enumerate() {
+    for (i, tests) in cubes.iter().take(MAX_LINES).enumerate() {
         let mut broken = if tests.is_empty() {
             vec!["true".to_owned()]
         } else {
@@ -128,8 +127,8 @@ fn guard_lines(machine: &Machine, guards: &[&Guard]) -> Vec<String> {
         }
         lines.extend(broken);
     }
-    if cubes.len() > MOST_LINES {
-        lines.push(format!("| ... {} more", cubes.len() - MOST_LINES));
+    if cubes.len() > MAX_LINES {
+        lines.push(format!("| ... {} more", cubes.len() - MAX_LINES));
     }
     lines
 }

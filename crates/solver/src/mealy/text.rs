@@ -1,32 +1,33 @@
-//! Formats guards as text for people.
+//! Formats guards for readers.
 //!
-//! The cubes of a guard are disjoint and have one interval per input. For reading, cubes that
-//! differ in only one input are combined, so that `cmd in {none, pick} & grip | cmd = move & grip`
-//! becomes `cmd != turn & grip`.
+//! The cubes of a guard are disjoint and have one interval per input. To shorten the text, cubes
+//! that differ in only one input are combined, so that `cmd in {none, pick} & grip | cmd = move &
+//! grip` becomes `cmd != turn & grip`.
 
 use super::{Cube, Guard, Machine, Port};
-use linewright_core::gr1::{Domain, shown};
+use linewright_core::gr1::{Domain, show_value};
 
 /// Values of one input: ascending intervals with gaps between them.
 pub type Values = Vec<(i64, i64)>;
 
 /// Maximum number of cubes of a guard that is combined, since combining takes cubic time.
-const MOST_CUBES: usize = 200;
+const MAX_CUBES: usize = 200;
 
-/// A disjunction of conjunctions: for every cube, the values of each input.
+/// Returns the disjunction of some guards: for every combined cube, the values of each input.
 pub fn guard_values(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<Values>> {
     let mut cubes: Vec<Vec<Values>> = guards
         .iter()
         .flat_map(|g| &g.0)
         .map(|c| values(machine, c))
         .collect();
-    if cubes.len() <= MOST_CUBES {
-        while put_together(&mut cubes) {}
+    if cubes.len() <= MAX_CUBES {
+        while combine_cubes(&mut cubes) {}
     }
     cubes
 }
 
-/// A disjunction of conjunctions of tests; an empty conjunction is `true`.
+/// Formats the disjunction of some guards: for every combined cube, its tests. An empty conjunction
+/// is `true`.
 pub fn guard_parts(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<String>> {
     let cubes = guard_values(machine, guards);
     let show = |cube: Vec<Values>| -> Vec<String> {
@@ -36,7 +37,7 @@ pub fn guard_parts(machine: &Machine, guards: &[&Guard]) -> Vec<Vec<String>> {
     cubes.into_iter().map(show).collect()
 }
 
-/// The values of every input that a cube allows.
+/// Returns the values of every input that a cube allows.
 fn values(machine: &Machine, cube: &Cube) -> Vec<Values> {
     let ports = machine.inputs.iter();
     let mut all: Vec<Values> = ports
@@ -48,8 +49,8 @@ fn values(machine: &Machine, cube: &Cube) -> Vec<Values> {
     all
 }
 
-/// Combines the first two cubes that differ in only one input; returns false if there are none.
-fn put_together(cubes: &mut Vec<Vec<Values>>) -> bool {
+/// Combines the first two cubes that differ in only one input; returns false if none do.
+fn combine_cubes(cubes: &mut Vec<Vec<Values>>) -> bool {
     for a in 0..cubes.len() {
         for b in a + 1..cubes.len() {
             let mut differing = (0..cubes[a].len()).filter(|i| cubes[a][*i] != cubes[b][*i]);
@@ -74,18 +75,18 @@ fn put_together(cubes: &mut Vec<Vec<Values>>) -> bool {
     false
 }
 
-/// The test of one input, or `None` if every value is allowed.
+/// Formats the test of one input; `None` if every value is allowed.
 fn show_test(port: &Port, values: &Values) -> Option<String> {
     let (name, domain) = (&port.name, &port.domain);
     let (low, high) = (domain.low(), domain.high());
-    let show = |value: i64| shown(domain, value, &port.unit);
+    let show = |value: i64| show_value(domain, value, &port.unit);
     if values[..] == [(low, high)] {
         return None;
     }
-    if let Some(hole) = only_hole(values, low, high)
+    if let Some(missing) = missing_value(values, low, high)
         && high - low > 1
     {
-        return Some(format!("{name} != {}", show(hole)));
+        return Some(format!("{name} != {}", show(missing)));
     }
     Some(match (values[..].as_ref(), domain) {
         ([(a, b)], Domain::Bool) if a == b => {
@@ -116,8 +117,8 @@ fn show_test(port: &Port, values: &Values) -> Option<String> {
     })
 }
 
-/// The only missing value, if there is exactly one.
-fn only_hole(values: &Values, low: i64, high: i64) -> Option<i64> {
+/// Returns the missing value, if exactly one is missing.
+fn missing_value(values: &Values, low: i64, high: i64) -> Option<i64> {
     match values[..] {
         [(a, b)] if a == low && b == high - 1 => Some(high),
         [(a, b)] if a == low + 1 && b == high => Some(low),

@@ -1,13 +1,13 @@
 //! The kernel over biodivine-lib-bdd: every function owns its nodes.
 //!
 //! Suited to many small contracts: it starts with a few kilobytes, is safe Rust, and its functions
-//! can be sent between threads. A [`Function`] shares its nodes behind an `Arc` and counts the live
-//! ones, on which the memory limit and [`Kernel::peak_nodes`] are based. The order is fixed at
+//! can be sent between threads. Clones of a [`Function`] share its nodes in an `Arc`. A meter
+//! counts the live nodes, for the memory limit and [`Kernel::peak_nodes`]. The order is fixed at
 //! creation.
 //!
-//! The package's fused relational product has neither a limit nor cancellation. So it is used only
-//! if the operands are so small that their product is harmless; beyond that, conjunction and
-//! quantification are separate operations, each with a limit.
+//! The package's fused relational product can be neither limited nor cancelled. So it is used only
+//! if the operands are small enough for their product to be harmless. For larger operands,
+//! conjunction and quantification are separate operations, each with a limit.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order};
 use biodivine_lib_bdd::{Bdd, BddNode, BddValuation, BddVariable, BddVariableSet, op_function};
@@ -16,18 +16,20 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-/// Current and peak number of live nodes.
+/// Counts of nodes and work, shared by a kernel and its functions.
 #[derive(Debug, Default)]
 struct Meter {
+    /// Number of live nodes.
     live: AtomicUsize,
+    /// Peak number of live nodes.
     peak: AtomicUsize,
-    /// Nodes made in total.
+    /// Number of nodes created in total.
     made: AtomicUsize,
-    /// Nodes read and made, and operations.
+    /// Work done: nodes read, nodes created, and operations.
     work: AtomicU64,
 }
 
-/// The nodes of one function; returns them to the meter when dropped.
+/// The nodes of one function; dropping it subtracts them from the live nodes.
 #[derive(Debug)]
 struct Owned {
     bdd: Bdd,
@@ -78,25 +80,25 @@ impl Hash for Function {
     }
 }
 
-/// Bytes per node, including the tables of the operation that makes it.
+/// Bytes per node, including the tables of the operation that creates it.
 const BYTES_PER_NODE: u64 = 48;
 
-/// Maximum node count without a memory limit: a single function must fit the package's 32-bit
-/// pointers.
-const MOST_NODES: u64 = 1 << 28;
+/// Maximum node count without a memory limit. The nodes of a single function must fit the package's
+/// 32-bit pointers.
+const MAX_NODES: u64 = 1 << 28;
 
 /// Maximum product of the operands' sizes for which the fused operations are safe without a limit.
 const FUSED_PRODUCT: usize = 1 << 24;
 
-/// The kernel.
+/// The kernel over biodivine-lib-bdd.
 #[derive(Debug, Clone)]
 pub struct Biodivine {
     variables: Arc<BddVariableSet>,
-    /// For every pair, its position in the order, and the inverse.
+    /// Position of each pair in the order.
     positions: Arc<Vec<u16>>,
     order: Arc<Order>,
     limits: Limits,
-    most_nodes: usize,
+    max_nodes: usize,
     meter: Arc<Meter>,
 }
 
@@ -111,7 +113,7 @@ impl Biodivine {
         Bit(2 * self.order.pairs()[index / 2] + (index & 1) as u16)
     }
 
-    /// Membership of each variable in the set, by index.
+    /// Returns, for each variable by index, whether the set contains its bit.
     fn mask(&self, bits: &BitSet) -> Vec<bool> {
         let mut mask = vec![false; 2 * self.positions.len()];
         for bit in bits.iter() {
@@ -120,8 +122,8 @@ impl Biodivine {
         mask
     }
 
-    /// Renames every bit. Twins are neighbors, so the order is preserved as long as a function has
-    /// only one of the two.
+    /// Renames every variable of a function. Twins are adjacent, so the order is preserved unless
+    /// the function depends on both bits of a pair.
     fn shift(&self, a: &Function, rename: impl Fn(usize) -> usize) -> Result<Function, Limit> {
         self.limits.check_time()?;
         if a.size() <= 2 {
@@ -133,7 +135,7 @@ impl Biodivine {
             node.var = BddVariable::from_index(rename(node.var.to_index()));
         }
         let shifted = Bdd::from_nodes(&nodes)
-            .expect("a function of both current and primed bits was renamed; please report this");
+            .expect("a renamed function depends on both bits of a pair; please report this");
         self.limited(Some(shifted))
     }
 
@@ -149,7 +151,7 @@ impl Biodivine {
         self.limited(result)
     }
 
-    /// Counts the work of an operation on these operands.
+    /// Adds the work of one operation on these operands.
     fn charge(&self, operands: &[&Function]) {
         let nodes: usize = operands.iter().map(|f| f.size()).sum();
         self.meter
@@ -157,15 +159,19 @@ impl Biodivine {
             .fetch_add(1 + nodes as u64, Ordering::Relaxed);
     }
 
-    /// Number of nodes that may still be made.
+    /// Returns the number of nodes that may still be created, or the limit that was reached.
     fn room(&self) -> Result<usize, Limit> {
         self.limits.check_work(self.work())?;
         let made = self.meter.made.load(Ordering::Relaxed);
-        if self.limits.most_made.is_some_and(|most| made as u64 > most) {
+        if self
+            .limits
+            .max_created
+            .is_some_and(|most| made as u64 > most)
+        {
             return Err(Limit::Memory);
         }
         let live = self.meter.live.load(Ordering::Relaxed);
-        match self.most_nodes.checked_sub(live) {
+        match self.max_nodes.checked_sub(live) {
             Some(room) if room > 2 => Ok(room),
             _ => Err(Limit::Memory),
         }
@@ -210,7 +216,7 @@ impl Kernel for Biodivine {
             positions: Arc::new(order.positions()),
             order: Arc::new(order.clone()),
             limits: *limits,
-            most_nodes: most_nodes(limits),
+            max_nodes: max_nodes(limits),
             meter: Arc::default(),
         })
     }
@@ -218,7 +224,7 @@ impl Kernel for Biodivine {
     fn with_limits(&self, limits: &Limits) -> Self {
         Self {
             limits: *limits,
-            most_nodes: most_nodes(limits),
+            max_nodes: max_nodes(limits),
             ..self.clone()
         }
     }
@@ -336,7 +342,7 @@ impl Kernel for Biodivine {
                 op_function::and,
             )));
         }
-        // From the bottom up: the lower a bit, the less its elimination touches.
+        // Bits are eliminated from the bottom up: the lower a bit, the fewer nodes are affected.
         let mut result = self.and(a, b)?;
         for index in (0..mask.len()).rev().filter(|i| mask[*i]) {
             let variable = BddVariable::from_index(index);
@@ -464,6 +470,6 @@ impl Kernel for Biodivine {
     fn set_reordering(&self, _allowed: bool) {}
 }
 
-fn most_nodes(limits: &Limits) -> usize {
-    usize::try_from(limits.nodes(BYTES_PER_NODE, MOST_NODES, MOST_NODES)).unwrap_or(usize::MAX)
+fn max_nodes(limits: &Limits) -> usize {
+    usize::try_from(limits.nodes(BYTES_PER_NODE, MAX_NODES, MAX_NODES)).unwrap_or(usize::MAX)
 }

@@ -1,16 +1,16 @@
 //! Two's complement numbers whose bits are boolean functions.
 //!
-//! Every operation makes its result as wide as exactness requires; the caller cuts it back to the
-//! width given by interval arithmetic. Division follows long division on absolute values, then
-//! rounds toward minus infinity.
+//! Every operation returns a result wide enough to be exact; the caller resizes it to the width
+//! given by interval arithmetic. Division is long division on absolute values, rounded toward minus
+//! infinity.
 
 use super::{Kernel, Limit};
 
-/// A number: bits from the least significant one; the last is the sign. Never empty.
+/// A number: its bits from the least significant one to the sign. Never empty.
 #[derive(Debug, Clone)]
 pub struct Number<K: Kernel>(Vec<K::Function>);
 
-/// The sum bit and the carry of three bits.
+/// Returns the sum bit and the carry of three bits.
 fn full_add<K: Kernel>(
     m: &K,
     a: &K::Function,
@@ -23,26 +23,26 @@ fn full_add<K: Kernel>(
     Ok((sum, carry))
 }
 
-/// The number of bits that hold every value of `low..=high`.
+/// Returns the number of bits, including the sign, that hold every value of `low..=high`.
 pub fn width(low: i64, high: i64) -> usize {
     let needed = |v: i64| 65 - (if v < 0 { !v } else { v }).leading_zeros() as usize;
     needed(low).max(needed(high))
 }
 
 impl<K: Kernel> Number<K> {
-    /// A number from its bits, the sign last.
+    /// Creates a number from its bits, the sign last.
     pub fn new(bits: Vec<K::Function>) -> Self {
         debug_assert!(!bits.is_empty());
         Self(bits)
     }
 
-    /// A constant.
+    /// Creates a constant.
     pub fn constant(m: &K, value: i64) -> Self {
         let bits = (0..width(value, value)).map(|i| m.constant(value >> i.min(63) & 1 == 1));
         Self(bits.collect())
     }
 
-    /// 0 or 1.
+    /// Creates the number 0 or 1 from a condition.
     pub fn boolean(m: &K, value: K::Function) -> Self {
         Self(vec![value, m.constant(false)])
     }
@@ -55,12 +55,12 @@ impl<K: Kernel> Number<K> {
         self.0.get(i).unwrap_or_else(|| self.sign())
     }
 
-    /// The same number with `width` bits; it must fit.
+    /// Returns the number with `width` bits; the value must fit.
     pub fn resize(&self, width: usize) -> Self {
         Self((0..width).map(|i| self.bit(i).clone()).collect())
     }
 
-    /// Whether it differs from 0.
+    /// Returns the valuations on which the number is not 0.
     pub fn non_zero(&self, m: &K) -> Result<K::Function, Limit> {
         let mut result = m.constant(false);
         for bit in &self.0 {
@@ -107,8 +107,8 @@ impl<K: Kernel> Number<K> {
         Self::ite(m, self.sign(), &negated, self)
     }
 
-    /// `a * b`: shifted copies of `a`, one per bit of `b`; modulo the result's width, which is
-    /// exact for two's complement.
+    /// `self * b`: the sum of shifted copies of `self`, one for each set bit of `b`, modulo 2^w,
+    /// where w is the width of the result. In two's complement, w bits hold the exact product.
     pub fn mul(&self, m: &K, b: &Self) -> Result<Self, Limit> {
         let width = self.0.len() + b.0.len();
         let mut result = Self::constant(m, 0).resize(width);
@@ -123,7 +123,7 @@ impl<K: Kernel> Number<K> {
         Ok(result)
     }
 
-    /// `a / b` and `a mod b`, rounded toward minus infinity; meaningless if `b` is 0.
+    /// `a / b` and `a mod b`, rounded toward minus infinity; undefined where `b` is 0.
     pub fn div_mod(&self, m: &K, b: &Self) -> Result<(Self, Self), Limit> {
         let (dividend, divisor) = (self.abs(m)?, b.abs(m)?);
         let width = dividend.0.len();
@@ -140,7 +140,8 @@ impl<K: Kernel> Number<K> {
         }
         let quotient = Self(quotient);
 
-        // |a| = q·|b| + r. With equal signs the quotient is q; with different ones it is -q, one less if r is not 0.
+        // |a| = q·|b| + r. With equal signs the quotient is q. With different signs it is -q, minus
+        // one if r is not 0.
         let differ = m.xor(self.sign(), b.sign())?;
         let inexact = rest.non_zero(m)?;
         let correct = m.and(&differ, &inexact)?;
@@ -160,14 +161,14 @@ impl<K: Kernel> Number<K> {
         Ok(result)
     }
 
-    /// `a < b`, decided from the least significant bit up.
+    /// `a < b`, compared from the least significant bit up.
     pub fn less(&self, m: &K, b: &Self) -> Result<K::Function, Limit> {
         let width = self.0.len().max(b.0.len());
         let mut result = m.constant(false);
         for i in 0..width {
             let (mut high, mut low) = (b.bit(i), self.bit(i));
             if i == width - 1 {
-                (high, low) = (low, high); // A set sign makes a number small.
+                (high, low) = (low, high); // A number with a set sign is the smaller one.
             }
             let equal = m.iff(high, low)?;
             let above = m.and_not(high, low)?;

@@ -1,12 +1,13 @@
-//! Boolean functions as plain data: exchanged between kernels, stored in files, or emitted as code.
+//! Boolean functions as plain data, to be exchanged between kernels, stored in files, or emitted as
+//! code.
 
 use super::{Bit, Kernel, Limit};
 use serde::{Deserialize, Serialize};
 
 /// An edge of a [`Diagram`]: a node or a constant, possibly negated.
 ///
-/// `2n` is node `n - 1`, `2n + 1` its negation; node "-1" is the constant `false`, so that
-/// [`Edge::FALSE`] is 0 and [`Edge::TRUE`] is 1.
+/// Number 0 is the constant `false` ([`Edge::FALSE`]), 1 is `true` ([`Edge::TRUE`]), `2n` is node
+/// `n - 1`, and `2n + 1` its negation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Edge(pub u32);
 
@@ -16,12 +17,12 @@ impl Edge {
     /// `true`
     pub const TRUE: Self = Self(1);
 
-    /// Creates the edge to a node.
+    /// Creates the edge to the node with this index.
     pub fn to(node: usize) -> Self {
         Self(2 * (node as u32 + 1))
     }
 
-    /// Negates the edge.
+    /// Returns the negation of the edge.
     #[must_use]
     pub fn negated(self) -> Self {
         Self(self.0 ^ 1)
@@ -32,7 +33,7 @@ impl Edge {
         self.0 & 1 == 1
     }
 
-    /// The target node; `None` for a constant.
+    /// Index of the target node; `None` for a constant.
     pub fn node(self) -> Option<usize> {
         (self.0 > 1).then(|| (self.0 / 2 - 1) as usize)
     }
@@ -44,10 +45,10 @@ impl Edge {
     }
 }
 
-/// One decision.
+/// One decision node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct DiagramNode {
-    /// The bit tested.
+    /// The tested bit.
     pub bit: Bit,
     /// Target if the bit is 1.
     pub high: Edge,
@@ -55,17 +56,17 @@ pub struct DiagramNode {
     pub low: Edge,
 }
 
-/// Functions over bits with shared parts. Every node comes after its children.
+/// Functions over bits that share equal nodes. Every node comes after its children.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagram {
-    /// The decisions.
+    /// The decision nodes.
     pub nodes: Vec<DiagramNode>,
     /// The functions.
     pub roots: Vec<Edge>,
 }
 
 impl Diagram {
-    /// Evaluates a root; `bits` are indexed by [`Bit`].
+    /// Evaluates the root with this index; `bits` are indexed by [`Bit`].
     pub fn evaluate(&self, root: usize, bits: &[bool]) -> bool {
         let mut edge = self.roots[root];
         let mut value = false;
@@ -83,10 +84,10 @@ impl Diagram {
         }
     }
 
-    /// For every root, the share of all valuations in which it holds.
+    /// Returns, for every root, the share (0 to 1) of all valuations that satisfy it.
     pub fn shares(&self) -> Vec<f64> {
-        // Both the share where it holds and the share where it does not are kept: a small one would
-        // be lost when subtracted from 1.
+        // The shares of satisfying and of falsifying valuations are both kept: computing one as 1
+        // minus the other would lose small values.
         let share = |known: &[(f64, f64)], edge: Edge| {
             let (yes, no) = edge.node().map_or((0.0, 1.0), |n| known[n]);
             if edge.is_negated() {
@@ -103,9 +104,9 @@ impl Diagram {
         self.roots.iter().map(|r| share(&known, *r).0).collect()
     }
 
-    /// Keeps only the decisions that these functions need, and makes the functions its roots.
+    /// Returns a diagram with these functions as roots and only the nodes that they reach.
     #[must_use]
-    pub fn keeping(&self, roots: &[Edge]) -> Self {
+    pub fn extract_roots(&self, roots: &[Edge]) -> Self {
         let mut needed = vec![false; self.nodes.len()];
         for root in roots {
             if let Some(node) = root.node() {
@@ -114,8 +115,8 @@ impl Diagram {
         }
         for (index, node) in self.nodes.iter().enumerate().rev() {
             if needed[index] {
-                for way in [node.high, node.low] {
-                    if let Some(node) = way.node() {
+                for child in [node.high, node.low] {
+                    if let Some(node) = child.node() {
                         needed[node] = true;
                     }
                 }
@@ -143,8 +144,8 @@ impl Diagram {
         }
     }
 
-    /// Whether every edge leads to an earlier node and every bit is below `bits`, as
-    /// [`Diagram::build`] requires.
+    /// Whether every edge of a node leads to an earlier node, every root to an existing one, and
+    /// every bit is below `bits`, as [`Diagram::build`] requires.
     pub fn is_sound(&self, bits: usize) -> bool {
         let below = |edge: Edge, limit: usize| edge.node().is_none_or(|n| n < limit);
         let nodes = self.nodes.iter().enumerate();
@@ -154,7 +155,7 @@ impl Diagram {
             && self.roots.iter().all(|r| below(*r, self.nodes.len()))
     }
 
-    /// Builds the roots as functions of a kernel.
+    /// Builds the roots as functions of `kernel`.
     ///
     /// # Panics
     /// Panics if the diagram is not [sound](Diagram::is_sound) for the kernel's bits.

@@ -1,9 +1,9 @@
 //! The bits of each variable, and expressions as functions of those bits.
 //!
-//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, most significant on top, which hold its
-//! value minus the smallest one of its domain. Codes without a value are excluded by
-//! [`Encoding::in_domain`], which users conjoin with an encoded formula; what a formula means for
-//! such a code is undefined.
+//! A variable with `n` values has ⌈log2 n⌉ pairs of bits, most significant on top. They hold its
+//! *code*: the value minus the smallest value of the domain. If `n` is not a power of two, some
+//! codes have no value. The result of an encoded formula on such codes is undefined; callers
+//! exclude them with [`Encoding::in_domain`].
 
 use super::bits::{Number, width};
 use super::{Bit, BitSet, Kernel, Limit};
@@ -27,7 +27,7 @@ pub struct Encoding {
 }
 
 impl Encoding {
-    /// Lays out the variables in declaration order.
+    /// Assigns bits to the variables in declaration order.
     pub fn new(specification: &Specification) -> Self {
         let mut pairs = 0;
         let variables = specification
@@ -47,7 +47,7 @@ impl Encoding {
         Self { variables, pairs }
     }
 
-    /// The number of pairs of bits.
+    /// Number of pairs of bits of all variables.
     pub fn pairs(&self) -> usize {
         self.pairs
     }
@@ -63,7 +63,7 @@ impl Encoding {
         BitSet::new(vars.into_iter().flat_map(|v| self.bits(v, time)))
     }
 
-    /// The bits that represent a value of a variable.
+    /// The bits of a variable with their values that encode `value`, most significant first.
     pub fn assignment(&self, var: VarId, time: Time, value: i64) -> Vec<(Bit, bool)> {
         let layout = &self.variables[var.index()];
         let code = (value - layout.low) as u64;
@@ -73,7 +73,7 @@ impl Encoding {
             .collect()
     }
 
-    /// Decodes the value of a variable from all bits.
+    /// Decodes the value of a variable; `bits` are indexed by [`Bit`].
     pub fn value(&self, var: VarId, time: Time, bits: &[bool]) -> i64 {
         let layout = &self.variables[var.index()];
         let code = layout.bits.iter().fold(0i64, |code, bit| {
@@ -82,7 +82,7 @@ impl Encoding {
         layout.low + code
     }
 
-    /// The variable has a value in its domain.
+    /// Returns the codes of the variable that have a value.
     pub fn in_domain<K: Kernel>(
         &self,
         m: &K,
@@ -98,7 +98,7 @@ impl Encoding {
         m.not(&last.less(m, &code(m, layout, time))?)
     }
 
-    /// The variable has the same value now and next.
+    /// Returns the steps in which the variable keeps its value.
     pub fn unchanged<K: Kernel>(&self, m: &K, var: VarId) -> Result<K::Function, Limit> {
         let mut result = m.constant(true);
         for bit in self.variables[var.index()].bits.iter().rev() {
@@ -108,16 +108,16 @@ impl Encoding {
         Ok(result)
     }
 
-    /// A formula: the expression is not 0.
+    /// Encodes a formula: the valuations on which the expression is not 0.
     ///
-    /// Arithmetic that could exceed 64 bits or divide by 0 is rejected when a file is resolved;
-    /// here it counts as too large.
+    /// Returns [`Limit::Size`] if arithmetic could exceed 64 bits or divide by 0. Files with such
+    /// arithmetic are rejected earlier, during resolution.
     pub fn formula<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
         self.check(expr)?;
         self.truth(m, expr)
     }
 
-    /// The set of valuations of the expression that give `value`; for tests.
+    /// Returns the valuations on which the expression equals `value`; for tests.
     #[cfg(test)]
     pub(super) fn has_value<K: Kernel>(
         &self,
@@ -145,7 +145,7 @@ impl Encoding {
     }
 
     fn truth<K: Kernel>(&self, m: &K, expr: &Expr) -> Result<K::Function, Limit> {
-        // A formula that grows in a bad order may be reordered before it is finished.
+        // Allows the kernel to reorder before the whole formula is encoded in a bad order.
         m.safe_point()?;
         match expr {
             Expr::Const(c) => Ok(m.constant(*c != 0)),

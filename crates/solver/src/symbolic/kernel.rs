@@ -1,11 +1,11 @@
 //! The operations that a GR(1) game needs from a BDD package, and nothing more.
 //!
 //! Bits come in pairs: bit `2k` is the current one, bit `2k + 1` its primed twin. A kernel keeps
-//! the twins of a pair adjacent, whatever the order of the pairs, so that renaming between them
-//! preserves the order.
+//! twins adjacent in every order, so that renaming one to the other preserves the order.
 //!
-//! Every operation returns a result: a lack of nodes or time is an error value. Between operations
-//! there are *safe points*, at which the user lets the kernel collect garbage and change its order.
+//! An operation that runs out of nodes or time returns an error. Between operations, the caller can
+//! declare a *safe point* ([`Kernel::safe_point`]), at which the kernel may collect garbage and
+//! change its order.
 
 use super::{Diagram, Limit, Limits};
 use serde::{Deserialize, Serialize};
@@ -23,12 +23,12 @@ impl Bit {
         Self(self.0 | 1)
     }
 
-    /// The pair it belongs to.
+    /// Number of the bit's pair.
     pub fn pair(self) -> u16 {
         self.0 >> 1
     }
 
-    /// Index into slices of values.
+    /// The bit's number, as an index into slices of values.
     pub fn index(self) -> usize {
         usize::from(self.0)
     }
@@ -39,7 +39,7 @@ impl Bit {
 pub struct BitSet(Vec<bool>);
 
 impl BitSet {
-    /// Creates the set of these bits.
+    /// Creates a set of these bits.
     pub fn new(bits: impl IntoIterator<Item = Bit>) -> Self {
         let mut set = Self::default();
         for bit in bits {
@@ -57,7 +57,7 @@ impl BitSet {
         self.0[index] = true;
     }
 
-    /// Whether it contains the bit.
+    /// Whether the set contains the bit.
     pub fn contains(&self, bit: Bit) -> bool {
         self.0.get(bit.index()).copied().unwrap_or(false)
     }
@@ -68,18 +68,18 @@ impl BitSet {
         bits.filter(|(_, b)| **b).map(|(i, _)| Bit(i as u16))
     }
 
-    /// Whether it is empty.
+    /// Whether the set is empty.
     pub fn is_empty(&self) -> bool {
         !self.0.contains(&true)
     }
 }
 
-/// The pairs of bits from the top of a diagram to the bottom; a permutation.
+/// A variable order: a permutation of the pairs of bits, from the top of a diagram to the bottom.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Order(Vec<u16>);
 
 impl Order {
-    /// The pairs in numerical order.
+    /// Creates the order in which `0..pairs` are ascending.
     pub fn natural(pairs: usize) -> Self {
         Self((0..pairs as u16).collect())
     }
@@ -123,10 +123,10 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// Whether the package can change its order.
     const REORDERS: bool;
 
-    /// Creates a kernel for functions over the pairs of an order.
+    /// Creates a kernel for functions over the pairs of bits in `order`.
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit>;
 
-    /// Returns the same functions, with other limits for what is made from now on.
+    /// Returns a handle to the same kernel whose operations obey other limits.
     #[must_use]
     fn with_limits(&self, limits: &Limits) -> Self;
 
@@ -142,10 +142,10 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// A bit, or its negation.
     fn literal(&self, bit: Bit, positive: bool) -> Self::Function;
 
-    /// Whether it is `true` everywhere.
+    /// Whether the function is constantly true.
     fn is_true(&self, a: &Self::Function) -> bool;
 
-    /// Whether it is `false` everywhere.
+    /// Whether the function is constantly false.
     fn is_false(&self, a: &Self::Function) -> bool;
 
     /// `¬a`
@@ -182,30 +182,30 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// `∃ bits. a`
     fn exists(&self, a: &Self::Function, bits: &BitSet) -> Result<Self::Function, Limit>;
 
-    /// Fixes some bits of the function.
+    /// Fixes the values of some bits (cofactor).
     fn restrict(&self, a: &Self::Function, values: &[(Bit, bool)])
     -> Result<Self::Function, Limit>;
 
-    /// Renames current bits to primed bits.
+    /// Renames current bits to primed bits. The function must not depend on both bits of a pair.
     fn prime(&self, a: &Self::Function) -> Result<Self::Function, Limit>;
 
-    /// Renames primed bits to current bits.
+    /// Renames primed bits to current bits. The function must not depend on both bits of a pair.
     fn unprime(&self, a: &Self::Function) -> Result<Self::Function, Limit>;
 
-    /// Number of nodes; shared parts count once.
+    /// Number of nodes of a function; shared nodes count once.
     fn size(&self, a: &Self::Function) -> usize;
 
-    /// The bits it depends on, in ascending order.
+    /// The bits that the function depends on, in ascending order.
     fn support(&self, a: &Self::Function) -> Vec<Bit>;
 
-    /// An assignment to all bits that satisfies the function, indexed by bit. It depends only on
-    /// the function and the order.
+    /// Values of all bits, indexed by bit, that satisfy the function; `None` if it is constantly
+    /// false. They depend only on the function and the order.
     fn witness(&self, a: &Self::Function) -> Option<Vec<bool>>;
 
-    /// Exports several functions as plain data with shared parts.
+    /// Exports functions as plain data; they share equal nodes.
     fn export(&self, functions: &[&Self::Function]) -> Diagram;
 
-    /// Imports the roots of a diagram, which may have any order.
+    /// Builds the roots of a diagram as functions. The diagram can have any order.
     fn import(&self, diagram: &Diagram) -> Result<Vec<Self::Function>, Limit> {
         diagram.build(self)
     }
@@ -213,24 +213,24 @@ pub trait Kernel: Clone + Debug + Send + Sync + 'static {
     /// Current number of nodes, including dead ones not yet collected.
     fn nodes(&self) -> u64;
 
-    /// Peak number of nodes, as observed at safe points and single functions.
+    /// Peak number of nodes; a kernel may sample it only at safe points and collections.
     fn peak_nodes(&self) -> u64;
 
-    /// Work done so far, in units: nodes made, nodes of operands visited, and operations, weighted
-    /// so that a unit takes about the same time in every kernel. It depends only on the questions:
-    /// not on time, addresses, or other threads. A kernel need not count it if
-    /// [`Limits::most_work`] is `None`.
+    /// Work done so far, in units: nodes created, operand nodes visited, and operations, weighted
+    /// so that a unit takes about the same time in every kernel. The count depends only on the
+    /// operations, not on time, addresses or other threads. A kernel created without
+    /// [`Limits::max_work`] need not count work.
     fn work(&self) -> u64;
 
-    /// A safe point: may collect garbage, and may search for a better order when the functions have
-    /// grown. All functions stay valid.
+    /// Declares a safe point: the kernel may collect garbage, and may search for a better order if
+    /// the functions have grown. All functions stay valid.
     fn safe_point(&self) -> Result<(), Limit>;
 
-    /// Searches for a better order for the live functions. Never ends with more nodes than at the
-    /// start; a kernel without reordering does nothing.
+    /// Searches for a better order for the live functions; never increases the number of nodes. A
+    /// kernel without reordering does nothing.
     fn sift(&self) -> Result<(), Limit>;
 
-    /// Sets whether safe points may change the order from now on.
+    /// Sets whether later safe points may change the order.
     fn set_reordering(&self, allowed: bool);
 
     /// `a → b`

@@ -1,27 +1,28 @@
-//! Limits, and the errors that report them: a result value, never a panic or a hang.
+//! Limits of time, memory and work. Exceeding one is an error value ([`Limit`]), never a panic or a
+//! hang.
 //!
-//! Only `--timeout` limits time, and it covers a whole command. Everything that gives up by itself
-//! counts its work ([`Budget`]), so that the same question has the same answer on every computer
-//! under any load. Nothing else depends on a clock; a test ensures this.
+//! Only `--timeout` limits time, and it covers a whole command. All other limits count work
+//! ([`Budget`]), so that the same question has the same answer on every computer under any load. A
+//! test ensures that nothing else depends on a clock.
 
 use linewright_core::deadline::{Deadline, StopReason};
 
-/// Limits of a stage.
+/// Limits of one stage of a command.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Limits {
-    /// Deadline.
+    /// Deadline and interruption of the command.
     pub deadline: Deadline,
-    /// Maximum size of all nodes in MiB.
+    /// Maximum memory of all nodes, in MiB.
     pub memory_mib: Option<u64>,
-    /// Maximum number of nodes.
-    pub most_nodes: Option<u64>,
-    /// Maximum number of nodes made in total, for kernels whose functions own their nodes; used to
-    /// choose the kernel. Exceeding it is [`Limit::Memory`].
-    pub most_made: Option<u64>,
+    /// Maximum number of nodes that exist at the same time.
+    pub max_nodes: Option<u64>,
+    /// Maximum number of nodes created in total, for kernels whose functions own their nodes; used
+    /// to choose the kernel. Exceeding it is [`Limit::Memory`].
+    pub max_created: Option<u64>,
     /// Maximum units of work; see [`super::Kernel::work`].
-    pub most_work: Option<u64>,
-    /// Factor for every budget.
-    pub effort: Effort,
+    pub max_work: Option<u64>,
+    /// Factor by which [`Limits::with_budget`] multiplies budgets.
+    pub budget_factor: BudgetFactor,
 }
 
 /// Why a stage gave up.
@@ -29,107 +30,108 @@ pub struct Limits {
 pub enum Limit {
     /// The deadline passed, or the command was interrupted.
     #[error(transparent)]
-    Late(#[from] StopReason),
-    /// The nodes do not fit into memory.
+    Stopped(#[from] StopReason),
+    /// The nodes do not fit into the memory limit.
     #[error("the memory limit was reached")]
     Memory,
-    /// The machine is too large to be written state by state.
-    #[error("the machine is too large to be written down state by state")]
+    /// The machine has too many states or transitions to list them.
+    #[error("the machine is too large to be listed state by state")]
     Size,
-    /// A budget of work is used up; carries its units.
+    /// The work budget is used up; carries the budget in units.
     #[error("the proof took more than {0} units of work")]
     Work(u64),
-    /// A budget of nodes is used up; carries its number.
+    /// The node budget is used up; carries the budget.
     #[error("the proof needed more than {0} nodes at once")]
     Nodes(u64),
 }
 
 impl Limit {
-    /// Whether the limit comes from `--timeout`, `--memory` or Ctrl-C. All others depend only on
-    /// the question, and are always the same.
-    pub fn is_of_command(self) -> bool {
-        matches!(self, Self::Late(_) | Self::Memory)
+    /// Whether the limit comes from `--timeout`, `--memory` or Ctrl-C. All other limits depend only
+    /// on the question, so repeating it reaches them again.
+    pub fn is_external(self) -> bool {
+        matches!(self, Self::Stopped(_) | Self::Memory)
     }
 
-    /// The option that raises the limit; `None` if only smaller domains help.
+    /// Advice on the option that raises the limit; `None` if only smaller domains help.
     pub fn remedy(self) -> Option<&'static str> {
         match self {
-            Self::Late(late) => Some(late.remedy()),
-            Self::Memory => Some("give it more memory with --memory MIB"),
+            Self::Stopped(reason) => Some(reason.remedy()),
+            Self::Memory => Some("allow more memory with --memory MIB"),
             Self::Size => None,
-            Self::Work(_) | Self::Nodes(_) => Some("let it do more work with --effort FACTOR"),
+            Self::Work(_) | Self::Nodes(_) => Some("raise the work limit with --effort FACTOR"),
         }
     }
 }
 
-/// Budget of one question, after which it is abandoned.
+/// Work and nodes that one question may use before it is abandoned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
     /// Maximum units of work; see [`super::Kernel::work`].
     pub work: u64,
-    /// Maximum number of nodes at once.
+    /// Maximum number of nodes that exist at the same time.
     pub nodes: u64,
 }
 
-/// All default limits of work. An idle computer does some 20 million units per second. The shipped
-/// examples use less than a quarter of the work and half of the nodes: the most expensive question
-/// on the laboratory's line, what rests on what, takes 145 million units and less than 500,000
-/// nodes. `check` waits for the budget of a line, so it corresponds to half a minute.
+/// The default budgets. An idle computer does about 20 million units of work per second. The
+/// shipped examples use less than a quarter of the work and half of the nodes: the most expensive
+/// question about the laboratory's line, the premises of its verdict, takes 145 million units and
+/// fewer than 500,000 nodes. `check` waits for a question about a line, so that budget corresponds
+/// to half a minute.
 impl Budget {
-    /// Each question about a line: calls of its stations, whether parts keep moving, what rests on
-    /// what.
+    /// Each question about a line: the calls of its stations, whether parts keep moving, and the
+    /// premises of these verdicts.
     pub const LINE: Self = Self {
         work: 600_000_000,
         nodes: 1_000_000,
     };
     /// The closed composition of a machine's controllers.
-    pub const CLOSED: Self = Self {
+    pub const CLOSED_COMPOSITION: Self = Self {
         work: 3_000_000_000,
         nodes: 3_000_000,
     };
-    /// A machine's proof from contracts.
+    /// The proof of a machine from the contracts of its components.
     pub const MACHINE: Self = Self {
         work: 3_000_000_000,
         nodes: 8_000_000,
     };
-    /// What a belt's contract says about the room on it. Such a contract is small; one that is not
-    /// gets no answer rather than a late one.
-    pub const BELT: Self = Self {
+    /// A question about the free places that a conveyor's contract guarantees. Such a contract is
+    /// small; for a large one, the question stays open instead of taking long.
+    pub const CONVEYOR: Self = Self {
         work: 200_000_000,
         nodes: 200_000,
     };
-    /// One of the many questions about a machine's wires that a coordinator's states raise.
-    pub const WIRES: Self = Self {
+    /// One of the many questions about a machine's wiring that the states of its coordinator raise.
+    pub const WIRING: Self = Self {
         work: 200_000_000,
         nodes: 2_000_000,
     };
 }
 
-/// A factor for budgets, 1 by default.
+/// Factor by which budgets are multiplied (`--effort`); 1 by default.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Effort(f64);
+pub struct BudgetFactor(f64);
 
-impl Effort {
+impl BudgetFactor {
     /// The default factor.
     pub const ONE: Self = Self(1.0);
 
-    /// Creates a factor; `None` unless it is a number above 0.
+    /// Creates a factor; `None` unless it is finite and above 0.
     pub fn new(factor: f64) -> Option<Self> {
         (factor.is_finite() && factor > 0.0).then_some(Self(factor))
     }
 
-    /// The amount times the factor, at least 1.
+    /// Returns `count` times the factor, at least 1.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "casts of floats saturate, and a factor is positive"
+        reason = "float casts saturate, and the factor is positive"
     )]
-    pub fn of(self, count: u64) -> u64 {
+    pub fn scale(self, count: u64) -> u64 {
         ((count as f64 * self.0) as u64).max(1)
     }
 }
 
-impl Default for Effort {
+impl Default for BudgetFactor {
     fn default() -> Self {
         Self::ONE
     }
@@ -141,46 +143,47 @@ impl Limits {
         Ok(self.deadline.check()?)
     }
 
-    /// Adds a budget, multiplied by the effort, to these limits.
+    /// Lowers the work and node limits to the budget times the factor. Limits that are already
+    /// lower stay.
     #[must_use]
-    pub fn within(&self, budget: Budget) -> Self {
-        let least = |given: Option<u64>, own: u64| {
-            let own = self.effort.of(own);
-            Some(given.map_or(own, |given| given.min(own)))
+    pub fn with_budget(&self, budget: Budget) -> Self {
+        let lower = |limit: Option<u64>, budget: u64| {
+            let budget = self.budget_factor.scale(budget);
+            Some(limit.map_or(budget, |limit| limit.min(budget)))
         };
         Self {
-            most_nodes: least(self.most_nodes, budget.nodes),
-            most_work: least(self.most_work, budget.work),
+            max_nodes: lower(self.max_nodes, budget.nodes),
+            max_work: lower(self.max_work, budget.work),
             ..*self
         }
     }
 
     /// Returns an error once more work was done than allowed.
     pub(super) fn check_work(&self, done: u64) -> Result<(), Limit> {
-        match self.most_work {
+        match self.max_work {
             Some(most) if done > most => Err(Limit::Work(most)),
             _ => Ok(()),
         }
     }
 
-    /// Maximum number of nodes of the given size in bytes: `usual` without a memory limit, never
-    /// more than `most`.
+    /// Maximum number of nodes of the given size in bytes: `usual` without a memory limit,
+    /// otherwise as many as fit, but at most `most`; in both cases at most [`Self::max_nodes`].
     pub(super) fn nodes(&self, bytes_per_node: u64, usual: u64, most: u64) -> u64 {
         let by_memory = self.memory_mib.map_or(usual, |mib| {
             (mib.saturating_mul(1 << 20) / bytes_per_node).min(most)
         });
-        self.most_nodes.map_or(by_memory, |n| n.min(by_memory))
+        self.max_nodes.map_or(by_memory, |n| n.min(by_memory))
     }
 
-    /// Corrects the reported limit: if nodes do not fit although memory has room for twice as many,
-    /// a budget is the cause.
-    pub(crate) fn name(&self, limit: Limit) -> Limit {
+    /// Corrects a reported [`Limit::Memory`] to [`Limit::Nodes`] if memory has room for twice the
+    /// node limit, so that the node limit must be the cause.
+    pub(crate) fn attribute(&self, limit: Limit) -> Limit {
         const BYTES: u64 = 128;
         let has_room = |nodes: u64| {
             let memory = self.memory_mib.map(|mib| mib.saturating_mul(1 << 20));
             memory.is_none_or(|bytes| bytes / BYTES >= nodes)
         };
-        match (limit, self.most_nodes) {
+        match (limit, self.max_nodes) {
             (Limit::Memory, Some(most)) if has_room(most) => Limit::Nodes(most),
             _ => limit,
         }

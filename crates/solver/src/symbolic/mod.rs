@@ -1,12 +1,11 @@
-//! Boolean functions as binary decision diagrams, and finite-domain expressions encoded as such.
+//! Boolean functions as binary decision diagrams, and the encoding of finite-domain expressions.
 //!
-//! The only module that knows a BDD package. [`Kernel`] says what a GR(1) game needs of one; its
-//! implementations are [`Biodivine`], whose functions own their nodes, for the many small contracts
-//! of a library, and [`OxiDd`], with complement edges, a shared store and a persistent cache, for
-//! large ones. [`Encoding`] lays the variables of a
-//! [`Specification`](linewright_core::gr1::Specification) out in pairs of bits, a current bit
-//! always next to its primed twin, and encodes expressions with exact arithmetic. [`Diagram`] is a
-//! function as plain data.
+//! Only this module uses a BDD package. The trait [`Kernel`] lists the operations that a GR(1) game
+//! needs. It has two implementations: [`Biodivine`], whose functions own their nodes, for the many
+//! small contracts of a library, and [`OxiDd`], with complement edges, a shared store and a
+//! persistent cache, for large ones. [`Encoding`] assigns pairs of bits to the variables of a
+//! [`Specification`](linewright_core::gr1::Specification), each current bit next to its primed
+//! twin, and encodes expressions with exact arithmetic. [`Diagram`] holds functions as plain data.
 
 mod biodivine;
 mod bits;
@@ -23,5 +22,5 @@ pub use biodivine::Biodivine;
 pub use diagram::{Diagram, DiagramNode, Edge};
 pub use encoding::Encoding;
 pub use kernel::{Bit, BitSet, Kernel, Order};
-pub use limits::{Budget, Effort, Limit, Limits};
+pub use limits::{Budget, BudgetFactor, Limit, Limits};
 pub use oxidd::OxiDd;

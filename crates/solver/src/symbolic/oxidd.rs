@@ -1,23 +1,23 @@
 //! The kernel over `OxiDD`'s diagrams with complement edges: one store for all functions, and a
 //! cache that persists across operations.
 //!
-//! Suited to large games. The store's capacity is fixed at creation; its pages are used only as
-//! nodes are made. Three properties of the package shape this file:
+//! Suited to large games. The store's capacity is fixed at creation, but its memory pages are used
+//! only as nodes are created. Three properties of the package shape this file:
 //!
-//! - Garbage collection clears the cache, so it is done only at safe points, and only when the
-//!   store has doubled since the last one.
+//! - Garbage collection clears the cache. So it is done only at safe points, and only when the
+//!   store has grown to three times its size after the last collection.
 //! - The package's own collector runs concurrently with the operation that fills the store, and can
 //!   come too late; then the operation fails although most nodes are dead. So a failed operation is
-//!   retried after collecting.
+//!   repeated after a collection.
 //! - Running out of nodes while levels are swapped aborts the process. So nothing is reordered
-//!   without head room.
+//!   without headroom in the store.
 //!
-//! If the number of nodes or the work is limited beside the memory ([`Ration`]), the result must
-//! not depend on when the package's collector runs. In that case the store has head room, the nodes
-//! are counted after every operation, and an operation that comes near the collector's mark fails
-//! for good. The number of nodes made then depends only on the operations: results that the cache
-//! forgets are rebuilt from nodes that still exist, since garbage is collected only between
-//! operations, by count.
+//! If the number of nodes or the work is limited in addition to the memory ([`Ration`]), the result
+//! must not depend on when the package's collector runs. In that case the store has headroom, the
+//! nodes are counted after every operation, and once an operation comes near the collector's
+//! threshold, this and all later operations fail. The number of created nodes then depends only on
+//! the operations: garbage is collected only between operations, when the node count requires it,
+//! so results lost from the cache are rebuilt from nodes that still exist.
 
 use super::{Bit, BitSet, Diagram, DiagramNode, Edge, Kernel, Limit, Limits, Order, sift};
 use oxidd::bcdd::{BCDDFunction, BCDDManagerRef, new_manager};
@@ -36,48 +36,49 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Bytes per node, including its slot in the unique table.
 const BYTES_PER_NODE: u64 = 28;
 
-/// Capacity of the store without a memory limit: about 3.5 GiB when full.
+/// Capacity of the store in nodes without a memory limit: about 3.5 GiB when full.
 const USUAL_NODES: u64 = 1 << 27;
 
 /// Maximum number of nodes that the package can address.
-const MOST_NODES: u64 = 1 << 30;
+const MAX_NODES: u64 = 1 << 30;
 
-/// Minimum useful capacity.
-const FEWEST_NODES: u64 = 1 << 16;
+/// Minimum useful capacity of the store in nodes.
+const MIN_NODES: u64 = 1 << 16;
 
-/// Cache entries. A larger cache costs more than it saves: it is cleared with every collection, and
-/// no longer fits into the processor's caches.
+/// Number of cache entries. A larger cache costs more than it saves: every collection clears it,
+/// and it no longer fits into the processor's caches.
 const LARGE_CACHE: usize = 1 << 18;
 
-/// Cache entries for up to [`FEW_PAIRS`], if only memory is limited.
+/// Number of cache entries for at most [`FEW_PAIRS`] pairs, if only memory is limited.
 const SMALL_CACHE: usize = 1 << 17;
 
-/// See [`SMALL_CACHE`].
+/// Maximum number of pairs for [`SMALL_CACHE`].
 const FEW_PAIRS: usize = 48;
 
-/// Minimum number of nodes for a collection.
+/// Minimum number of nodes in the store for a collection at a safe point.
 const COLLECT_NODES: u64 = 1 << 19;
 
-/// Maximum number of nodes made since the last collection for which none is done before reordering.
+/// Maximum number of nodes created since the last collection for which reordering starts without a
+/// collection.
 const FEW_DEAD_NODES: u64 = 10_000;
 
-/// Minimum number of nodes made between two safe points for reordering.
+/// Minimum number of nodes created between two safe points that triggers reordering.
 const REORDER_NODES: u64 = 18_000;
 
-/// Maximum number of nodes that sifting at a safe point may touch per node made since the last
-/// sifting, so that it takes at most about a fixed share of all work.
-const WORK_PER_MADE: u64 = 60;
+/// Maximum number of nodes that sifting at a safe point may touch per node created since the last
+/// sifting, so that sifting takes a bounded share of all work.
+const SIFT_WORK_PER_NODE: u64 = 60;
 
-/// Units of work per node made, and per operation. Such a node is looked up in the common table and
-/// moved when the order changes, and so takes about this many times as long as a node owned by a
-/// single function.
+/// Units of work per created node, and per operation. A node of this kernel is looked up in a
+/// common table and moved when the order changes, and so takes about this many times as long as a
+/// node that is owned by a single function.
 const WORK_PER_NODE: u64 = 10;
 
-/// The package allocates node slots in chunks of this size, and checks its collector's mark only
-/// then.
+/// Number of node slots that the package allocates at once. It compares the node count with the
+/// threshold of its collector only when it allocates them.
 const CHUNK_NODES: u64 = 1 << 16;
 
-/// The store is reordered only if the new order leaves less than this percentage of its nodes.
+/// The store is reordered only if the new order needs less than this percentage of the nodes.
 const WORTHWHILE_PERCENT: usize = 98;
 
 /// A boolean function.
@@ -90,13 +91,14 @@ impl fmt::Debug for Function {
     }
 }
 
+/// State shared by all clones of a kernel.
 struct Shared {
     store: BCDDManagerRef,
-    /// Maximum number of nodes: the store's capacity, or less if they are limited.
+    /// Maximum number of nodes: the store's capacity, or the node limit if that is lower.
     capacity: u64,
     yes: Function,
     no: Function,
-    /// For every bit, its negation and itself.
+    /// The negated and the positive literal of each bit.
     literals: Vec<[Function; 2]>,
     to_primed: Subst<BCDDFunction>,
     to_current: Subst<BCDDFunction>,
@@ -106,39 +108,40 @@ struct Shared {
     collected: AtomicU64,
     /// Number of nodes at the last safe point.
     before: AtomicU64,
-    /// Number of nodes made since the last sifting.
+    /// Number of nodes created since the last sifting.
     made: AtomicU64,
-    /// Maximum number of nodes made between two safe points since the last sifting.
+    /// Maximum number of nodes created between two safe points since the last sifting.
     busiest: AtomicU64,
-    /// That maximum when the order was last sifted.
-    reordered: AtomicU64,
+    /// Value of `busiest` at the last sifting.
+    busiest_at_sifting: AtomicU64,
+    /// Whether safe points may change the order.
     reordering: AtomicBool,
     ration: Option<Ration>,
 }
 
-/// State of limits other than memory.
+/// Counters for limits on nodes and work.
 #[derive(Debug)]
 struct Ration {
-    /// Node count at which the package's collector may have run during an operation.
-    mark: u64,
-    /// Whether an operation reached the mark.
+    /// Node count from which the package's collector may have run during an operation.
+    threshold: u64,
+    /// Whether an operation has reached the threshold.
     overrun: AtomicBool,
     /// Number of nodes after the last operation.
     nodes: AtomicU64,
-    /// Units of work: nodes made, and operations.
+    /// Units of work done: created nodes and operations.
     work: AtomicU64,
 }
 
 impl Ration {
-    /// For a maximum number of nodes, and the number that fits: the store's capacity, the maximum,
-    /// and the mark.
+    /// Returns the capacity of the store, the maximum number of nodes in use, and fresh counters.
+    /// The arguments are the requested maximum, and the number of nodes that fit into memory.
     fn new(most: u64, fit: u64) -> (u64, u64, Self) {
         let wanted = 2 * most.saturating_add(2 * CHUNK_NODES);
         let capacity = wanted.min(fit);
         let most = most.min((capacity / 2).saturating_sub(CHUNK_NODES));
         let ration = Self {
             // The collector starts at 95 %.
-            mark: (capacity / 100 * 95).saturating_sub(CHUNK_NODES),
+            threshold: (capacity / 100 * 95).saturating_sub(CHUNK_NODES),
             overrun: AtomicBool::new(false),
             nodes: AtomicU64::new(0),
             work: AtomicU64::new(0),
@@ -147,7 +150,7 @@ impl Ration {
     }
 }
 
-/// The kernel.
+/// The kernel over `OxiDD`.
 #[derive(Clone)]
 pub struct OxiDd {
     shared: Arc<Shared>,
@@ -162,7 +165,7 @@ impl fmt::Debug for OxiDd {
 }
 
 impl OxiDd {
-    /// Runs an operation, and repeats it after collecting if the store was full.
+    /// Runs an operation; if the store is full, collects garbage and repeats it, at most twice.
     fn attempt(
         &self,
         operation: impl Fn() -> AllocResult<BCDDFunction>,
@@ -185,7 +188,7 @@ impl OxiDd {
         operation().map(Function).map_err(|_| Limit::Memory)
     }
 
-    /// Runs an operation and counts it.
+    /// Runs an operation under limits on nodes and work, and counts its work.
     fn attempt_within(
         &self,
         ration: &Ration,
@@ -200,8 +203,9 @@ impl OxiDd {
         let collected = collections();
         let result = operation();
         let nodes = self.nodes();
-        // The nodes are checked first: if any of them are gone, a collection has begun.
-        if nodes >= ration.mark || result.is_err() || collections() != collected {
+        // The node count is read before the number of collections: if nodes are missing from the
+        // count, a collection has already begun.
+        if nodes >= ration.threshold || result.is_err() || collections() != collected {
             ration.overrun.store(true, Ordering::Relaxed);
             return Err(Limit::Memory);
         }
@@ -228,7 +232,7 @@ impl OxiDd {
         self.note_left();
     }
 
-    /// Records the number of nodes left by a collection.
+    /// Records the number of nodes left by a collection, and returns it.
     fn note_left(&self) -> u64 {
         let left = self.nodes();
         self.shared.collected.store(left, Ordering::Relaxed);
@@ -238,36 +242,40 @@ impl OxiDd {
         left
     }
 
-    /// Searches for a better order with at most this much work.
+    /// Searches for a better order, touching at most `work` nodes, and reorders the store if the
+    /// new order is worthwhile.
     fn sift_within(&self, work: usize) -> Result<(), Limit> {
         self.limits.check_time()?;
         self.note_peak();
-        // Dead nodes would be reordered, too; a few are cheaper to move than to find.
+        // Dead nodes would be reordered, too; moving a few is cheaper than a collection.
         if self.nodes() > self.shared.collected.load(Ordering::Relaxed) + FEW_DEAD_NODES {
             self.collect();
         }
-        let everything = self.everything();
+        let live_nodes = self.live_nodes();
         if self.nodes() < self.shared.capacity / 3
             && let Some((order, before, after)) =
-                sift::sift(&everything, &self.order(), work, &self.limits)
+                sift::sift(&live_nodes, &self.order(), work, &self.limits)
             && after * 100 < before * WORTHWHILE_PERCENT
         {
-            drop(everything);
+            drop(live_nodes);
             set_order(&self.shared.store, &order);
         }
         let left = self.note_left();
         let busiest = self.shared.busiest.swap(0, Ordering::Relaxed);
         self.shared.made.store(0, Ordering::Relaxed);
-        self.shared.reordered.store(busiest, Ordering::Relaxed);
+        self.shared
+            .busiest_at_sifting
+            .store(busiest, Ordering::Relaxed);
         self.shared.before.store(left, Ordering::Relaxed);
         Ok(())
     }
 
-    /// All live nodes of the store. A node is a root if something outside the store refers to it.
-    fn everything(&self) -> Diagram {
+    /// Returns all live nodes of the store. The nodes referenced from outside the store are the
+    /// roots.
+    fn live_nodes(&self) -> Diagram {
         self.shared.store.with_manager_shared(|m| {
             let mut nodes = Vec::new();
-            // For each node, the number of all references, and of those by other nodes.
+            // For each node, the number of all references, and of references by other nodes.
             let mut references: Vec<(usize, usize)> = Vec::new();
             let mut numbers: FxHashMap<usize, usize> = FxHashMap::default();
             for level in (0..m.num_levels()).rev() {
@@ -294,12 +302,12 @@ impl OxiDd {
                     references.push((node.ref_count(), 0));
                 }
             }
-            let roots = living(&nodes, &mut references);
+            let roots = external_roots(&nodes, &mut references);
             compact(&nodes, &roots, &references)
         })
     }
 
-    /// The conjunction of the bits, which is the package's representation of a set of bits.
+    /// Returns the conjunction of the bits, the package's representation of a set of bits.
     fn conjunction(&self, bits: &BitSet) -> Result<Function, Limit> {
         let mut cubes = self
             .shared
@@ -316,9 +324,10 @@ impl OxiDd {
     }
 }
 
-/// The nodes referenced from outside the store; `references` holds the number of all references and
-/// of those by nodes. Subtracts references from dead nodes.
-fn living(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> Vec<usize> {
+/// Returns the nodes referenced from outside the store. `references` holds, for each node, the
+/// number of all references and of references by nodes; the references by dead nodes are subtracted
+/// from both.
+fn external_roots(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> Vec<usize> {
     let mut roots = Vec::new();
     for n in (0..nodes.len()).rev() {
         let (all, by_nodes) = references[n];
@@ -337,7 +346,7 @@ fn living(nodes: &[DiagramNode], references: &mut [(usize, usize)]) -> Vec<usize
     roots
 }
 
-/// The referenced nodes as a diagram.
+/// Returns the nodes that have references as a diagram.
 fn compact(nodes: &[DiagramNode], roots: &[usize], references: &[(usize, usize)]) -> Diagram {
     let mut places = vec![0; nodes.len()];
     let mut left: Vec<DiagramNode> = Vec::new();
@@ -360,12 +369,12 @@ fn compact(nodes: &[DiagramNode], roots: &[usize], references: &[(usize, usize)]
     Diagram { nodes: left, roots }
 }
 
-/// Reads the order of the pairs in a store.
+/// Returns the order of the pairs in a store.
 fn order_of(store: &BCDDManagerRef) -> Order {
     store.with_manager_shared(|m| {
         let levels = (0..m.num_levels()).step_by(2);
         let pairs = levels.map(|l| (m.level_to_var(l) / 2) as u16);
-        Order::new(pairs.collect()).expect("twins are not neighbours; please report this")
+        Order::new(pairs.collect()).expect("twins are not adjacent; please report this")
     })
 }
 
@@ -376,7 +385,9 @@ fn set_order(store: &BCDDManagerRef, order: &Order) {
     store.with_manager_exclusive(|m| set_var_order_seq(m, &variables));
 }
 
-/// Calls `visit` for every node below `function`, children first: its number, its bit, its edges.
+/// Calls `visit` with the bit and the edges of every node of `function`, children first. `visit`
+/// returns the node's number, which `numbers` stores by the package's node id. Returns the root
+/// edge.
 fn walk(
     function: &Function,
     numbers: &mut FxHashMap<usize, usize>,
@@ -422,27 +433,27 @@ impl Kernel for OxiDd {
 
     fn new(order: &Order, limits: &Limits) -> Result<Self, Limit> {
         let pairs = order.pairs().len();
-        let most = limits.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
-        let is_limited = limits.most_nodes.is_some() || limits.most_work.is_some();
+        let most = limits.nodes(BYTES_PER_NODE, USUAL_NODES, MAX_NODES);
+        let is_limited = limits.max_nodes.is_some() || limits.max_work.is_some();
         let (room, capacity, fit, ration) = if is_limited {
             let by_memory = Limits {
-                most_nodes: None,
+                max_nodes: None,
                 ..*limits
             };
-            let fit = by_memory.nodes(BYTES_PER_NODE, USUAL_NODES, MOST_NODES);
+            let fit = by_memory.nodes(BYTES_PER_NODE, USUAL_NODES, MAX_NODES);
             let (room, most, ration) = Ration::new(most, fit);
             (room, most, fit, Some(ration))
         } else {
             (most, most, most, None)
         };
-        // An operation whose results the cache forgets may never end, and makes no node that a
-        // budget would count: so a budget of nodes does not reduce the cache.
+        // If the cache is too small, an operation may never end and yet create no nodes that a
+        // budget would count. So a node budget does not reduce the cache.
         let cache = if pairs > FEW_PAIRS || is_limited {
             LARGE_CACHE
         } else {
             SMALL_CACHE
         };
-        if room < FEWEST_NODES {
+        if room < MIN_NODES {
             return Err(Limit::Memory);
         }
         let cache = cache.min(usize::try_from(fit / 8).unwrap_or(cache));
@@ -480,7 +491,7 @@ impl Kernel for OxiDd {
                 cubes: Mutex::default(),
                 peak: AtomicU64::new(0),
                 collected: AtomicU64::new(0),
-                reordered: AtomicU64::new(0),
+                busiest_at_sifting: AtomicU64::new(0),
                 before: AtomicU64::new(0),
                 made: AtomicU64::new(0),
                 busiest: AtomicU64::new(0),
@@ -657,12 +668,12 @@ impl Kernel for OxiDd {
         self.shared.busiest.fetch_max(made, Ordering::Relaxed);
         self.shared.made.fetch_add(made, Ordering::Relaxed);
         let collected = self.shared.collected.load(Ordering::Relaxed);
-        let last = self.shared.reordered.load(Ordering::Relaxed);
+        let last = self.shared.busiest_at_sifting.load(Ordering::Relaxed);
         if self.shared.reordering.load(Ordering::Relaxed)
             && self.shared.busiest.load(Ordering::Relaxed) > REORDER_NODES.max(2 * last)
         {
             let made = self.shared.made.load(Ordering::Relaxed);
-            return self.sift_within(made.saturating_mul(WORK_PER_MADE) as usize);
+            return self.sift_within(made.saturating_mul(SIFT_WORK_PER_NODE) as usize);
         }
         if nodes < COLLECT_NODES.max(3 * collected) {
             return Ok(());

@@ -1,57 +1,58 @@
-//! Group sifting on plain data: each pair of twins moves as a unit, and the resulting order is
-//! passed to a kernel.
+//! Group sifting on plain data: each pair of twins moves as a unit, and the caller passes the
+//! resulting order to a kernel.
 //!
 //! Rudell's sifting ("Dynamic variable ordering for ordered binary decision diagrams", ICCAD 1993)
 //! with groups in the sense of Panda and Somenzi ("Who are the variables in your neighborhood",
-//! ICCAD 1995), the groups being fixed: a variable and its primed twin, current bit on top. Each
-//! pair, the largest first, goes to the nearer end and then to the other one, and stays where the
-//! diagrams were smallest. A direction is abandoned when they have grown by a fifth, or when the
-//! rest of it cannot make them smaller than the minimum. Then neighbors that attract each other are
-//! moved as one block, since neither would leave the other alone. So a pass never ends with more
-//! nodes than it started with.
+//! ICCAD 1995). The groups are fixed: a bit and its primed twin, current bit on top. Each pair, the
+//! one with the most nodes first, moves to the nearer end of the order, then to the other end, and
+//! finally to the position with the fewest nodes. A direction is abandoned when the diagrams have
+//! grown by a fifth, or when its remaining positions cannot have fewer nodes than the best one.
+//! After that, adjacent pairs that would grow if swapped are moved as one block, since neither
+//! would move away from the other alone. A pass never ends with more nodes than it started with.
 //!
-//! It works on a copy with reference counts and complement edges (the high edge is never negated),
-//! not inside a kernel: swapping levels needs no locks here, an order suits every kernel, and
-//! running out of memory or time leaves the kernel unchanged. The work is bounded by the number of
-//! nodes touched by swaps, not by time, so that the same functions are always sifted to the same
-//! order.
+//! The sifter works on a copy with reference counts and complement edges (the high edge is never
+//! negated), not inside a kernel: swapping levels needs no locks, the order can be used by every
+//! kernel, and running out of memory or time leaves the kernel unchanged. The work is limited by
+//! the number of nodes that swaps touch, not by time, so that the same functions always get the
+//! same order.
 
 use super::{Bit, Diagram, Limits, Order};
 use rustc_hash::FxHashMap;
 
-/// Percentage of the smallest node count so far above which a direction is abandoned.
+/// A direction is abandoned above this percentage of the smallest node count so far.
 const GROWTH_PERCENT: usize = 120;
 
-/// Another pass follows a pass that leaves less than this percentage of the nodes.
+/// Another pass follows if a pass leaves less than this percentage of the nodes.
 const WORTHWHILE_PERCENT: usize = 95;
 
 /// Maximum number of passes.
-const MOST_PASSES: usize = 6;
+const MAX_PASSES: usize = 6;
 
 /// The first pass is abandoned if a quarter of the work leaves more than this percentage of the
 /// nodes.
 const HOPEFUL_PERCENT: usize = 99;
 
-/// Maximum number of nodes touched by a call, plus [`MORE_WORK`] for each of the first
-/// [`MANY_NODES`], and [`WORK_PER_NODE`] for every node.
-const LEAST_WORK: usize = 300_000;
+/// Base of the work limit of a call, in touched nodes. [`WORK_PER_NODE`] is added for every node,
+/// and [`MORE_WORK`] for each of the first [`MANY_NODES`] nodes.
+const BASE_WORK: usize = 300_000;
 
-/// See [`LEAST_WORK`].
+/// See [`BASE_WORK`].
 const MORE_WORK: usize = 3_000;
 
-/// See [`LEAST_WORK`].
+/// See [`BASE_WORK`].
 const MANY_NODES: usize = 20_000;
 
-/// See [`LEAST_WORK`].
+/// See [`BASE_WORK`].
 const WORK_PER_NODE: usize = 300;
 
-/// Number of nodes touched between two checks of the deadline: some milliseconds.
-const LOOK: usize = 200_000;
+/// Number of nodes touched between two checks of the deadline: a few milliseconds.
+const CHECK_INTERVAL: usize = 200_000;
 
-/// Marks the level of the constant, which is not a bit.
+/// Stands for a bit in the node of the constant, which tests none.
 const CONSTANT: u16 = u16::MAX;
 
-/// A node; an edge is twice a node's number, plus one if negated. Node 0 is the constant `true`.
+/// A node. An edge is twice the number of its target, plus one if negated. Node 0 is the constant
+/// `true`.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     bit: u16,
@@ -62,38 +63,39 @@ struct Node {
 
 /// Diagrams with a changeable order.
 ///
-/// While two levels are swapped, only nodes of the upper one are made, and only nodes of the lower
-/// one die: everything below stays needed. So a level is a plain list, and a table of nodes by
-/// edges is needed for only one level at a time.
+/// A swap of two levels creates nodes only in the upper level, and nodes die only in the lower
+/// level: all nodes below stay in use. So a level is a plain list, and only one level at a time
+/// needs a table of its nodes by edges.
 #[derive(Debug)]
 pub struct Sifter {
     nodes: Vec<Node>,
     free: Vec<u32>,
-    /// Nodes by bit.
+    /// Numbers of the nodes of each bit.
     levels: Vec<Vec<u32>>,
-    /// Scratch: the nodes of the upper bit of a swap.
+    /// Scratch: nodes of the upper bit of a swap, by edges.
     table: Table,
-    /// Scratch: nodes of a bit that depend on the bit below.
+    /// Scratch: nodes of the upper bit that have a child of the lower bit.
     moving: Vec<u32>,
-    /// Scratch: nodes that do not.
+    /// Scratch: the other nodes of the upper bit.
     staying: Vec<u32>,
-    /// The pairs from top to bottom, and the inverse.
+    /// The pairs from top to bottom.
     order: Vec<u16>,
+    /// Position of each pair in the order.
     positions: Vec<u16>,
-    /// Number of referenced nodes without the constant.
+    /// Number of nodes except the constant.
     size: usize,
-    /// Number of nodes that may still be touched; 0 once the time has run out.
+    /// Number of nodes that may still be touched; set to 0 once the deadline has passed.
     work: usize,
     limits: Limits,
-    /// Number of touched nodes until the next check of the deadline.
-    look: usize,
+    /// Number of nodes to touch until the next check of the deadline.
+    until_check: usize,
 }
 
-/// Nodes by edges: open addressing, cleared by incrementing a stamp.
+/// A hash table of nodes by edges with open addressing; incrementing the stamp clears it.
 #[derive(Debug, Default)]
 struct Table {
     slots: Vec<Slot>,
-    /// Stamp of the current use; slots with other stamps are empty.
+    /// Slots with another stamp are empty.
     stamp: u32,
 }
 
@@ -120,7 +122,7 @@ impl Table {
     fn find(&self, high: u32, low: u32) -> Result<u32, usize> {
         let mask = self.slots.len() - 1;
         let key = u64::from(high) << 32 | u64::from(low);
-        // Fibonacci hashing: the upper half of the product depends on all of the key.
+        // Fibonacci hashing: the upper half of the product depends on every bit of the key.
         let mut place = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize & mask;
         loop {
             let slot = &self.slots[place];
@@ -145,18 +147,19 @@ impl Table {
     }
 }
 
-/// Returns an order in which the diagrams are smaller, with the number of nodes before and after;
-/// `None` if none was found.
+/// Returns an order with fewer nodes, and the number of nodes before and after; `None` if no such
+/// order was found.
 ///
-/// `diagram` must respect `order`. At most `most_work` nodes are touched, whatever its size.
+/// `diagram` must respect `order`. Sifting stops after touching `max_work` nodes, or fewer: see
+/// [`BASE_WORK`].
 pub fn sift(
     diagram: &Diagram,
     order: &Order,
-    most_work: usize,
+    max_work: usize,
     limits: &Limits,
 ) -> Option<(Order, usize, usize)> {
     let mut sifter = Sifter::new(diagram, order, limits);
-    sifter.work = sifter.work.min(most_work);
+    sifter.work = sifter.work.min(max_work);
     let before = sifter.size;
     let after = sifter.sift();
     (after < before).then(|| {
@@ -185,9 +188,9 @@ impl Sifter {
             size: 0,
             work: 0,
             limits: *limits,
-            look: LOOK,
+            until_check: CHECK_INTERVAL,
         };
-        // A diagram's constant is `false`; this one's is `true`.
+        // The constant of a `Diagram` is `false`; the constant here is `true`.
         let mut edges: Vec<u32> = Vec::with_capacity(diagram.nodes.len());
         let edge = |edges: &[u32], e: super::Edge| match e.node() {
             None => u32::from(!e.is_negated()),
@@ -215,11 +218,11 @@ impl Sifter {
             sifter.drop_dead(Bit(2 * pair).primed());
         }
         sifter.work =
-            LEAST_WORK + WORK_PER_NODE * sifter.size + MORE_WORK * sifter.size.min(MANY_NODES);
+            BASE_WORK + WORK_PER_NODE * sifter.size + MORE_WORK * sifter.size.min(MANY_NODES);
         sifter
     }
 
-    /// Removes the nodes of a bit that have no reference.
+    /// Removes the nodes of a bit that have no references.
     fn drop_dead(&mut self, bit: Bit) {
         let mut level = std::mem::take(&mut self.levels[bit.index()]);
         level.retain(|number| {
@@ -248,7 +251,8 @@ impl Sifter {
         self.nodes[(edge >> 1) as usize].references += 1;
     }
 
-    /// Adds a node without a reference. The high edge must not be negated.
+    /// Adds a node without references and returns the edge to it. The high edge must not be
+    /// negated.
     fn add(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
         debug_assert_eq!(high & 1, 0, "a high edge is negated");
         self.keep(high);
@@ -271,8 +275,9 @@ impl Sifter {
         number << 1
     }
 
-    /// The node with these edges at the level in the table, with one more reference.
-    fn make(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
+    /// Returns an edge to the node of `bit` with these edges, and counts a reference to it. The
+    /// table must hold the nodes of `bit`.
+    fn find_or_add(&mut self, bit: Bit, high: u32, low: u32) -> u32 {
         if high == low {
             self.keep(high);
             return high;
@@ -291,7 +296,8 @@ impl Sifter {
         edge ^ negated
     }
 
-    /// The cofactors of an edge for both values of a bit that is not below its own.
+    /// Returns the cofactors of an edge for the values 1 and 0 of a bit that is not below the bit
+    /// of its target.
     fn cofactors(&self, edge: u32, bit: u16) -> (u32, u32) {
         let node = &self.nodes[(edge >> 1) as usize];
         if node.bit == bit {
@@ -301,16 +307,16 @@ impl Sifter {
         }
     }
 
-    /// Swaps two bits, the first directly above the second.
+    /// Swaps two bits; `upper` is directly above `lower`.
     fn swap_bits(&mut self, upper: Bit, lower: Bit) {
         let mut moving = std::mem::take(&mut self.moving);
         let mut staying = std::mem::take(&mut self.staying);
         moving.clear();
         staying.clear();
-        let asks_lower = |edge: u32| self.nodes[(edge >> 1) as usize].bit == lower.0;
+        let tests_lower = |edge: u32| self.nodes[(edge >> 1) as usize].bit == lower.0;
         for number in &self.levels[upper.index()] {
             let Node { high, low, .. } = self.nodes[*number as usize];
-            if asks_lower(high) || asks_lower(low) {
+            if tests_lower(high) || tests_lower(low) {
                 moving.push(*number);
             } else {
                 staying.push(*number);
@@ -318,10 +324,10 @@ impl Sifter {
         }
         let touched = staying.len() + 5 * moving.len() + 1;
         self.work = self.work.saturating_sub(touched);
-        if touched < self.look {
-            self.look -= touched;
+        if touched < self.until_check {
+            self.until_check -= touched;
         } else {
-            self.look = LOOK;
+            self.until_check = CHECK_INTERVAL;
             if self.limits.check_time().is_err() {
                 self.work = 0;
             }
@@ -334,8 +340,8 @@ impl Sifter {
         self.staying = staying;
     }
 
-    /// Moves these nodes of the upper bit to the lower one. The upper level must contain only the
-    /// others.
+    /// Turns these nodes of the upper bit into nodes of the lower bit. The upper level must contain
+    /// only the other nodes.
     fn exchange(&mut self, upper: Bit, lower: Bit, moving: &[u32]) {
         let staying = &self.levels[upper.index()];
         self.table.begin(staying.len() + 2 * moving.len());
@@ -350,8 +356,8 @@ impl Sifter {
             let Node { high, low, .. } = self.nodes[number];
             let (high_high, high_low) = self.cofactors(high, lower.0);
             let (low_high, low_low) = self.cofactors(low, lower.0);
-            let new_high = self.make(upper, high_high, low_high);
-            let new_low = self.make(upper, high_low, low_low);
+            let new_high = self.find_or_add(upper, high_high, low_high);
+            let new_low = self.find_or_add(upper, high_low, low_low);
             let node = &mut self.nodes[number];
             node.bit = lower.0;
             node.high = new_high;
@@ -359,7 +365,7 @@ impl Sifter {
             self.release(high);
             self.release(low);
         }
-        // The children of the dead nodes are kept by the new ones.
+        // The new nodes keep the children of the dead nodes alive.
         self.drop_dead(lower);
         self.levels[lower.index()].extend_from_slice(moving);
     }
@@ -368,7 +374,7 @@ impl Sifter {
     fn swap(&mut self, position: usize) {
         let (a, b) = (self.order[position], self.order[position + 1]);
         let (a, b) = (Bit(2 * a), Bit(2 * b));
-        // a a' b b'  →  a b a' b'  →  b a a' b'  →  b a b' a'  →  b b' a a'
+        // a a' b b' → a b a' b' → b a a' b' → b a b' a' → b b' a a'
         self.swap_bits(a.primed(), b);
         self.swap_bits(a, b);
         self.swap_bits(a.primed(), b.primed());
@@ -383,10 +389,10 @@ impl Sifter {
         self.levels[bit].len() + self.levels[bit + 1].len()
     }
 
-    /// Sifts until it is no longer worthwhile; returns the number of nodes.
+    /// Sifts until a pass is not worthwhile; returns the number of nodes.
     fn sift(&mut self) -> usize {
         let all = self.work;
-        for pass in 0..MOST_PASSES {
+        for pass in 0..MAX_PASSES {
             let before = self.size;
             let mut pairs = self.order.clone();
             pairs.sort_by_key(|p| std::cmp::Reverse(self.nodes_of(*p)));
@@ -395,7 +401,7 @@ impl Sifter {
                     return self.size;
                 }
                 if self.nodes_of(pair) > 0 {
-                    self.place(pair, 1);
+                    self.move_to_best(pair, 1);
                 }
                 if pass == 0
                     && self.work < all / 4 * 3
@@ -410,7 +416,7 @@ impl Sifter {
                 }
                 let below = self.positions[usize::from(upper)] + 1;
                 if self.positions[usize::from(lower)] == below {
-                    self.place(upper, 2);
+                    self.move_to_best(upper, 2);
                 }
             }
             if self.size * 100 >= before * WORTHWHILE_PERCENT {
@@ -420,8 +426,8 @@ impl Sifter {
         self.size
     }
 
-    /// Adjacent pairs that would not be swapped, upper and lower, each pair in at most one couple;
-    /// those with the most nodes first.
+    /// Returns adjacent pairs whose swap would add nodes, as (upper, lower), the couple with the
+    /// most nodes first. Each pair is in at most one couple.
     fn couples(&mut self) -> Vec<(u16, u16)> {
         let mut found = Vec::new();
         for position in 0..self.order.len().saturating_sub(1) {
@@ -451,8 +457,8 @@ impl Sifter {
         couples
     }
 
-    /// Moves a pair, with the `length` pairs of its block, to their best position.
-    fn place(&mut self, top: u16, length: usize) {
+    /// Moves the block of `length` pairs that starts with `top` to its best position.
+    fn move_to_best(&mut self, top: u16, length: usize) {
         let mut here = usize::from(self.positions[usize::from(top)]);
         let (mut best, mut best_size) = (here, self.size);
         let last = self.order.len() - length;
@@ -461,8 +467,9 @@ impl Sifter {
             let below = &self.order[here + length..];
             let mut below: usize = below.iter().map(|p| self.nodes_of(*p)).sum();
             while here != if upwards { 0 } else { last } {
-                // Whatever is above a block that moves down stays, and so does every node of the
-                // block, under its bit or another; whatever is below a block that moves up stays.
+                // A lower bound for the rest of this direction: moving down keeps the nodes above
+                // the block and as many nodes as the block has; moving up keeps the nodes below the
+                // block.
                 let least = if upwards { below } else { self.size - below };
                 if least >= best_size {
                     break;
@@ -487,7 +494,7 @@ impl Sifter {
         }
     }
 
-    /// Moves the block at a position by one; returns its new position.
+    /// Moves the block at position `here` by one; returns its new position.
     fn step(&mut self, here: usize, length: usize, upwards: bool) -> usize {
         if upwards {
             for position in here - 1..here - 1 + length {

@@ -49,7 +49,7 @@ fn kernel<K: Kernel>(pairs: usize) -> K {
 
 fn small() -> Limits {
     Limits {
-        most_nodes: Some(1 << 20),
+        max_nodes: Some(1 << 20),
         ..Limits::default()
     }
 }
@@ -243,12 +243,12 @@ fn quantifying_and_renaming_on<K: Kernel>() {
     assert!(m.witness(&m.constant(false)).is_none());
 
     let past = Limits {
-        deadline: linewright_core::deadline::Deadline::in_time(std::time::Duration::ZERO),
+        deadline: linewright_core::deadline::Deadline::from_now(std::time::Duration::ZERO),
         ..Limits::default()
     };
     assert!(
         m.with_limits(&past).and(&f, &v(1))
-            == Err(Limit::Late(linewright_core::deadline::StopReason::Time))
+            == Err(Limit::Stopped(linewright_core::deadline::StopReason::Time))
     );
     drop((f, primed, fused));
     assert!(m.peak_nodes() > 0);
@@ -295,7 +295,7 @@ fn fills<K: Kernel>(limits: &Limits) -> bool {
 #[test]
 fn out_of_nodes_is_a_value() {
     let few = Limits {
-        most_nodes: Some(70_000),
+        max_nodes: Some(70_000),
         ..Limits::default()
     };
     assert!(fills::<Biodivine>(&few));
@@ -306,7 +306,7 @@ fn out_of_nodes_is_a_value() {
 /// result within the limit.
 fn work_within<K: Kernel>(most: u64) -> (u64, Result<(), Limit>) {
     let limits = Limits {
-        most_work: Some(most),
+        max_work: Some(most),
         ..small()
     };
     let m = K::new(&Order::natural(24), &limits).unwrap();
@@ -359,8 +359,8 @@ fn room_for_nodes_is_the_same_every_time() {
     let mut seen = [false; 2];
     for most in [30_000, 90_000, 240_000] {
         let limits = Limits {
-            most_nodes: Some(most),
-            most_work: Some(u64::MAX),
+            max_nodes: Some(most),
+            max_work: Some(u64::MAX),
             ..Limits::default()
         };
         let once = || {
@@ -382,36 +382,39 @@ fn room_for_nodes_is_the_same_every_time() {
 }
 
 #[test]
-fn effort_multiplies_budgets_and_tighter_limits_stay() {
+fn the_factor_scales_budgets_and_tighter_limits_stay() {
     let budget = Budget {
         work: 1_000,
         nodes: 50,
     };
-    let effort = |factor| Limits {
-        effort: Effort::new(factor).unwrap(),
+    let with_factor = |factor| Limits {
+        budget_factor: BudgetFactor::new(factor).unwrap(),
         ..Limits::default()
     };
-    let of = |limits: &Limits| (limits.most_work.unwrap(), limits.most_nodes.unwrap());
-    assert_eq!(of(&Limits::default().within(budget)), (1_000, 50));
-    assert_eq!(of(&effort(10.0).within(budget)), (10_000, 500));
-    assert_eq!(of(&effort(0.001).within(budget)), (1, 1));
-    assert_eq!(of(&effort(1e300).within(budget)), (u64::MAX, u64::MAX));
+    let of = |limits: &Limits| (limits.max_work.unwrap(), limits.max_nodes.unwrap());
+    assert_eq!(of(&Limits::default().with_budget(budget)), (1_000, 50));
+    assert_eq!(of(&with_factor(10.0).with_budget(budget)), (10_000, 500));
+    assert_eq!(of(&with_factor(0.001).with_budget(budget)), (1, 1));
+    assert_eq!(
+        of(&with_factor(1e300).with_budget(budget)),
+        (u64::MAX, u64::MAX)
+    );
     let tight = Limits {
-        most_work: Some(7),
-        ..effort(10.0)
+        max_work: Some(7),
+        ..with_factor(10.0)
     };
-    assert_eq!(of(&tight.within(budget)), (7, 500));
+    assert_eq!(of(&tight.with_budget(budget)), (7, 500));
     for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert_eq!(Effort::new(wrong), None);
+        assert_eq!(BudgetFactor::new(wrong), None);
     }
-    let limits = Limits::default().within(budget);
-    assert_eq!(limits.name(Limit::Memory), Limit::Nodes(50));
-    assert_eq!(limits.name(Limit::Size), Limit::Size);
+    let limits = Limits::default().with_budget(budget);
+    assert_eq!(limits.attribute(Limit::Memory), Limit::Nodes(50));
+    assert_eq!(limits.attribute(Limit::Size), Limit::Size);
     let small = Limits {
         memory_mib: Some(0),
         ..limits
     };
-    assert_eq!(small.name(Limit::Memory), Limit::Memory);
+    assert_eq!(small.attribute(Limit::Memory), Limit::Memory);
 }
 
 #[test]

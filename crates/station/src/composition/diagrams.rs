@@ -1,9 +1,10 @@
-//! Decides questions over too many values to try them all, with decision diagrams.
+//! Decides questions with too many values to enumerate, with decision diagrams.
 //!
-//! The wires that occur become the variables of a specification, and the question its formulas, so
-//! that the encoding and variable order are those of the games. The question is whether anything
-//! satisfies the hypotheses and not the goal. Small questions are answered on the kernel that
-//! starts at once, others on the one that reorders; a count of nodes decides, never the clock.
+//! The wires of a question become the variables of a specification, and its hypotheses and goal
+//! become formulas, so that the encoding and variable order are those of the games. The question is
+//! whether some values satisfy the hypotheses but not the goal. Small questions are answered with
+//! the kernel that starts fast, others with the kernel that reorders variables; a node count
+//! selects the kernel, not the time.
 
 use super::query::{Answer, Values, domain};
 use super::support;
@@ -17,18 +18,18 @@ use linewright_solver::symbolic::{
     Biodivine, BitSet, Budget, Encoding, Kernel, Limit, Limits, OxiDd,
 };
 
-/// Number of nodes made by a question after which the kernel that starts at once is abandoned.
+/// Maximum number of nodes that a question can create in the kernel that starts fast.
 const FEW_NODES: u64 = 500_000;
 
 /// Decides whether the goal follows from the hypotheses.
 pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> Answer {
     let question = Encoded::new(machine, goal, hypotheses);
     let few = Limits {
-        most_nodes: Some(FEW_NODES),
-        most_made: Some(FEW_NODES),
+        max_nodes: Some(FEW_NODES),
+        max_created: Some(FEW_NODES),
         ..Limits::default()
     };
-    let many = Limits::default().within(Budget::WIRES);
+    let many = Limits::default().with_budget(Budget::WIRING);
     let answer = question.answer::<Biodivine>(&few);
     answer
         .or_else(|_| question.answer::<OxiDd>(&many))
@@ -39,11 +40,11 @@ pub(super) fn decide(machine: &Machine, goal: &Expr, hypotheses: &[&Expr]) -> An
 struct Encoded {
     /// The wire of each variable.
     wires: Vec<VarId>,
-    /// Its invariants are the hypotheses on one side, and the goal on the other.
+    /// Its assumptions' invariants are the hypotheses, its guarantees' only invariant is the goal.
     specification: Specification,
-    /// The wires named in a counterexample: those of the goal.
+    /// The variables to name in a counterexample: those of the goal.
     named: Vec<(VarId, Time)>,
-    /// All wires that occur.
+    /// All variables that occur.
     occurring: Vec<(VarId, Time)>,
 }
 
@@ -120,10 +121,11 @@ impl Encoded {
         Ok(Answer::Fails(Values(values.collect())))
     }
 
-    /// What the hypotheses together say about the goal's wires: all other wires are eliminated one
-    /// after the other, each only from the functions that mention it, and always the one with the
-    /// smallest functions. So the values of loosely related actions are never combined. `None` if
-    /// nothing satisfies the hypotheses.
+    /// Computes functions over the goal's variables whose conjunction is the projection of the
+    /// hypotheses. All other variables are eliminated one after the other, the one with the
+    /// smallest functions first, and each only from the functions that mention it. The values of
+    /// loosely related actions are therefore never combined. `None` if no values satisfy the
+    /// hypotheses.
     fn known<K: Kernel>(
         &self,
         encoding: &Encoding,

@@ -1,14 +1,15 @@
 //! Merges several coordinators into one: their contracts side by side, and the product of their
 //! machines.
 //!
-//! Coordinators answer before they see the inputs of the step, so neither waits for the other, and
-//! a joint step is a step of each. The wires of the merged machine are those of the original
-//! machine, in the same order. With a single coordinator, all checks of a machine's composition
-//! apply unchanged.
+//! Coordinators set their outputs before they read the inputs of the step, so none waits for
+//! another, and a joint step consists of one step of each. The wires of the merged machine are
+//! those of the original machine, in the same order. The merged machine has a single coordinator,
+//! so all checks of a machine's composition apply unchanged.
 //!
-//! A single coordinator knows its job from its own state. With several, each knows only its own
-//! job, so that the plain product would reach situations in which two jobs run at once. An
-//! operation stays until it is done; the product's state therefore includes it.
+//! A single coordinator derives the operation in progress from its own state. Each of several
+//! coordinators tracks only its own jobs, so the plain product would reach states in which two jobs
+//! run at once. The state of the product therefore includes the operation, which stays until it is
+//! done.
 
 use super::{Composition, Discharger};
 use linewright_core::gr1::{
@@ -20,10 +21,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Maximum number of states of a product.
-const MOST_STATES: usize = 20_000;
+const MAX_STATES: usize = 20_000;
 
-/// Separator between a coordinator's name and its own names.
-const OF: &str = ": ";
+/// Separator between a coordinator's name and the name of its formula.
+const SEPARATOR: &str = ": ";
 
 /// A machine with one coordinator in place of several.
 pub(super) struct MergedMachine {
@@ -43,8 +44,8 @@ fn coordinators(machine: &Machine) -> usize {
     roles.take_while(|c| c.role == Role::Coordinator).count()
 }
 
-/// Returns the merged machine. `None` if the product has too many states, a coordinator's
-/// controller is no machine, or the plant gives nothing.
+/// Merges the coordinators of a machine. `None` if the product has too many states, a coordinator's
+/// controller does not have explicit states, or the machine has no plant inputs.
 pub(super) fn merge(
     machine: &Machine,
     controllers: &[&mealy::Controller],
@@ -70,7 +71,7 @@ pub(super) fn merge(
     })
 }
 
-/// Joins the contracts side by side.
+/// Joins the coordinators to one component, with their contracts side by side.
 fn component(components: &[Component], domain: &Domain) -> Component {
     let mut specification = Specification {
         name: String::new(),
@@ -92,7 +93,7 @@ fn component(components: &[Component], domain: &Domain) -> Component {
         for (from, to) in sides {
             let moved = |formulas: &[Formula]| -> Vec<Formula> {
                 let moved = formulas.iter().map(|f| Formula {
-                    name: format!("{}{OF}{}", c.name, f.name),
+                    name: format!("{}{SEPARATOR}{}", c.name, f.name),
                     expr: f
                         .expr
                         .substitute(&mut |v, time| Expr::Var(VarId(v.0 + first), time)),
@@ -106,7 +107,7 @@ fn component(components: &[Component], domain: &Domain) -> Component {
             to.justice.extend(moved(&from.justice));
         }
     }
-    // Bound to the wire of the running operation.
+    // An additional input, bound to the wire of the running operation.
     specification.variables.push(Variable {
         name: "operation".to_owned(),
         owner: Owner::Environment,
@@ -145,11 +146,11 @@ struct Place {
 
 /// The wire of the running operation.
 struct Operations {
-    /// Its values; empty for a machine without operations.
+    /// Values of the wire; empty for a machine without operations.
     values: Vec<i64>,
-    /// Those values that are operations.
-    named: Vec<i64>,
-    /// Condition over the wires that an operation is done.
+    /// Values that stand for operations.
+    operations: Vec<i64>,
+    /// Condition over the wires that the operation is done.
     done: Expr,
     /// First wire of the coordinators.
     first: usize,
@@ -165,14 +166,14 @@ impl Operations {
             .filter(|p| matches!(p.source, PlantSource::Operation));
         Self {
             values: wire.map_or_else(Vec::new, |p| (p.domain.low()..=p.domain.high()).collect()),
-            named: machine.operations.iter().map(|o| o.value).collect(),
+            operations: machine.operations.iter().map(|o| o.value).collect(),
             done: machine.done.clone().unwrap_or(Expr::FALSE),
             first: machine.plant.len(),
             input: inputs,
         }
     }
 
-    /// The operation that runs after a step with these outputs of the coordinators.
+    /// The operation that still runs after a step with these outputs of the coordinators, if any.
     fn after(&self, operation: i64, outputs: &[i64]) -> Option<i64> {
         let done = self.done.substitute(&mut |v, time| {
             let place = v.index().checked_sub(self.first);
@@ -181,12 +182,12 @@ impl Operations {
                 None => Expr::Var(v, time),
             }
         });
-        let goes_on = done.simplify() == Expr::FALSE && self.named.contains(&operation);
-        goes_on.then_some(operation)
+        let continues = done.simplify() == Expr::FALSE && self.operations.contains(&operation);
+        continues.then_some(operation)
     }
 }
 
-/// A step of some of the coordinators.
+/// A joint step of the first coordinators.
 struct Partial {
     guard: Vec<Cube>,
     output: Vec<i64>,
@@ -212,7 +213,7 @@ fn product(machine: &Machine, machines: &[&mealy::Machine]) -> Option<mealy::Mac
     let initial = product.steps(None);
     let mut states: Vec<Vec<Transition>> = Vec::new();
     while let Some(place) = product.open.get(states.len()).cloned() {
-        if product.open.len() > MOST_STATES {
+        if product.open.len() > MAX_STATES {
             return None;
         }
         states.push(product.steps(Some(&place)));
@@ -228,7 +229,8 @@ fn product(machine: &Machine, machines: &[&mealy::Machine]) -> Option<mealy::Mac
 }
 
 impl Product<'_> {
-    /// The steps from a place, or the initial steps. New places are numbered in order of discovery.
+    /// Transitions from a place, or the initial ones. New places are numbered in order of
+    /// discovery.
     fn steps(&mut self, from: Option<&Place>) -> Vec<Transition> {
         let values = match from.and_then(|f| f.running) {
             Some(value) => vec![Some(value)],
@@ -314,17 +316,17 @@ fn both(a: &[Cube], b: &[Cube], first: usize) -> Vec<Cube> {
 }
 
 /// Attributes results about the merged machine to the individual coordinators.
-pub(super) fn apart(result: &mut Composition, merged: &Machine) {
-    let together = &merged.components[0].name;
+pub(super) fn attribute(result: &mut Composition, merged: &Machine) {
+    let merged_name = &merged.components[0].name;
     for discharge in &mut result.discharges {
-        if discharge.component == *together
-            && let Some((component, assumption)) = discharge.assumption.split_once(OF)
+        if discharge.component == *merged_name
+            && let Some((component, assumption)) = discharge.assumption.split_once(SEPARATOR)
         {
             discharge.component = component.to_owned();
             discharge.assumption = assumption.to_owned();
         }
         if let Discharger::Guarantee(names) = &mut discharge.by {
-            *names = names.replace(&format!("{together}{OF}"), "");
+            *names = names.replace(&format!("{merged_name}{SEPARATOR}"), "");
         }
     }
 }

@@ -1,25 +1,26 @@
 //! Checks whether the synthesized coordinator and actions fit together.
 //!
-//! Each contract was checked alone; this checks their composition. The coordinator's machine is
-//! small and explicit, so its reachable states are walked, with everything else (action outputs,
-//! properties, signals) as free as the machine's file leaves it. What holds then holds in the
-//! composition. What does not may still hold, so it is a warning.
+//! Each contract was checked alone; this module checks their composition. The coordinator's machine
+//! is small and explicit, so the check visits its reachable states, and leaves everything else
+//! (action outputs, properties, signals) as free as the machine's file does. A property that holds
+//! under these conditions also holds in the composition. A property that does not might still hold,
+//! so it gives a warning.
 //!
 //! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every
 //!   component must follow from the coordinator's outputs, from the guarantees of the actions, and
 //!   from what stays constant during an operation. Circles of safety are sound, step by step, since
 //!   no step contains a loop (Abadi and Lamport, Conjoining Specifications, 1995).
-//! - **Justice assumptions.** While an assumption of the coordinator waits, it must certainly come
-//!   true in the next step, or one fixed action must have a justice guarantee that implies it; an
+//! - **Justice assumptions.** While a justice assumption of the coordinator does not hold, it must
+//!   hold in the next step, or one fixed action must have a justice guarantee that implies it; an
 //!   action's own justice assumptions must follow from the step alone or from a signal's script.
-//!   Anything else is a warning, since it may hold for a more complex reason. This is an order, not
-//!   a circle (McMillan, Circular Compositional Reasoning about Liveness, 1999).
+//!   Anything else gives a warning, because it might hold for a more complex reason. The proofs are
+//!   not circular (McMillan, Circular Compositional Reasoning about Liveness, 1999).
 //! - **Operations.** From every state in which the coordinator accepts an operation, every fair run
 //!   reaches `done`, and runs exactly the actions that the operation names.
 //!
-//! Assumptions that depend only on the choice of the operation and the part concern the line: they
-//! are *exported*, and checked when the library is called. With all assumptions discharged or
-//! exported nothing gets stuck, since every component's machine answers every input that keeps its
+//! Assumptions that depend only on the operation and the part that the line chooses are *exported*:
+//! they are checked when the library is called. If all assumptions are discharged or exported, no
+//! run gets stuck, because every component's machine answers every input that keeps its
 //! assumptions.
 //!
 //! Several coordinators are first merged into one (`merged.rs`).
@@ -42,42 +43,45 @@ use linewright_solver::mealy;
 use query::{Answer, Question};
 use walk::{Node, Walk};
 
-/// How an assumption of a component is met.
+/// An assumption of a component, and what discharges it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Discharge {
     /// Name of the component.
     pub component: String,
     /// Name of the assumption.
     pub assumption: String,
-    /// What meets it.
+    /// What discharges the assumption.
     pub by: Discharger,
 }
 
-/// What meets an assumption.
+/// What discharges an assumption.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Discharger {
-    /// A guarantee of another component, by its qualified name: `cell: pick_open`.
+    /// A guarantee of another component, by its qualified name: `cell: pick_open`. A justice
+    /// assumption can need several, separated by commas.
     Guarantee(String),
-    /// Several guarantees of the coordinator together, in all its reachable states.
+    /// The coordinator's behavior in all its reachable states, together with guarantees of actions.
     Coordinator,
-    /// Values fixed by the machine's file: constant signals, values held during an operation.
+    /// Values that the machine's file fixes: constant signals, scripts of signals, bindings.
     Plant,
-    /// The line, by its choice of the operation and the part; checked at every call.
+    /// The line's choice of the operation and the part, which the library checks in every call.
     Line,
 }
 
 /// Result of checking a machine's composition.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Composition {
-    /// How each assumption is met, in component order.
+    /// The discharged assumptions, in component order.
     pub discharges: Vec<Discharge>,
-    /// Problems: LW303, LW304, LW306.
+    /// Findings: LW303, LW304, LW306.
     pub findings: Vec<Diagnostic>,
 }
 
-/// Checks the composition of a machine whose components have these verified controllers.
+/// Checks the composition of a machine whose components have these verified controllers, in order.
 ///
-/// The coordinator's controller must be a machine (state by state); otherwise nothing is decided.
+/// If a coordinator's controller does not have explicit states, every assumption is reported as
+/// undecided. Without a coordinator, or with another number of controllers than components, every
+/// assumption is left to the line.
 pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Composition {
     let mut result = Composition::default();
     if machine.coordinator().is_none() || controllers.len() != machine.components.len() {
@@ -97,7 +101,7 @@ pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Compositi
             return undecided(machine);
         };
         let mut result = examine(&merged.machine, &merged.coordinator);
-        merged::apart(&mut result, &merged.machine);
+        merged::attribute(&mut result, &merged.machine);
         return result;
     }
     match controllers[0].machine() {
@@ -106,7 +110,7 @@ pub fn check(machine: &Machine, controllers: &[&mealy::Controller]) -> Compositi
     }
 }
 
-/// Result for a machine with one coordinator.
+/// Checks a machine with one coordinator.
 fn examine(machine: &Machine, coordinator: &mealy::Machine) -> Composition {
     let mut result = Composition::default();
     let walk = Walk::new(machine, coordinator);
@@ -118,7 +122,7 @@ fn examine(machine: &Machine, coordinator: &mealy::Machine) -> Composition {
     result
 }
 
-/// Result for a machine whose coordinators cannot be walked.
+/// Reports every assumption of a machine whose coordinators have no explicit states as undecided.
 fn undecided(machine: &Machine) -> Composition {
     let mut result = Composition::default();
     for component in &machine.components {
@@ -129,7 +133,8 @@ fn undecided(machine: &Machine) -> Composition {
     result
 }
 
-/// A component's formula over wires: inputs are replaced by their bindings, outputs by their wires.
+/// Expresses a component's formula over wires: replaces inputs by their bindings, and outputs by
+/// their wires.
 pub(super) fn over_wires(machine: &Machine, index: usize, expr: &Expr) -> Expr {
     let component = &machine.components[index];
     let (specification, first) = (&component.specification, machine.first_wire(index));
@@ -144,17 +149,20 @@ fn safety(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     let side = &component.specification.assumptions;
     for formula in &side.initial {
         let goal = over_wires(walk.machine, index, &formula.expr);
-        let questions = vec![walk.now(Node::Start, &goal)];
+        let questions = vec![walk.question_at(Node::Start, &goal)];
         conclude(walk, index, formula, questions, result);
     }
     for formula in &side.invariants {
         let goal = over_wires(walk.machine, index, &formula.expr);
-        let questions = walk.nodes().map(|n| walk.now(n, &goal)).collect();
+        let questions = walk.nodes().map(|n| walk.question_at(n, &goal)).collect();
         conclude(walk, index, formula, questions, result);
     }
     for formula in &side.safety {
         let goal = over_wires(walk.machine, index, &formula.expr);
-        let questions = walk.steps().flat_map(|s| walk.step(s, &goal)).collect();
+        let questions = walk
+            .steps()
+            .flat_map(|s| walk.questions_for_step(s, &goal))
+            .collect();
         conclude(walk, index, formula, questions, result);
     }
 }
@@ -172,11 +180,11 @@ fn conclude(
     for question in questions {
         match walk.ask(index, &question) {
             Answer::Holds => {}
-            Answer::Fails(_) if walk.is_lines_choice(&question) => exported = true,
+            Answer::Fails(_) if walk.depends_only_on_line(&question) => exported = true,
             Answer::Fails(values) => {
                 result
                     .findings
-                    .push(open(walk, component, formula, &values));
+                    .push(undischarged(walk, component, formula, &values));
                 return;
             }
             Answer::TooLarge => {
@@ -201,38 +209,40 @@ fn conclude(
     });
 }
 
-fn open(
+/// Finding for an assumption that these values violate.
+fn undischarged(
     walk: &Walk<'_>,
     component: &Component,
     formula: &Formula,
     values: &query::Values,
 ) -> Diagnostic {
     Diagnostic::warning(
-        codes::ASSUMPTION_OPEN,
+        codes::ASSUMPTION_UNDISCHARGED,
         component.span,
         format!(
-            "the assumption `{}` of `{}` may not be discharged: {}",
+            "the assumption `{}` of `{}` might not be discharged: {}",
             formula.name, component.name, formula.text
         ),
     )
     .with_label(formula.span, "this is assumed")
     .with_help(format!(
-        "the coordinator alone allows that {}; let it guarantee the assumption, bind the input to something else, or fix the signal",
+        "the coordinator allows that {}; add a guarantee that implies the assumption, bind the input to something else, or make the signal constant",
         values.show(walk.machine)
     ))
 }
 
+/// Finding for an assumption that was not decided.
 fn unknown(component: &Component, formula: &Formula) -> Diagnostic {
     Diagnostic::warning(
-        codes::ASSUMPTION_OPEN,
+        codes::ASSUMPTION_UNDISCHARGED,
         component.span,
         format!(
-            "whether the assumption `{}` of `{}` is discharged was not decided: too many values are involved",
+            "it was not decided whether the assumption `{}` of `{}` is discharged: too many values are involved",
             formula.name, component.name
         ),
     )
     .with_label(formula.span, "this is assumed")
-    .with_help("it is checked when the library runs; smaller domains let it be decided beforehand")
+    .with_help("use smaller domains so that it can be decided; the library checks it at run time in any case")
 }
 
 /// Checks justice assumptions.
@@ -241,9 +251,9 @@ fn justice(walk: &Walk<'_>, index: usize, result: &mut Composition) {
     for formula in &component.specification.assumptions.justice {
         let goal = over_wires(walk.machine, index, &formula.expr);
         let met = if component.role == Role::Coordinator {
-            walk.owed(index, &goal)
+            walk.discharge_coordinator_justice(index, &goal)
         } else {
-            walk.comes_by_itself(index, &goal)
+            walk.discharge_action_justice(index, &goal)
         };
         match met {
             Ok(by) => result.discharges.push(Discharge {
@@ -253,27 +263,27 @@ fn justice(walk: &Walk<'_>, index: usize, result: &mut Composition) {
             }),
             Err(values) => result.findings.push(
                 Diagnostic::warning(
-                    codes::ASSUMPTION_OPEN,
+                    codes::ASSUMPTION_UNDISCHARGED,
                     component.span,
                     format!(
-                        "nothing makes the assumption `{}` of `{}` come true again and again: {}",
+                        "it is not shown that the assumption `{}` of `{}` holds infinitely often: {}",
                         formula.name, component.name, formula.text
                     ),
                 )
                 .with_label(formula.span, "this is assumed")
                 .with_help(match values {
                     Some(values) => format!(
-                        "it may stay false where {}; give one action a guarantee `always eventually ...` that implies it, or a signal a script that makes it true",
+                        "it can stay false with {}; add a guarantee `always eventually ...` that implies it to one action, or give a signal a script that makes it true",
                         values.show(walk.machine)
                     ),
-                    None => "the coordinator passes from one action's wait to another's without an end; hold the request until it is done".to_owned(),
+                    None => "the coordinator can switch between waiting for different actions forever; let it keep each request until the action is done".to_owned(),
                 }),
             ),
         }
     }
 }
 
-/// The wires of variables that occur in an expression.
+/// Returns the wires that occur in an expression, each with its time, sorted.
 fn support(expr: &Expr) -> Vec<(VarId, Time)> {
     let mut found = Vec::new();
     expr.for_each_var(&mut |v, t| {

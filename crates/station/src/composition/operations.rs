@@ -1,8 +1,8 @@
-//! Checks whether each operation runs the actions it names, and always ends.
+//! Checks whether each operation runs the actions that it names, and always ends.
 //!
-//! An operation begins where the previous one has ended, or at the start; its wire then keeps its
-//! value. Along the coordinator's steps, the *position* in the operation's sequence is counted:
-//! consecutive active steps of an action advance it by one.
+//! An operation begins at the start, or after the previous operation has ended; its wire then keeps
+//! its value. Along the coordinator's steps, the check counts the *position* in the operation's
+//! sequence: consecutive active steps of an action advance it by one.
 
 use super::over_wires;
 use super::query::{Answer, Question};
@@ -13,7 +13,7 @@ use linewright_core::gr1::{Expr, Time, VarId};
 use linewright_language::contract::machine::Operation;
 use std::collections::BTreeSet;
 
-/// A point in an operation: the node, the number of actions begun, and the active action.
+/// A point in an operation: the node, the number of begun actions, and the active action.
 type Place = (Node, usize, Option<usize>);
 
 /// Adds findings about the operations to `findings`.
@@ -35,9 +35,9 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
             Diagnostic::warning(
                 codes::OPERATION,
                 operation.span,
-                format!("the operation `{}` can never begin: an assumption of the coordinator forbids it everywhere", operation.name),
+                format!("the operation `{}` can never begin: an assumption of the coordinator excludes it in every state", operation.name),
             )
-            .with_help("weaken that assumption, or add an operation that leads to where it holds"),
+            .with_help("weaken that assumption, or add an operation that leads to a state in which this one can begin"),
         );
     }
     let mut seen: BTreeSet<Place> = BTreeSet::new();
@@ -55,17 +55,17 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
         }
         let (node, position, active) = place;
         let ended = specialized(walk, node, done, operation);
-        if !certain(walk, node, &ended.clone().not()) {
-            // The operation ends here, or may end here.
+        if !is_certain(walk, node, &ended.clone().not()) {
+            // The operation ends here, or can end here.
             if position != operation.sequence.len() {
                 return Some(wrong(walk, operation, position, None));
             }
-            if certain(walk, node, &ended) {
+            if is_certain(walk, node, &ended) {
                 continue;
             }
         }
         for step in walk.steps_from(node) {
-            if !walk.possible(step, std::slice::from_ref(&chosen)) {
+            if !walk.is_possible(step, std::slice::from_ref(&chosen)) {
                 continue;
             }
             let target = walk.target(step);
@@ -82,14 +82,15 @@ fn examine(walk: &Walk<'_>, operation: &Operation) -> Option<Diagnostic> {
     endless(walk, operation, &seen, &edges)
 }
 
-/// Nodes at which the operation can begin: at the start, and after the last step of another one.
+/// Nodes at which the operation can begin: the start, and nodes after the last step of an
+/// operation.
 fn beginnings(walk: &Walk<'_>, operation: &Operation, done: &Expr) -> BTreeSet<Node> {
     let mut found = BTreeSet::new();
-    if walk.may_begin(None, operation.value) {
+    if walk.can_begin(None, operation.value) {
         found.insert(Node::Start);
     }
     for step in walk.steps() {
-        if walk.known(step.from, done) != Expr::FALSE && walk.may_begin(Some(step), operation.value)
+        if walk.known(step.from, done) != Expr::FALSE && walk.can_begin(Some(step), operation.value)
         {
             found.insert(walk.target(step));
         }
@@ -97,6 +98,7 @@ fn beginnings(walk: &Walk<'_>, operation: &Operation, done: &Expr) -> BTreeSet<N
     found
 }
 
+/// Simplifies an expression at a node with the values of this operation.
 fn specialized(walk: &Walk<'_>, node: Node, expr: &Expr, operation: &Operation) -> Expr {
     let with = expr.substitute(&mut |w, t| {
         if w == VarId(0) && t == Time::Now {
@@ -109,7 +111,7 @@ fn specialized(walk: &Walk<'_>, node: Node, expr: &Expr, operation: &Operation) 
 }
 
 /// Whether a condition on a step follows from the actions' guarantees.
-fn certain(walk: &Walk<'_>, node: Node, condition: &Expr) -> bool {
+fn is_certain(walk: &Walk<'_>, node: Node, condition: &Expr) -> bool {
     let question = Question {
         at: (Some(node), None),
         ..Question::plain(condition)
@@ -117,7 +119,8 @@ fn certain(walk: &Walk<'_>, node: Node, condition: &Expr) -> bool {
     walk.ask(0, &question) == Answer::Holds
 }
 
-/// The position in the sequence after a node, or the problem found there.
+/// Returns the position in the sequence and the active action after a node, or the problem found
+/// there.
 fn advance(
     walk: &Walk<'_>,
     operation: &Operation,
@@ -130,7 +133,7 @@ fn advance(
         .filter(|(_, c)| {
             c.active
                 .as_ref()
-                .is_some_and(|a| certain(walk, node, &specialized(walk, node, a, operation)))
+                .is_some_and(|a| is_certain(walk, node, &specialized(walk, node, a, operation)))
         })
         .map(|(i, _)| i)
         .next();
@@ -146,6 +149,7 @@ fn advance(
     }
 }
 
+/// Finding for an action, or an end, that the operation's sequence does not list at a position.
 fn wrong(
     walk: &Walk<'_>,
     operation: &Operation,
@@ -156,24 +160,26 @@ fn wrong(
     let expected = operation
         .sequence
         .get(position)
-        .map_or("to be done".to_owned(), |i| name(*i));
-    let does = found.map_or("say that it is done".to_owned(), |i| {
-        format!("ask for {}", name(i))
+        .map_or("ends there".to_owned(), |i| {
+            format!("lists {} next", name(*i))
+        });
+    let does = found.map_or("report completion".to_owned(), |i| {
+        format!("request {}", name(i))
     });
     Diagnostic::warning(
         codes::OPERATION,
         operation.span,
         format!(
-            "after {} of `{}` the coordinator may {does}, but the operation names {expected}",
-            messages::actions(position),
+            "after {} of `{}`, the coordinator can {does}, but the operation {expected}",
+            messages::format_action_count(position),
             operation.name
         ),
     )
-    .with_help("make the operation's list and the coordinator's contract agree")
+    .with_help("change the operation's list or the coordinator's contract so that they agree")
 }
 
-/// A path on which the operation never ends although the coordinator's justice assumptions hold
-/// again and again.
+/// Finds a cycle in which the operation never ends although every justice assumption of the
+/// coordinator can hold in it.
 fn endless(
     walk: &Walk<'_>,
     operation: &Operation,
@@ -208,7 +214,7 @@ fn endless(
         }
         let fair = justice.iter().all(|goal| {
             inner.iter().any(|(_, _, step)| {
-                walk.possible(*step, &[chosen.clone(), going.clone(), goal.clone()])
+                walk.is_possible(*step, &[chosen.clone(), going.clone(), goal.clone()])
             })
         });
         if fair {
@@ -224,12 +230,12 @@ fn endless(
                     codes::REQUEST_INCOMPLETE,
                     operation.span,
                     format!(
-                        "the operation `{}` may never end: it can wait before {at} for ever",
+                        "the operation `{}` might never end: it can wait before {at} forever",
                         operation.name
                     ),
                 )
                 .with_help(
-                    "let the coordinator guarantee that it goes on once an action is executed",
+                    "let the coordinator guarantee that it continues after each executed action",
                 ),
             );
         }

@@ -1,22 +1,22 @@
 //! Small questions about expressions over wires: does a goal follow from hypotheses?
 //!
-//! Decided by trying all values of the wires that occur, or with decision diagrams if there are
-//! many. Hypotheses that share no wire with the goal, directly or through other hypotheses, are
-//! left out first; leaving one out can only turn a "yes" into a "no".
+//! Questions are decided by enumerating all values of the wires that occur, or with decision
+//! diagrams if there are many values. Hypotheses that share no wire with the goal, directly or
+//! through other hypotheses, are left out first; omitting a hypothesis can only turn a "yes" into a
+//! "no".
 
 use super::walk::Node;
 use super::{diagrams, support};
-use linewright_core::gr1::{Domain, Expr, Time, VarId, Variable, eval, shown};
+use linewright_core::gr1::{Domain, Expr, Time, VarId, Variable, eval, show_value};
 use linewright_language::contract::machine::Machine;
 
-/// Maximum number of valuations to try before using diagrams, which are slower for fewer and faster
-/// for more.
-const MOST_VALUATIONS: u64 = 1 << 12;
+/// Maximum number of valuations to enumerate; with more, diagrams are faster.
+const MAX_VALUATIONS: u64 = 1 << 12;
 
-/// Maximum number of valuations to try if diagrams are too large.
-const MOST_VALUATIONS_AT_ALL: u64 = 1 << 18;
+/// Maximum number of valuations to enumerate if diagrams are too large.
+const MAX_FALLBACK_VALUATIONS: u64 = 1 << 18;
 
-/// "Under these hypotheses the goal holds", over the wires of one step and the next.
+/// The question whether a goal follows from hypotheses, over the wires of one step and the next.
 #[derive(Debug, Clone)]
 pub struct Question {
     /// The hypotheses.
@@ -43,10 +43,10 @@ pub enum Answer {
 pub struct Values(pub Vec<((VarId, Time), i64)>);
 
 impl Values {
-    /// The values as text.
+    /// Formats the values for a message.
     pub fn show(&self, machine: &Machine) -> String {
         if self.0.is_empty() {
-            return "the action is asked for".to_owned();
+            return "the action is requested".to_owned();
         }
         let shown: Vec<String> = self
             .0
@@ -57,7 +57,7 @@ impl Values {
                 let unit = unit(machine, *wire);
                 format!(
                     "{next}{name} = {}",
-                    shown(&domain(machine, *wire), *value, &unit)
+                    show_value(&domain(machine, *wire), *value, &unit)
                 )
             })
             .collect();
@@ -65,7 +65,7 @@ impl Values {
     }
 }
 
-/// The domain of a wire.
+/// Returns the domain of a wire.
 pub fn domain(machine: &Machine, wire: VarId) -> Domain {
     match machine.plant.get(wire.index()) {
         Some(input) => input.domain.clone(),
@@ -73,7 +73,7 @@ pub fn domain(machine: &Machine, wire: VarId) -> Domain {
     }
 }
 
-/// Unit of a wire's values; empty for bare numbers.
+/// Unit of a wire's values; empty for numbers without a unit.
 fn unit(machine: &Machine, wire: VarId) -> String {
     match machine.plant.get(wire.index()) {
         Some(input) => input.unit.clone(),
@@ -96,7 +96,7 @@ fn output(machine: &Machine, wire: VarId) -> Option<&Variable> {
 }
 
 impl Question {
-    /// A goal without hypotheses and without a particular step.
+    /// Creates a question without hypotheses and without a particular step.
     pub fn plain(goal: &Expr) -> Self {
         Self {
             hypotheses: Vec::new(),
@@ -110,7 +110,7 @@ impl Question {
         self.goal == Expr::TRUE
     }
 
-    /// Whether a hypothesis is trivially false: then the situation does not occur.
+    /// Whether a hypothesis is trivially false, so that the goal follows.
     pub fn is_void(&self) -> bool {
         self.hypotheses.contains(&Expr::FALSE)
     }
@@ -121,23 +121,23 @@ impl Question {
             return Answer::Holds;
         }
         let (wires, relevant) = self.relevant(machine, u64::MAX);
-        if valuations(machine, &wires) <= MOST_VALUATIONS {
+        if valuations(machine, &wires) <= MAX_VALUATIONS {
             return self.enumerate(machine, &wires, &relevant);
         }
         match diagrams::decide(machine, &self.goal, &relevant) {
             Answer::TooLarge => {}
             decided => return decided,
         }
-        let (wires, relevant) = self.relevant(machine, MOST_VALUATIONS_AT_ALL);
-        if valuations(machine, &wires) > MOST_VALUATIONS_AT_ALL {
+        let (wires, relevant) = self.relevant(machine, MAX_FALLBACK_VALUATIONS);
+        if valuations(machine, &wires) > MAX_FALLBACK_VALUATIONS {
             return Answer::TooLarge;
         }
         self.enumerate(machine, &wires, &relevant)
     }
 
-    /// The hypotheses that share wires with the goal, directly or through others, as long as all of
-    /// them together have at most `most` valuations; with all wires that then occur.
-    fn relevant(&self, machine: &Machine, most: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
+    /// Selects hypotheses that share wires with the goal, directly or through others, as long as
+    /// their wires together have at most `max_valuations` valuations. Also returns these wires.
+    fn relevant(&self, machine: &Machine, max_valuations: u64) -> (Vec<(VarId, Time)>, Vec<&Expr>) {
         let mut wires = support(&self.goal);
         let mut relevant: Vec<&Expr> = Vec::new();
         let mut rest: Vec<&Expr> = self
@@ -156,7 +156,7 @@ impl Question {
             for hypothesis in near {
                 let more = support(hypothesis);
                 let joined: Vec<_> = wires.iter().chain(&more).copied().collect();
-                if valuations(machine, &joined) > most {
+                if valuations(machine, &joined) > max_valuations {
                     continue;
                 }
                 wires.extend(more);
@@ -168,6 +168,7 @@ impl Question {
         (wires, relevant)
     }
 
+    /// Answers the question by enumerating all values of these wires.
     pub(super) fn enumerate(
         &self,
         machine: &Machine,
@@ -191,7 +192,7 @@ impl Question {
                 let pairs = wires.iter().copied().zip(values);
                 return Answer::Fails(Values(pairs.collect()));
             }
-            // Advances to the next valuation, like an odometer.
+            // Advance to the next valuation, like an odometer.
             let mut place = 0;
             loop {
                 if place == values.len() {
@@ -208,6 +209,7 @@ impl Question {
     }
 }
 
+/// Number of valuations of the distinct wires in a list, saturating.
 fn valuations(machine: &Machine, wires: &[(VarId, Time)]) -> u64 {
     let mut distinct = wires.to_vec();
     distinct.sort_unstable();

@@ -1,4 +1,4 @@
-//! Tests diagrams against trying all values, on random small questions.
+//! Compares diagrams with the enumeration of all values, on random small questions.
 
 use super::query::{Answer, Question};
 use super::{diagrams, support};
@@ -81,7 +81,7 @@ fn diagrams_answer_as_trying_does() {
             (Answer::Holds, Answer::Holds) => seen[0] += 1,
             (Answer::Fails(_), Answer::Fails(values)) => {
                 seen[1] += 1;
-                // The goal fails there, and the hypotheses can hold there.
+                // With these values, the goal fails, and the hypotheses can hold.
                 let fixed = values.0.iter().map(|((wire, time), value)| {
                     Expr::Var(*wire, *time).equals(Expr::Const(*value))
                 });

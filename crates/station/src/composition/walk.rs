@@ -1,4 +1,4 @@
-//! Walks the coordinator's reachable states, with what is known of all other wires in each.
+//! Walks the coordinator's reachable states, and asks questions about all wires in each.
 
 use super::query::{Answer, Question, Values};
 use super::{Discharger, over_wires, support};
@@ -8,12 +8,12 @@ use linewright_solver::mealy;
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 
-/// State of the coordinator before it answers: not started, or in a state of its machine.
+/// State of the coordinator before a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Node {
     /// Before step 0.
     Start,
-    /// In this state.
+    /// In the state with this index.
     At(usize),
 }
 
@@ -32,10 +32,10 @@ pub struct Walk<'a> {
     pub machine: &'a Machine,
     coordinator: &'a mealy::Machine,
     reachable: BTreeSet<Node>,
-    /// For each component, its invariants and safety guarantees over wires.
+    /// For each component, the invariants and the safety formulas of its guarantees, over wires.
     invariants: Vec<Vec<Expr>>,
     safeties: Vec<Vec<Expr>>,
-    /// Cached answers: a coordinator asks the same about its actions in many states.
+    /// Cached answers: many states lead to the same question about the actions.
     answers: RefCell<HashMap<(Expr, Vec<Expr>), Answer>>,
 }
 
@@ -67,7 +67,7 @@ impl<'a> Walk<'a> {
                     from: node,
                     transition,
                 };
-                if walk.possible(step, &[]) && walk.reachable.insert(walk.target(step)) {
+                if walk.is_possible(step, &[]) && walk.reachable.insert(walk.target(step)) {
                     open.push(walk.target(step));
                 }
             }
@@ -101,22 +101,23 @@ impl<'a> Walk<'a> {
     pub fn steps_from(&self, from: Node) -> impl Iterator<Item = Step> {
         (0..self.transitions(from).len())
             .map(move |transition| Step { from, transition })
-            .filter(|s| self.possible(*s, &[]))
+            .filter(|s| self.is_possible(*s, &[]))
     }
 
     /// Whether a step can occur under additional conditions on the wires of its step.
-    pub fn possible(&self, step: Step, conditions: &[Expr]) -> bool {
+    pub fn is_possible(&self, step: Step, conditions: &[Expr]) -> bool {
         let mut hypotheses = self.guard(step);
         for condition in conditions {
             hypotheses.push(self.fix(condition, step.from, None));
         }
-        // "It cannot occur" means "its negation holds"; one goal, so that every part of it counts.
+        // The step cannot occur if the negation of all conditions holds. They form one goal, so
+        // that none of them is left out as irrelevant.
         let all = hypotheses.into_iter().fold(Expr::TRUE, Expr::and);
         let question = Question::plain(&all.not());
         self.answer(&question) != Answer::Holds
     }
 
-    /// Conditions under which the coordinator takes this transition, over the wires of the step.
+    /// Condition under which the coordinator takes this transition, over the wires of the step.
     fn guard(&self, step: Step) -> Vec<Expr> {
         let transition = &self.transitions(step.from)[step.transition];
         let bindings = &self.machine.components[0].bindings;
@@ -139,12 +140,13 @@ impl<'a> Walk<'a> {
         self.transitions(node).first().map(|t| t.output.as_slice())
     }
 
-    /// Substitutes known values: the coordinator's outputs now, and next if a target is given;
-    /// signals that never change.
+    /// Substitutes known values: the coordinator's outputs in this step, those in the next step if
+    /// its node is given, and signals that never change.
     fn fix(&self, expr: &Expr, now: Node, next: Option<Node>) -> Expr {
         self.put(expr, (Some(now), next))
     }
 
+    /// Like `fix`, with optional nodes for this step and the next.
     fn put(&self, expr: &Expr, (now, next): (Option<Node>, Option<Node>)) -> Expr {
         let first = self.machine.plant.len();
         let put = |node: Node, wire: usize| -> Option<Expr> {
@@ -177,8 +179,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A question about one step.
-    pub fn now(&self, node: Node, goal: &Expr) -> Question {
+    /// Creates a question about one step.
+    pub fn question_at(&self, node: Node, goal: &Expr) -> Question {
         Question {
             hypotheses: Vec::new(),
             goal: self.fix(goal, node, None),
@@ -186,9 +188,10 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Questions about a step and the next one: within an operation, where the operation and the
-    /// part's values stay, and, if the operation may end, from one operation to the next.
-    pub fn step(&self, step: Step, goal: &Expr) -> Vec<Question> {
+    /// Creates questions about a step and the next one: one for steps within an operation, which
+    /// keeps the operation and the part's values, and one for steps between two operations, if the
+    /// operation can end.
+    pub fn questions_for_step(&self, step: Step, goal: &Expr) -> Vec<Question> {
         let target = self.target(step);
         let goal = self.fix(goal, step.from, Some(target));
         let guard = self.guard(step);
@@ -230,7 +233,7 @@ impl<'a> Walk<'a> {
             .is_some_and(|p| !matches!(p.source, PlantSource::Signal { .. }))
     }
 
-    /// Answers a question as it stands.
+    /// Answers a question with only its own hypotheses.
     fn answer(&self, question: &Question) -> Answer {
         let key = (question.goal.clone(), question.hypotheses.clone());
         if let Some(answer) = self.answers.borrow().get(&key) {
@@ -241,9 +244,9 @@ impl<'a> Walk<'a> {
         answer
     }
 
-    /// Answers a question, first with its own hypotheses, then with the guarantees of the actions.
-    /// An action may rely on guarantees in the previous step, and in the same step on those of
-    /// components that answer before it.
+    /// Answers a question about component `index`, first with only its own hypotheses, then also
+    /// with guarantees of the actions. A component can rely on guarantees in the previous step, and
+    /// in the same step on those of actions that answer before it.
     pub fn ask(&self, index: usize, question: &Question) -> Answer {
         let first = self.answer(question);
         if first == Answer::Holds {
@@ -278,9 +281,9 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether a question's goal is up to the line: it mentions only the operation and the part's
-    /// values.
-    pub fn is_lines_choice(&self, question: &Question) -> bool {
+    /// Whether a question's goal depends only on the line: it mentions only the operation and the
+    /// part's values.
+    pub fn depends_only_on_line(&self, question: &Question) -> bool {
         let wires = support(&question.goal);
         wires.iter().all(|(w, _)| self.is_held(*w))
             && wires.iter().any(|(w, t)| {
@@ -289,8 +292,8 @@ impl<'a> Walk<'a> {
             })
     }
 
-    /// Whether a component's formula holds by what the machine's file fixes alone: constant signals
-    /// and bindings.
+    /// Whether a component's formula follows only from constant signals and bindings in the
+    /// machine's file.
     pub fn is_fixed(&self, index: usize, formula: &Formula) -> bool {
         let goal = over_wires(self.machine, index, &formula.expr);
         let known = goal.substitute(&mut |wire, time| {
@@ -300,7 +303,7 @@ impl<'a> Walk<'a> {
         self.answer(&question) == Answer::Holds
     }
 
-    /// A guarantee of another component that alone implies an assumption.
+    /// Finds a guarantee of another component that by itself implies an assumption.
     pub fn single_guarantee(&self, index: usize, formula: &Formula) -> Option<String> {
         let goal = over_wires(self.machine, index, &formula.expr).simplify();
         for (i, component) in self.machine.components.iter().enumerate() {
@@ -324,12 +327,18 @@ impl<'a> Walk<'a> {
 
     // ---- justice --------------------------------------------------------------------------------
 
-    /// Whether an action's justice assumption comes true by itself: in every step of the
-    /// coordinator it holds, or some value of a signal's script makes it hold. `Err` carries a step
-    /// in which neither is so.
-    pub fn comes_by_itself(&self, index: usize, goal: &Expr) -> Result<Discharger, Option<Values>> {
+    /// Discharges an action's justice assumption: in every state of the coordinator, it must hold,
+    /// or some value in a signal's script must make it hold.
+    ///
+    /// # Errors
+    /// Returns values of a step in which neither is the case.
+    pub fn discharge_action_justice(
+        &self,
+        index: usize,
+        goal: &Expr,
+    ) -> Result<Discharger, Option<Values>> {
         for node in self.nodes() {
-            let question = self.now(node, goal);
+            let question = self.question_at(node, goal);
             let Answer::Fails(values) = self.ask(index, &question) else {
                 continue;
             };
@@ -348,15 +357,15 @@ impl<'a> Walk<'a> {
                 return Err(Some(values));
             }
         }
-        Ok(if self.is_plants_business(goal) {
+        Ok(if self.is_satisfied_by_script(goal) {
             Discharger::Plant
         } else {
             Discharger::Coordinator
         })
     }
 
-    /// Whether some value of some signal's script alone satisfies a goal.
-    fn is_plants_business(&self, goal: &Expr) -> bool {
+    /// Whether one value in the script of one signal satisfies a goal.
+    fn is_satisfied_by_script(&self, goal: &Expr) -> bool {
         self.scripted().any(|(wire, value)| {
             let settled = goal.substitute(&mut |w, t| {
                 if w == wire {
@@ -369,7 +378,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Every value in the script of a signal.
+    /// Every value in the script of every signal, with the signal's wire.
     fn scripted(&self) -> impl Iterator<Item = (VarId, i64)> {
         let signals = self.machine.plant.iter().enumerate();
         signals.flat_map(|(i, p)| {
@@ -381,34 +390,43 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Whether the coordinator's justice assumption is ensured by others: wherever it does not
-    /// hold, either it certainly holds one step later, or one action's justice guarantee implies
-    /// it, and that action stays the same until it holds.
-    pub fn owed(&self, index: usize, goal: &Expr) -> Result<Discharger, Option<Values>> {
+    /// Discharges a justice assumption of the coordinator: in every state in which it does not
+    /// hold, it must hold one step later, or a justice guarantee of an action must imply it and
+    /// still do so in the next state.
+    ///
+    /// # Errors
+    /// Returns values of a step in which neither is the case, or `None` if the implying guarantees
+    /// change between two states.
+    pub fn discharge_coordinator_justice(
+        &self,
+        index: usize,
+        goal: &Expr,
+    ) -> Result<Discharger, Option<Values>> {
         let mut names: BTreeSet<String> = BTreeSet::new();
         for node in self.nodes() {
-            let question = self.now(node, goal);
+            let question = self.question_at(node, goal);
             let Answer::Fails(values) = self.ask(index, &question) else {
                 continue;
             };
-            let owing = self.owing(node, goal);
+            let implying = self.implying_guarantees(node, goal);
             let waits = goal.clone().not();
             for step in self.steps_from(node) {
-                if !self.possible(step, std::slice::from_ref(&waits)) {
+                if !self.is_possible(step, std::slice::from_ref(&waits)) {
                     continue;
                 }
                 let target = self.target(step);
-                if self.comes_next(index, step, goal) {
+                if self.holds_next(index, step, goal) {
                     continue;
                 }
-                if owing.is_empty() {
+                if implying.is_empty() {
                     return Err(Some(values));
                 }
-                if !self.owing(target, goal).iter().any(|o| owing.contains(o)) {
+                let later = self.implying_guarantees(target, goal);
+                if !later.iter().any(|g| implying.contains(g)) {
                     return Err(None);
                 }
             }
-            names.extend(owing);
+            names.extend(implying);
         }
         Ok(match names.into_iter().collect::<Vec<_>>() {
             names if names.is_empty() => Discharger::Coordinator,
@@ -416,8 +434,8 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Whether a goal certainly holds in the step after one in which it did not.
-    fn comes_next(&self, index: usize, step: Step, goal: &Expr) -> bool {
+    /// Whether a goal that does not hold in this step must hold in the next one.
+    fn holds_next(&self, index: usize, step: Step, goal: &Expr) -> bool {
         let at = (Some(step.from), Some(self.target(step)));
         let next = goal.substitute(&mut |w, _| Expr::Var(w, Time::Next));
         let mut hypotheses = self.guard(step);
@@ -430,15 +448,15 @@ impl<'a> Walk<'a> {
         self.ask(index, &question) == Answer::Holds
     }
 
-    /// The justice guarantees of actions that imply the goal at a node.
-    fn owing(&self, node: Node, goal: &Expr) -> Vec<String> {
+    /// Names of the actions' justice guarantees that each imply the goal at a node.
+    fn implying_guarantees(&self, node: Node, goal: &Expr) -> Vec<String> {
         let mut found = Vec::new();
         let goal = self.fix(goal, node, None);
         for (i, component) in self.machine.components.iter().enumerate().skip(1) {
             for guarantee in &component.specification.guarantees.justice {
-                let owed = over_wires(self.machine, i, &guarantee.expr);
+                let guaranteed = over_wires(self.machine, i, &guarantee.expr);
                 let question = Question {
-                    hypotheses: vec![self.fix(&owed, node, None)],
+                    hypotheses: vec![self.fix(&guaranteed, node, None)],
                     goal: goal.clone(),
                     at: (Some(node), None),
                 };
@@ -452,15 +470,14 @@ impl<'a> Walk<'a> {
 
     // ---- operations -----------------------------------------------------------------------------
 
-    /// A condition over the wires of a step, as far as it is known at a node.
+    /// Simplifies a condition over the wires of a step with the values known at a node.
     pub fn known(&self, node: Node, condition: &Expr) -> Expr {
         self.fix(condition, node, None)
     }
 
-    /// The coordinator's assumptions as conditions on a first step with this operation, coming from
-    /// a node where the previous one has ended: the initial conditions, or safety with all earlier
-    /// values left open.
-    pub fn may_begin(&self, from: Option<Step>, operation: i64) -> bool {
+    /// Whether the coordinator's assumptions allow an operation to begin: its initial conditions at
+    /// the start, or its safety assumptions after a step, with all other values of that step free.
+    pub fn can_begin(&self, from: Option<Step>, operation: i64) -> bool {
         let side = &self.machine.components[0].specification.assumptions;
         let wire = VarId(0);
         let put = |expr: &Expr, time: Time| {

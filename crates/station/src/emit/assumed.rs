@@ -1,7 +1,8 @@
 //! Emits the assumptions of a controller with explicit states as C functions.
 //!
-//! Its guards were combined over inputs that the assumptions exclude, so it has transitions for
-//! some of those, too. So a step checks the assumptions before it searches for a transition.
+//! The guards of such a controller were simplified with inputs that the assumptions exclude, so it
+//! also has transitions for some of these inputs. A step therefore checks the assumptions before it
+//! searches for a transition.
 
 use super::component::{cite, unused};
 use super::expression;
@@ -14,7 +15,7 @@ pub(super) struct Assumptions<'a> {
     specification: &'a Specification,
     /// Index of each variable among the inputs or the outputs.
     places: Vec<usize>,
-    /// Variables whose values in the last step are read.
+    /// Variables whose values in the last step the assumptions read.
     kept: Vec<VarId>,
     /// Checks of step 0.
     first: Vec<Check>,
@@ -25,8 +26,9 @@ pub(super) struct Assumptions<'a> {
 /// A formula as a C condition.
 #[derive(Serialize)]
 pub(super) struct Check {
-    /// `grips (R-12): command = turn -> grip`
+    /// Comment: `grips (R-12): command = turn -> grip`.
     pub about: String,
+    /// C condition.
     pub holds: String,
 }
 
@@ -41,7 +43,7 @@ pub(super) struct Checks<'a> {
 /// Values of the last step that the state stores.
 #[derive(Serialize)]
 pub(super) struct StoredStep {
-    /// Comment with the names.
+    /// Comment with the variables' names.
     about: String,
     count: usize,
 }
@@ -80,23 +82,23 @@ impl<'a> Assumptions<'a> {
         let safety: Vec<Check> = side
             .safety
             .iter()
-            .filter_map(|f| found.check_of_two(f))
+            .filter_map(|f| found.check_two_steps(f))
             .collect();
         found.later.extend(safety);
         found
     }
 
-    /// The check of a formula about the inputs of one step.
+    /// Check of a formula about the inputs of one step.
     fn check(&self, formula: &Formula) -> Option<Check> {
         check(formula, &|v, _| self.input(v))
     }
 
-    /// The check of a formula about the last step and the inputs of this one.
-    fn check_of_two(&self, formula: &Formula) -> Option<Check> {
+    /// Check of a formula about the last step and the inputs of this one.
+    fn check_two_steps(&self, formula: &Formula) -> Option<Check> {
         check(formula, &|v, t| match t {
             Time::Now => {
                 let place = self.kept.binary_search(&v);
-                format!("last[{}]", place.expect("it is kept"))
+                format!("last[{}]", place.expect("the variable is kept"))
             }
             Time::Next => self.input(v),
         })
@@ -106,7 +108,7 @@ impl<'a> Assumptions<'a> {
         format!("values[{}]", self.places[v.index()])
     }
 
-    /// Values stored of the last step, if any.
+    /// Values of the last step that the state must store, if any.
     pub fn kept(&self) -> Option<StoredStep> {
         let names: Vec<String> = self
             .kept
@@ -114,7 +116,7 @@ impl<'a> Assumptions<'a> {
             .map(|v| comment(&self.specification.variable(*v).name))
             .collect();
         let about = format!(
-            "    /* The last step's values that assumptions refer to: {}. */",
+            "    /* Values of the last step that assumptions read: {}. */",
             names.join(", ")
         );
         (!names.is_empty()).then(|| StoredStep {
@@ -123,7 +125,8 @@ impl<'a> Assumptions<'a> {
         })
     }
 
-    /// Values read by later steps; `output` gives the text of an output's value.
+    /// C expressions of the values to store for later steps; `output` returns the expression of an
+    /// output.
     pub fn kept_values(&self, output: impl Fn(usize) -> String) -> Vec<String> {
         let kept = self.kept.iter();
         let values = kept.map(|v| match self.specification.variable(*v).owner {
@@ -149,7 +152,8 @@ impl<'a> Assumptions<'a> {
         checks(&self.later, &["last", "values"])
     }
 
-    /// The condition that a step breaks an assumption, if there is any.
+    /// C condition that is true if a step breaks an assumption; `None` without assumptions to
+    /// check.
     pub fn broken(&self) -> Option<String> {
         let last = if self.kept.is_empty() {
             "NULL"
@@ -174,7 +178,7 @@ fn checks<'a>(checks: &'a [Check], parameters: &[&'static str]) -> Option<Checks
     })
 }
 
-/// The check of a formula; `None` if it always holds.
+/// Check of a formula; `None` if the formula always holds.
 fn check(formula: &Formula, name: &impl Fn(VarId, Time) -> String) -> Option<Check> {
     let expr = formula.expr.simplify();
     (expr != Expr::TRUE).then(|| Check {

@@ -1,18 +1,18 @@
-//! Emits one component: its decisions or functions as tables; its formulas, bindings, time and
-//! power as functions.
+//! Emits one component: the decisions or functions of its controller as tables; its formulas,
+//! bindings, time and power as C functions.
 
 use super::assumed::Check;
 use super::decisions::{self, WalkTables};
 use super::expression;
 use super::machine::Function;
-use super::splits::{Decisions, Way};
+use super::splits::{Decisions, Target};
 use super::text::{comment, identifier, string, wrap};
 use super::walks::{Place, Walks};
 use super::{Names, rows};
 use crate::messages::{self, Party};
 use crate::template::render;
 use linewright_core::gr1::interval::{Interval, interval};
-use linewright_core::gr1::{Domain, Expr, Formula, Side, Time, Timing, VarId, shown};
+use linewright_core::gr1::{Domain, Expr, Formula, Side, Time, Timing, VarId, show_value};
 use linewright_language::contract::machine::{ActionTime, Component, Machine, RealExpr, Role};
 use linewright_solver::mealy;
 use linewright_solver::mealy::functions::Functions;
@@ -37,7 +37,7 @@ pub(super) struct Emitter<'a> {
     pub first_justice: usize,
 }
 
-/// Location of a signal: the bit of a value.
+/// Location of a signal: one bit of a value.
 struct Signal {
     value: usize,
     /// `LW_PREVIOUS`, `LW_CURRENT` or `LW_SHIFTED` of `ffi/machine.h`.
@@ -54,8 +54,8 @@ impl Signal {
     }
 }
 
-/// The rows of walks, and lists of rows at which the walks of a step begin. A place that writes
-/// bits of several variables takes several rows.
+/// Returns the rows of walks, and lists of the rows at which the walks of a step begin. A place
+/// that writes bits of several variables takes several rows.
 fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec<Vec<usize>>) {
     let put = |bits: &[Bit]| {
         let mut values: BTreeMap<(usize, usize), u32> = BTreeMap::new();
@@ -70,19 +70,19 @@ fn walk_rows(walks: &Walks, signal: impl Fn(Bit) -> Signal) -> (Vec<String>, Vec
     for place in &walks.places {
         places.push(count + 1);
         count += match place {
-            Place::Ask { .. } => 1,
-            Place::Put { bits, .. } => put(bits).len(),
+            Place::Test { .. } => 1,
+            Place::Write { bits, .. } => put(bits).len(),
         };
     }
     let mut rows = Vec::new();
     for place in &walks.places {
         match place {
-            Place::Ask { bit, high, low } => {
+            Place::Test { bit, high, low } => {
                 let (high, low) = (places[*high], places[*low]);
                 let signal = signal(*bit).fields();
                 rows.push(format!("    {{ {high}, {low}, {signal} }},"));
             }
-            Place::Put { bits, next: after } => {
+            Place::Write { bits, next: after } => {
                 let values = put(bits);
                 let last = rows.len() + values.len();
                 for ((from, value), mask) in values {
@@ -153,12 +153,12 @@ struct DecisionTables<'a> {
     splits: Vec<Split<'a>>,
     leaves: Vec<Leaf>,
     answers: Vec<Answer>,
-    ways: Vec<String>,
+    roots: Vec<String>,
     moore: bool,
     first_answers: Vec<i64>,
 }
 
-/// A comparison of a variable with a bound, and its targets.
+/// A comparison of a variable with a bound, and the targets of both outcomes.
 #[derive(Serialize)]
 struct Split<'a> {
     variable: &'a str,
@@ -169,14 +169,14 @@ struct Split<'a> {
     about: String,
 }
 
-/// An answer and the next place.
+/// Index of an answer, and the next place; place -1 if there is no transition.
 #[derive(Serialize)]
 struct Leaf {
     answer: usize,
     place: i64,
 }
 
-/// Values of the outputs, and the same as a comment.
+/// Values of all outputs, as C literals and as a comment.
 #[derive(Serialize)]
 struct Answer {
     values: String,
@@ -226,7 +226,7 @@ struct Justice {
     checks: Vec<Check>,
 }
 
-/// When an action is executed, and its time and energy.
+/// Functions for an action: whether it is active, its time, and its power.
 #[derive(Serialize)]
 struct Action {
     active: Function,
@@ -246,8 +246,8 @@ pub(super) struct Entry {
     inputs: usize,
     outputs: usize,
     controller: String,
-    assumes: Promises,
-    guarantees: Promises,
+    assumes: SideEntry,
+    guarantees: SideEntry,
     justice: String,
     first_justice: usize,
     active: String,
@@ -256,9 +256,10 @@ pub(super) struct Entry {
     watts: String,
 }
 
-/// The functions of one side's formulas and their rules.
+/// Initializers for one side of a contract: the check function and the rules of each kind of
+/// formula.
 #[derive(Serialize)]
-struct Promises {
+struct SideEntry {
     initial: String,
     invariants: String,
     safety: String,
@@ -315,22 +316,22 @@ impl Emitter<'_> {
         let k = self.component;
         let specification = &k.specification;
         let p = &self.prefix;
-        let promises = |side: &Side, word: &str| {
-            let promise = |formulas: &[Formula], kind: &str| {
+        let side_entry = |side: &Side, word: &str| {
+            let list = |formulas: &[Formula], kind: &str| {
                 if formulas.is_empty() {
                     "{ NULL, NULL }".to_owned()
                 } else {
                     format!("{{ {p}_{word}_{kind}, {p}_{word}_{kind}_rules }}")
                 }
             };
-            Promises {
-                initial: promise(&side.initial, "initial"),
-                invariants: promise(&side.invariants, "invariants"),
-                safety: promise(&side.safety, "safety"),
+            SideEntry {
+                initial: list(&side.initial, "initial"),
+                invariants: list(&side.invariants, "invariants"),
+                safety: list(&side.safety, "safety"),
             }
         };
-        let some = |is: bool, name: &str| {
-            if is {
+        let some = |exists: bool, name: &str| {
+            if exists {
                 format!("{p}_{name}")
             } else {
                 "NULL".to_owned()
@@ -341,7 +342,7 @@ impl Emitter<'_> {
         let controller = match self.controller {
             mealy::Controller::Machine(_) => {
                 let first = some(moore, "first_answer");
-                format!("{p}_way, {p}_splits, {p}_leaves, {p}_answers, {first}, NULL")
+                format!("{p}_root, {p}_splits, {p}_leaves, {p}_answers, {first}, NULL")
             }
             mealy::Controller::Functions(_) => {
                 format!("NULL, NULL, NULL, NULL, NULL, &{p}_functions")
@@ -356,8 +357,8 @@ impl Emitter<'_> {
             inputs: self.open_inputs().len(),
             outputs: specification.outputs().count(),
             controller,
-            assumes: promises(&specification.assumptions, "assumes"),
-            guarantees: promises(&specification.guarantees, "guarantees"),
+            assumes: side_entry(&specification.assumptions, "assumes"),
+            guarantees: side_entry(&specification.guarantees, "guarantees"),
             justice: some(!specification.assumptions.justice.is_empty(), "justice"),
             first_justice: self.first_justice,
             active: some(action, "active"),
@@ -370,23 +371,23 @@ impl Emitter<'_> {
         }
     }
 
-    /// Returns the entries of its justice assumptions in the table read by the step limit.
+    /// Returns the entries of its justice assumptions in the table of messages for the step limit.
     pub fn justice_rules(&self) -> Vec<Rule> {
         let justice = &self.component.specification.assumptions.justice;
         justice
             .iter()
-            .map(|f| self.rule(f, &messages::silent(self.component, f)))
+            .map(|f| self.rule(f, &messages::describe_unmet_justice(self.component, f)))
             .collect()
     }
 
     fn rule(&self, formula: &Formula, message: &str) -> Rule {
         Rule {
-            name: string(&messages::rule(self.component, formula)),
+            name: string(&messages::rule_name(self.component, formula)),
             message: string(message),
         }
     }
 
-    /// The name of a variable.
+    /// Name of a variable.
     fn variable(&self, id: VarId) -> &str {
         &self.variables[id.index()]
     }
@@ -420,20 +421,20 @@ impl Emitter<'_> {
         inputs.collect()
     }
 
-    /// The transitions, as decisions.
+    /// Tables of the transitions as decisions.
     fn decisions(&self, controller: &mealy::Machine) -> DecisionTables<'_> {
         let decisions = Decisions::of(controller);
         let inputs: Vec<VarId> = self.component.specification.inputs().collect();
-        let number = |way: &Way| match way {
-            Way::Split(n) => n.to_string(),
-            Way::Leaf(n) => format!("-{}", n + 1),
+        let number = |target: &Target| match target {
+            Target::Split(n) => n.to_string(),
+            Target::Leaf(n) => format!("-{}", n + 1),
         };
         let splits = decisions.splits.iter().map(|split| {
             let port = &controller.inputs[split.input];
             let condition = if port.domain == Domain::Bool {
                 format!("!{}", port.name)
             } else {
-                let bound = shown(&port.domain, split.bound, &port.unit);
+                let bound = show_value(&port.domain, split.bound, &port.unit);
                 format!("{} <= {bound}", port.name)
             };
             Split {
@@ -459,7 +460,11 @@ impl Emitter<'_> {
                     .iter()
                     .zip(values)
                     .map(|(port, v)| {
-                        format!("{} = {}", port.name, shown(&port.domain, *v, &port.unit))
+                        format!(
+                            "{} = {}",
+                            port.name,
+                            show_value(&port.domain, *v, &port.unit)
+                        )
                     })
                     .collect();
                 let numbers: Vec<String> = numbers.collect();
@@ -476,13 +481,13 @@ impl Emitter<'_> {
             splits: splits.collect(),
             leaves: leaves.collect(),
             answers: answers.collect(),
-            ways: decisions.places.iter().map(number).collect(),
+            roots: decisions.places.iter().map(number).collect(),
             moore: controller.timing == Timing::Moore,
             first_answers: firsts.collect(),
         }
     }
 
-    /// The functions as decisions, and the locations of the bits that they read.
+    /// Tables of the functions as decisions, and of the locations of the bits that they read.
     fn functions(&self, functions: &Functions) -> FunctionTables<'_> {
         let specification = &self.component.specification;
         let mut shifted = Vec::new();
@@ -528,7 +533,7 @@ impl Emitter<'_> {
         FunctionTables {
             signals: 2 * functions.pairs(),
             walk: rows(&walk, "{ 0 }"),
-            tables: decisions::around_walks(controls, &|bit| signal(bit).fields(), &starts),
+            tables: decisions::walk_tables(controls, &|bit| signal(bit).fields(), &starts),
             shifted_count: shifted.len(),
             shifted,
             goal_count: controls.goals.len(),
@@ -550,20 +555,20 @@ impl Emitter<'_> {
 
     fn side(&self, side: &Side, party: Party) -> Vec<FormulaChecks> {
         let (word, title) = match party {
-            Party::Plant => ("assumes", "What it assumes"),
-            Party::Caller => ("assumes", "The orders that it watches over"),
-            Party::Machine => ("guarantees", "What it guarantees"),
+            Party::Plant => ("assumes", "Assumptions"),
+            Party::Caller => ("assumes", "Orders"),
+            Party::Machine => ("guarantees", "Guarantees"),
         };
         let lists = [
-            (&side.initial, "initial", "in step 0"),
-            (&side.invariants, "invariants", "in every step"),
-            (&side.safety, "safety", "from every step to the next"),
+            (&side.initial, "initial", "about step 0"),
+            (&side.invariants, "invariants", "about every step"),
+            (&side.safety, "safety", "about every step and the next"),
         ];
         let lists = lists.into_iter().filter(|(list, ..)| !list.is_empty());
         let rules = lists.map(|(formulas, kind, when)| {
             let rules = formulas
                 .iter()
-                .map(|f| self.rule(f, &messages::broken(self.component, f, party)));
+                .map(|f| self.rule(f, &messages::describe_violation(self.component, f, party)));
             let checks = formulas.iter().map(|f| Check {
                 about: cite(f),
                 holds: self.formula(f, kind == "safety"),
@@ -583,9 +588,10 @@ impl Emitter<'_> {
         rules.collect()
     }
 
-    /// A formula about two steps or about the current one.
-    fn formula(&self, formula: &Formula, of_two: bool) -> String {
-        let text = if of_two {
+    /// C condition of a formula about the previous and the current step, or about the current step
+    /// only.
+    fn formula(&self, formula: &Formula, two_steps: bool) -> String {
+        let text = if two_steps {
             expression::truth(&formula.expr, &|v: VarId, t| match t {
                 Time::Now => format!("previous[{}]", self.variables[v.index()]),
                 Time::Next => format!("current[{}]", self.variables[v.index()]),
@@ -605,11 +611,11 @@ impl Emitter<'_> {
     fn justice(&self) -> Option<Justice> {
         let justice = &self.component.specification.assumptions.justice;
         let checks = justice.iter().map(|formula| {
-            let of_two = formula.expr.mentions_next();
-            let holds = self.formula(formula, of_two);
+            let two_steps = formula.expr.mentions_next();
+            let holds = self.formula(formula, two_steps);
             Check {
                 about: cite(formula),
-                holds: if of_two {
+                holds: if two_steps {
                     format!("earlier && ({holds})")
                 } else {
                     holds
@@ -643,7 +649,7 @@ impl Emitter<'_> {
     }
 }
 
-/// `gripped: command = turn -> grip`
+/// Cites a formula in a comment: `gripped: command = turn -> grip`.
 pub(super) fn cite(formula: &Formula) -> String {
     let requirement = formula
         .requirement
@@ -653,7 +659,8 @@ pub(super) fn cite(formula: &Formula) -> String {
     comment(&format!("{}{requirement}: {}", formula.name, formula.text))
 }
 
-/// The array parameters that no piece of a function's body reads: a compiler would warn about them.
+/// Returns the array parameters that no piece of a function's body reads. A compiler would warn
+/// about them.
 pub(super) fn unused<'a>(
     code: impl IntoIterator<Item = &'a str>,
     parameters: &[&'static str],

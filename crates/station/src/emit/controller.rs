@@ -1,8 +1,8 @@
-//! A single controller as C99 for use outside stations: a header and a source file without
+//! Emits a single controller as C99 for use outside stations: a header and a source file without
 //! dependencies, allocation or recursion.
 //!
 //! A machine becomes tables of guards; functions become a table of decisions that a short loop
-//! walks. Tables compile quickly whatever their size, and store shared parts once.
+//! evaluates. Large tables compile quickly, and store shared parts once.
 
 use super::Names;
 use super::assumed::{Assumptions, Checks, StoredStep};
@@ -10,7 +10,7 @@ use super::decisions::{self, Tables};
 use super::expression::literal;
 use super::text::comment;
 use super::words::{is_header, word};
-use crate::is_device;
+use crate::is_windows_device;
 use crate::template::render;
 use linewright_core::gr1::{Domain, Specification, Timing};
 use linewright_solver::mealy::functions::Functions;
@@ -19,7 +19,7 @@ use linewright_solver::symbolic::Bit;
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// The two files of a controller.
+/// The header and the source file of a controller or a monitor.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Files {
     /// File name without extension; also the prefix of all declarations.
@@ -111,9 +111,9 @@ struct MachineSource<'a> {
     values: usize,
     inputs: Vec<Input<'a>>,
     outputs: Vec<Output<'a>>,
-    /// Condition that a step breaks an assumption.
+    /// C condition that is true if a step breaks an assumption.
     broken: Option<String>,
-    /// Values read by assumptions about the next step.
+    /// Values that the assumptions read in the next step.
     kept: Vec<String>,
 }
 
@@ -150,8 +150,8 @@ struct FunctionsSource<'a> {
     signals: Vec<SignalRange>,
     #[serde(flatten)]
     tables: Tables,
-    assumed_first: Vec<Promise>,
-    assumed: Vec<Promise>,
+    assumed_first: Vec<Assumption>,
+    assumed: Vec<Assumption>,
     reads: bool,
     writes: bool,
     /// Number of signals.
@@ -171,9 +171,9 @@ struct SignalRange {
     about: String,
 }
 
-/// An edge of the decisions that an assumption requires to be true.
+/// An assumption: an edge of the decisions that must be true.
 #[derive(Serialize)]
-struct Promise {
+struct Assumption {
     edge: u32,
     about: String,
 }
@@ -184,7 +184,8 @@ struct Input<'a> {
     field: &'a str,
     low: String,
     high: String,
-    /// Its first signal in this step, and its number of bits; both 0 in a machine.
+    /// Its first signal in this step, and its number of bits; both 0 for a controller with explicit
+    /// states.
     signal: u16,
     bits: usize,
 }
@@ -194,11 +195,11 @@ struct Input<'a> {
 struct Output<'a> {
     field: &'a str,
     kind: &'static str,
-    /// Text of its value.
+    /// C expression of its value.
     value: String,
 }
 
-/// The type of a field.
+/// C type of a field.
 fn integer(domain: &Domain) -> &'static str {
     let fits = |v: i64| i32::try_from(v).is_ok();
     if fits(domain.low()) && fits(domain.high()) {
@@ -216,7 +217,7 @@ impl<'a> Text<'a> {
             named.collect::<Vec<_>>()
         };
         let mut name = word(contract);
-        if is_header(&name) || is_device(&name) {
+        if is_header(&name) || is_windows_device(&name) {
             name.push('_');
         }
         Self {
@@ -228,7 +229,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// The header, with the bits or values kept between two steps.
+    /// Renders the header, with the bits or values that the state stores between two steps.
     fn header(&self, bits: Option<usize>, kept: Option<StoredStep>) -> String {
         render(
             "controller/controller.h",
@@ -244,7 +245,7 @@ impl<'a> Text<'a> {
         )
     }
 
-    /// The inputs, with their bits if the controller is functions.
+    /// The inputs, with their bits if the controller consists of functions.
     fn step_inputs(&self, bits: &[Vec<Bit>]) -> Vec<Input<'_>> {
         let inputs = self.inputs.iter().enumerate().map(|(i, (field, port))| {
             let bits = bits.get(i).map_or(&[][..], Vec::as_slice);
@@ -259,7 +260,7 @@ impl<'a> Text<'a> {
         inputs.collect()
     }
 
-    /// The outputs with the texts of their values.
+    /// The outputs with the C expressions of their values.
     fn step_outputs(&self, value: impl Fn(usize, &Port) -> String) -> Vec<Output<'_>> {
         let outputs = self
             .outputs
@@ -350,12 +351,12 @@ impl<'a> Text<'a> {
                 about: comment(&port.name),
             })
         });
-        let promises = |edges: &mut dyn Iterator<Item = u32>, names: &[String]| {
-            let promises = edges.zip(names).map(|(edge, name)| Promise {
+        let assumptions = |edges: &mut dyn Iterator<Item = u32>, names: &[String]| {
+            let assumptions = edges.zip(names).map(|(edge, name)| Assumption {
                 edge,
                 about: comment(name),
             });
-            promises.collect::<Vec<_>>()
+            assumptions.collect::<Vec<_>>()
         };
         let mut first = controls.assumed_first.iter().map(|(_, e)| e.0);
         let mut later = controls.assumed.iter().map(|(_, e)| e.0);
@@ -374,8 +375,8 @@ impl<'a> Text<'a> {
                 name: &self.name,
                 signals: signals.collect(),
                 tables: decisions::tables(controls, &|bit| bit.0.to_string()),
-                assumed_first: promises(&mut first, &functions.names_first),
-                assumed: promises(&mut later, &functions.names),
+                assumed_first: assumptions(&mut first, &functions.names_first),
+                assumed: assumptions(&mut later, &functions.names),
                 reads: any(&functions.input_bits),
                 writes: any(&functions.output_bits),
                 bits: 2 * functions.pairs().max(1),

@@ -1,11 +1,11 @@
 //! The tables of a controller as functions: decisions with shared parts, and their roots.
 //!
-//! Tables compile quickly whatever their size, store shared parts once, and are walked by a short
-//! loop. The file that uses the tables declares their types.
+//! Large tables compile quickly and store shared parts once, and a short loop evaluates them. The
+//! file that uses the tables declares their types.
 
 use super::rows;
 use super::text::wrap;
-use linewright_solver::game::Controls;
+use linewright_solver::game::StrategyFunctions;
 use linewright_solver::symbolic::{Bit, DiagramNode, Edge};
 use serde::Serialize;
 use std::collections::HashMap;
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// Formats the fields that identify the signal of a decision or an output.
 pub(super) type Signals<'a> = &'a dyn Fn(Bit) -> String;
 
-/// Rows of all tables. `computed` starts with the outputs of step 0.
+/// Rows of all tables. `computed` begins with the outputs of step 0.
 #[derive(Serialize)]
 pub(super) struct Tables {
     nodes: String,
@@ -22,8 +22,8 @@ pub(super) struct Tables {
     goals: String,
 }
 
-/// Like `Tables`, with walks in place of `computed`: the starts of those of step 0 and of all
-/// modes.
+/// Like `Tables`, with the starts of walks instead of `computed`: first those of step 0, then those
+/// of all modes.
 #[derive(Serialize)]
 pub(super) struct WalkTables {
     nodes: String,
@@ -39,8 +39,8 @@ fn nodes(nodes: &[DiagramNode], signal: Signals<'_>) -> String {
     rows(&nodes.collect::<Vec<_>>(), "{ 0 }")
 }
 
-/// The condition and the first output of each mode; the first mode and the reach condition of each
-/// goal.
+/// Renders two tables: the condition and the first output of each mode; the first mode of each goal
+/// and the condition that the goal is reached.
 fn goals(goals: &[(Vec<(Edge, usize)>, Edge)]) -> (String, String) {
     let (mut modes, mut reached_goals) = (Vec::new(), Vec::new());
     for (of_goal, reached) in goals {
@@ -51,8 +51,8 @@ fn goals(goals: &[(Vec<(Edge, usize)>, Edge)]) -> (String, String) {
     (rows(&modes, "{ 0, 0 }"), rows(&reached_goals, "{ 0, 0 }"))
 }
 
-/// The tables of decisions and outputs.
-pub(super) fn tables(controls: &Controls, signal: Signals<'_>) -> Tables {
+/// Renders the tables of decisions and outputs.
+pub(super) fn tables(controls: &StrategyFunctions, signal: Signals<'_>) -> Tables {
     let row = |outputs: &[(Bit, Edge)]| -> String {
         let items = outputs
             .iter()
@@ -90,10 +90,10 @@ pub(super) fn tables(controls: &Controls, signal: Signals<'_>) -> Tables {
     }
 }
 
-/// The tables of decisions and of walks: `starts` lists the starts of those of step 0 and of all
-/// modes, goal by goal. The walks' own table is made elsewhere.
-pub(super) fn around_walks(
-    controls: &Controls,
+/// Renders the tables of decisions and of the starts of walks. `starts` lists the starts for step
+/// 0, then for all modes, goal by goal. The table of the walks themselves is not included.
+pub(super) fn walk_tables(
+    controls: &StrategyFunctions,
     signal: Signals<'_>,
     starts: &[Vec<usize>],
 ) -> WalkTables {
@@ -102,7 +102,7 @@ pub(super) fn around_walks(
         .iter()
         .flat_map(|g| g.modes.iter().map(|m| m.when).chain([g.reached]))
         .collect();
-    let diagram = controls.diagram.keeping(&edges);
+    let diagram = controls.diagram.extract_roots(&edges);
     let mut known: HashMap<&[usize], usize> = HashMap::new();
     let (mut list, mut count) = (Vec::new(), 0);
     let mut places: Vec<usize> = Vec::new();

@@ -1,15 +1,15 @@
-//! The JSON text returned by `station_describe`: what a host must know to call the library.
+//! The JSON text that `station_describe` returns: the data that a host needs to call the library.
 
 use crate::profile::ProfileEntry;
 use linewright_core::gr1::Domain;
 use linewright_language::contract::machine::{Machine, PlantSource, PropertyKind};
 use serde_json::{Map, Value, json};
 
-/// The JSON Schema of the description, beside the definition of a profile.
+/// The JSON Schema of the description. It refers to the definition of `ProfileEntry`.
 pub const SCHEMA: &str = include_str!("station.schema.json");
 
-/// The description of a machine whose values are laid out by this profile. Values are numbers in
-/// every call; `labels` says what an enumeration's numbers mean.
+/// Describes a machine whose library was built with this profile. Every call passes values as
+/// numbers; `labels` lists the names of an enumeration's numbers.
 pub(super) fn describe(machine: &Machine, contract_hash: &str, profile: &ProfileEntry) -> String {
     let plant: Vec<Value> = machine
         .plant

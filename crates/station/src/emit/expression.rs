@@ -1,17 +1,18 @@
 //! Formulas and plant numbers as C expressions.
 //!
-//! Integer expressions compute in `int64_t`, exactly as [`gr1::eval`](linewright_core::gr1::eval);
-//! real ones in `double`, exactly as [`RealExpr::eval`]. Every operand that is not atomic is in
-//! parentheses, but chains of one associative operator do not nest: compilers limit the depth.
+//! Integer expressions are computed in `int64_t`, exactly as in
+//! [`gr1::eval`](linewright_core::gr1::eval); real ones in `double`, exactly as in
+//! [`RealExpr::eval`]. Every operand that is not atomic is in parentheses, but chains of one
+//! associative operator do not nest, because compilers limit the depth.
 //!
-//! Parts that a compiler would warn about are simplified first: comparisons of equal operands, and
-//! constant parts.
+//! Comparisons of equal operands and constant parts are simplified first, because compilers would
+//! warn about them.
 
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp, VarId, eval};
 use linewright_language::contract::machine::{RealBinary, RealExpr, RealUnary};
 
-/// C type and form of an expression, which determine how it may be used.
+/// C type and form of an expression, which determine how it can be used.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// A name, a call or a literal: an `int64_t` that needs no parentheses.
@@ -27,13 +28,13 @@ struct Text {
     text: String,
 }
 
-/// The C text of an integer or boolean expression. `name` gives the C text of a variable, which
-/// must be an `int64_t` that needs no parentheses.
+/// Returns the C text of an integer or Boolean expression. `name` returns the C text of a variable,
+/// which must be an `int64_t` that needs no parentheses.
 pub fn integer(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     emit(&simplify(expr), name).text
 }
 
-/// The same as a condition: an `int` that is 0 or 1.
+/// Returns the C text of an expression as a condition: an `int` that is 0 or 1.
 pub fn truth(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     let Text { kind, text } = emit(&simplify(expr), name);
     match kind {
@@ -43,7 +44,7 @@ pub fn truth(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     }
 }
 
-/// The C text of an `int64_t` literal.
+/// Returns the C text of an `int64_t` literal.
 pub fn literal(value: i64) -> String {
     if value == i64::MIN {
         "(-9223372036854775807LL - 1)".to_owned()
@@ -54,7 +55,7 @@ pub fn literal(value: i64) -> String {
     }
 }
 
-/// The C text of a `double` literal that reads back as the same number.
+/// Returns the C text of a `double` literal that reads back as the same number.
 pub fn real_literal(value: f64) -> String {
     if value.is_nan() {
         "(double)NAN".to_owned()
@@ -72,11 +73,11 @@ pub fn real_literal(value: f64) -> String {
 /// The runtime's header, which defines the operators that C lacks.
 const RUNTIME: &str = include_str!("../../../../ffi/machine.h");
 
-/// The operators that a text calls, as defined in the runtime.
+/// Returns the runtime's definitions of the operators that a text calls.
 pub fn operators(text: &str) -> Vec<String> {
     let calls = |name: &str| text.contains(&format!("{name}("));
     let names = ["lw_abs", "lw_min", "lw_max", "lw_div", "lw_mod", "lw_int"];
-    // The others are computed from the division.
+    // `lw_mod` calls `lw_div`.
     let called = names
         .into_iter()
         .filter(|name| calls(name) || *name == "lw_div" && calls("lw_mod"));
@@ -95,8 +96,8 @@ fn operator(name: &str) -> &'static str {
     definition.expect("the runtime defines its operators; please report this")
 }
 
-/// The same expression without constant parts. Arithmetic that could leave an `int64_t` is left as
-/// it is.
+/// Simplifies constant parts of an expression. Arithmetic that could overflow an `int64_t` stays
+/// unchanged.
 fn simplify(expr: &Expr) -> Expr {
     let simple = match expr {
         Expr::Const(_) | Expr::Var(..) => expr.clone(),
@@ -104,7 +105,7 @@ fn simplify(expr: &Expr) -> Expr {
         Expr::Binary(op, a, b) => {
             let (a, b) = (simplify(a), simplify(b));
             match (op, constant(&a), constant(&b)) {
-                // A constant decides the result ...
+                // A constant decides the result,
                 (BinaryOp::And, Some(0), _) | (BinaryOp::And, _, Some(0)) => Expr::FALSE,
                 (BinaryOp::Or, Some(x), _) | (BinaryOp::Or | BinaryOp::Implies, _, Some(x))
                     if x != 0 =>
@@ -112,7 +113,7 @@ fn simplify(expr: &Expr) -> Expr {
                     Expr::TRUE
                 }
                 (BinaryOp::Implies, Some(0), _) => Expr::TRUE,
-                // ... or has no effect, which leaves the other operand,
+                // or has no effect, so the other operand remains,
                 (BinaryOp::And | BinaryOp::Or | BinaryOp::Implies, Some(_), _)
                 | (BinaryOp::Eq, Some(1), _)
                     if is_truth(&b) =>
@@ -124,7 +125,7 @@ fn simplify(expr: &Expr) -> Expr {
                 {
                     a
                 }
-                // ... or leaves its negation.
+                // or negates the other operand.
                 (BinaryOp::Implies, _, Some(_)) | (BinaryOp::Eq, _, Some(0)) if is_truth(&a) => {
                     a.not()
                 }
@@ -145,7 +146,8 @@ fn simplify(expr: &Expr) -> Expr {
     };
     let mut variables = false;
     simple.for_each_var(&mut |_, _| variables = true);
-    // The interval of an expression without variables shows whether it can be computed at all.
+    // An expression without variables has an interval only if evaluating it neither overflows nor
+    // divides by zero.
     if !variables && interval(&simple, &|_| Interval::BOOL).is_ok() {
         return Expr::Const(eval::eval(&simple, &[], &[]));
     }
@@ -244,7 +246,7 @@ fn emit(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> Text {
     }
 }
 
-/// As an operand of arithmetic: an `int64_t`.
+/// C text of an operand of arithmetic: an `int64_t`.
 fn operand(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     let Text { kind, text } = emit(expr, name);
     match kind {
@@ -254,7 +256,7 @@ fn operand(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     }
 }
 
-/// As an operand of a comparison. Compilers warn if a truth value is compared with a number.
+/// C text of an operand of a comparison. Compilers warn if a truth value is compared with a number.
 fn compared(expr: &Expr, constants: bool, name: &impl Fn(VarId, Time) -> String) -> String {
     let Text { kind, text } = emit(expr, name);
     match kind {
@@ -264,7 +266,7 @@ fn compared(expr: &Expr, constants: bool, name: &impl Fn(VarId, Time) -> String)
     }
 }
 
-/// As an operand of a connective. Compilers warn if arithmetic is used as a truth value.
+/// C text of an operand of a connective. Compilers warn if arithmetic is used as a truth value.
 fn condition(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     let Text { kind, text } = emit(expr, name);
     match kind {
@@ -296,7 +298,7 @@ fn call(function: &str, arguments: &[&Expr], name: &impl Fn(VarId, Time) -> Stri
     format!("{function}({})", arguments.join(", "))
 }
 
-/// Operands of an associative operator, without nesting.
+/// C text of a chain of one associative operator, without nesting.
 fn chain<N: Fn(VarId, Time) -> String>(
     expr: &Expr,
     op: BinaryOp,
@@ -318,7 +320,8 @@ fn chain<N: Fn(VarId, Time) -> String>(
     operands.join(&format!(" {sign} "))
 }
 
-/// A sum: only the left operand may itself be a sum, since another order could leave an `int64_t`.
+/// C text of a sum. Only left operands are flattened, because another order could overflow an
+/// `int64_t`.
 fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     let mut terms = Vec::new();
     let mut expr = expr;
@@ -331,8 +334,8 @@ fn chain_left(expr: &Expr, name: &impl Fn(VarId, Time) -> String) -> String {
     terms.join(" + ")
 }
 
-/// The C text of a real expression over `properties` (doubles) and `values` (`int64_t`); wires have
-/// these names.
+/// Returns the C text of a real expression over `properties` (doubles) and `values` (`int64_t`).
+/// `wires` holds the name of each wire's index.
 pub fn real(expr: &RealExpr, wires: &[String]) -> String {
     let real = |e: &RealExpr| real(e, wires);
     let zero = |e: &RealExpr| format!("({} == 0.0)", real(e));

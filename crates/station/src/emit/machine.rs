@@ -23,7 +23,7 @@ struct Body {
     output_labels: Vec<Labels>,
     outputs: Vec<Output>,
     properties: Vec<Property>,
-    /// Lists of labels that no output uses.
+    /// Lists of labels that only properties use.
     property_labels: Vec<Labels>,
     done: Function,
     unused_by_writes: Vec<&'static str>,
@@ -109,7 +109,7 @@ pub(super) struct Function {
 }
 
 impl Function {
-    /// A function of wires with a truth value.
+    /// A function of wires that returns a truth value.
     pub fn condition(value: &str) -> Self {
         Self {
             unused: unused([value], &["values"]),
@@ -127,7 +127,7 @@ impl Function {
     }
 }
 
-/// All definitions.
+/// Renders all definitions of a machine.
 pub(super) fn definitions(machine: &Machine, emitters: &[Emitter<'_>], wires: &[String]) -> String {
     let definitions = emitters.iter().map(Emitter::definitions);
     let plant = machine.plant.iter().enumerate();
@@ -223,7 +223,8 @@ pub(super) fn wire_names(machine: &Machine) -> Vec<String> {
         .collect()
 }
 
-/// Name of an enumeration's list of labels, each list once; `NULL` for other domains.
+/// Returns the name of an enumeration's list of labels, and adds the list to `out` if it is new;
+/// `NULL` for other domains.
 fn labels(
     out: &mut Vec<Labels>,
     known: &mut BTreeMap<Vec<String>, String>,
@@ -274,11 +275,11 @@ fn plant_input(machine: &Machine, index: usize, input: &PlantInput, wires: &[Str
         about: comment(&input.name),
         script,
         abstraction,
-        message: string(&messages::about_abstraction(machine, input)),
+        message: string(&messages::abstraction_prefix(machine, input)),
     }
 }
 
-/// Writes the outputs of all components to their wires.
+/// Entries of the table of outputs, for all components.
 fn outputs(
     machine: &Machine,
     wires: &[String],

@@ -1,8 +1,8 @@
-//! Emits the C text of a machine: one readable C99 file of tables and small functions, which
+//! Emits the C source of a machine: one readable C99 file of tables and small functions, which
 //! includes the runtime and the adapter of `ffi/` at its end.
 //!
-//! The file is a single translation unit, so that a library takes one compiler run. Everything is
-//! in the order of the machine; nothing depends on time, place or a hash map.
+//! The file is a single translation unit, so one compiler run builds a library. Definitions are in
+//! the order of the machine, so the text does not depend on time, path or hash map order.
 
 mod assumed;
 mod component;
@@ -34,8 +34,8 @@ use text::{comment, identifier, long_string, wrap};
 pub struct EmittedMachine {
     /// The C file.
     pub source: String,
-    /// The machine's own part, without description, runtime and adapter, for use with another
-    /// adapter.
+    /// The part of the C file that defines the machine, without description, runtime and adapter,
+    /// for use with another adapter.
     pub unit: String,
     /// The contract hash in `station_describe`, over everything that determines the machine's
     /// behavior.
@@ -66,7 +66,7 @@ struct Unit<'a> {
 /// Emits a machine with the controller of each of its components, in order.
 ///
 /// # Panics
-/// Panics if they do not belong together.
+/// Panics if a controller does not fit its component's contract.
 pub fn emit(
     machine: &Machine,
     controllers: &[mealy::Controller],
@@ -94,7 +94,7 @@ pub fn emit(
     let body = machine::definitions(machine, &emitters, &wires);
     let hash = hex(&Sha256::digest(format!("{sizes}{body}")));
     let description = describe::describe(machine, &hash, &profile.describe());
-    let vendors = describe::describe(machine, &hash, &Profile::describe_vendors());
+    let vendors = describe::describe(machine, &hash, &Profile::describe_vendor_header());
     // 1 to 1023: no handle is 0, and those of two machines rarely coincide, even if only their
     // names differ.
     let named = hex(&Sha256::digest(format!("{}\n{hash}", machine.name)));
@@ -126,8 +126,8 @@ pub fn emit(
     }
 }
 
-/// Size in bytes of a machine's tables in a station library, without names and formulas; used to
-/// decide whether functions are preferable.
+/// Size in bytes of a Mealy machine's tables in a station library, without names and formulas. The
+/// caller uses it to choose between tables and functions.
 pub fn table_bytes(machine: &mealy::Machine) -> usize {
     splits::Decisions::of(machine).bytes()
 }
@@ -142,9 +142,9 @@ struct Sizes {
     properties: usize,
     operations: usize,
     justice: usize,
-    /// Maximum number of domains per component as functions that do not begin at 0; `None` without
-    /// such components.
-    most_shifted: Option<usize>,
+    /// Maximum number of variables per component whose domain does not begin at 0, over components
+    /// with a controller as functions; `None` if there are none.
+    max_shifted: Option<usize>,
     number: &'static str,
     each_component: Vec<usize>,
     each_moore: Vec<usize>,
@@ -155,7 +155,7 @@ struct Sizes {
     base_watts: String,
 }
 
-/// The sizes of all tables.
+/// Renders the macros with the sizes of all tables.
 fn sizes(
     machine: &Machine,
     controllers: &[mealy::Controller],
@@ -190,7 +190,7 @@ fn sizes(
             properties: machine.properties.len(),
             operations: machine.operations.len(),
             justice,
-            most_shifted: shifted.max(),
+            max_shifted: shifted.max(),
             number: number(machine),
             each_component: (0..machine.components.len()).collect(),
             each_moore: each(Timing::Moore),
@@ -217,7 +217,7 @@ fn number(machine: &Machine) -> &'static str {
         low = domain.low().min(low);
         high = domain.high().max(high);
     }
-    let fits = |least: i64, most: i64| least <= low && high <= most;
+    let fits = |min: i64, max: i64| min <= low && high <= max;
     if fits(i8::MIN.into(), i8::MAX.into()) {
         "int8_t"
     } else if fits(i16::MIN.into(), i16::MAX.into()) {
@@ -229,7 +229,8 @@ fn number(machine: &Machine) -> &'static str {
     }
 }
 
-/// The rows of a table, one per line; C has no empty tables, so one without rows has `empty`.
+/// Joins the rows of a table, one per line. C has no empty arrays, so a table without rows gets the
+/// row `empty`.
 fn rows(rows: &[String], empty: &str) -> String {
     if rows.is_empty() {
         format!("    {empty}")
@@ -238,16 +239,17 @@ fn rows(rows: &[String], empty: &str) -> String {
     }
 }
 
-/// Assigns names, each once.
+/// Assigns unique names.
 #[derive(Default)]
 pub(super) struct Names(BTreeSet<String>);
 
 impl Names {
-    pub(super) fn unique(&mut self, wish: &str) -> String {
-        let mut name = wish.to_owned();
+    /// Returns the preferred name, or that name with the first free number appended.
+    pub(super) fn unique(&mut self, preferred: &str) -> String {
+        let mut name = preferred.to_owned();
         let mut number = 2;
         while !self.0.insert(name.clone()) {
-            name = format!("{wish}_{number}");
+            name = format!("{preferred}_{number}");
             number += 1;
         }
         name

@@ -1,22 +1,22 @@
-//! Guards as decisions: a few comparisons find a state's transition, instead of trying guard after
-//! guard.
+//! Converts guards to decisions: a few comparisons find a state's transition, instead of one guard
+//! after another.
 //!
-//! A split compares one input with a bound; both ways lead to another split or to a leaf, which
-//! names an answer and the next place. Equal splits of all places are shared. A component steps
-//! only after its assumptions were found to hold; for such inputs its guards leave no gap (the
-//! machine was verified). So the remaining decision is between guards: if they all lead to the same
-//! leaf, nothing more is compared.
+//! A split compares one input with a bound; both outcomes lead to another split or to a leaf, which
+//! holds an answer and the next place. Equal splits of all places are shared. A component steps
+//! only if its assumptions hold, and for such inputs its guards leave no gap (the machine was
+//! verified). The decision is therefore only between guards: once all remaining guards lead to the
+//! same leaf, no further comparison is needed.
 //!
-//! The chosen split is the one that leaves the fewest guards on its larger side. Guards that cannot
-//! be split well would be copied repeatedly, so beyond a few splits per test they are compared one
-//! after the other, by the same kind of splits.
+//! Each split is chosen to leave the fewest guards on its larger side. Guards that cannot be split
+//! well would be copied repeatedly. If a place would need more than a few splits per test, its
+//! guards are therefore compared one after another, by splits of the same kind.
 
 use linewright_solver::mealy::{Cube, Machine, Transition};
 use std::collections::BTreeMap;
 
 /// Target of a split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Way {
+pub(super) enum Target {
     /// The split with this index.
     Split(usize),
     /// The leaf with this index.
@@ -31,31 +31,31 @@ pub(super) struct Split {
     /// Bound of the comparison.
     pub bound: i64,
     /// Target if the input is at most the bound.
-    pub at_most: Way,
-    /// Target if it is greater.
-    pub above: Way,
+    pub at_most: Target,
+    /// Target if the input is greater than the bound.
+    pub above: Target,
 }
 
-/// Result of a transition: index of the answer, and the next place; `None` if no guard holds.
+/// Result of a transition: the index of its answer, and the next place; `None` if no guard holds.
 pub(super) type Leaf = Option<(usize, usize)>;
 
 /// The transitions of a machine, as decisions.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Decisions {
-    /// Splits; each leads only to earlier ones.
+    /// Splits; each leads only to splits before it.
     pub splits: Vec<Split>,
     /// Distinct leaves.
     pub leaves: Vec<Leaf>,
-    /// Distinct answers: values of all outputs.
+    /// Distinct answers: the values of all outputs.
     pub answers: Vec<Vec<i64>>,
     /// Start of each place: place 0 is before step 0, place `s + 1` is state `s`.
-    pub places: Vec<Way>,
-    /// For a Moore machine, each place's answer.
+    pub places: Vec<Target>,
+    /// Answer of the first transition of each place: for a Moore machine, the place's only answer.
     pub first_answers: Vec<Option<usize>>,
 }
 
-/// Maximum number of splits of a place beyond the tests of its guards.
-const MORE: usize = 16;
+/// Number of splits that a place can use in addition to two per test of its guards.
+const EXTRA_SPLITS: usize = 16;
 
 /// A guard's cube, and its leaf.
 type Row<'a> = (&'a Cube, usize);
@@ -79,12 +79,12 @@ impl Decisions {
             }
             first_answers.push(transitions.first().map(|t| work.answer(t)));
             let tests: usize = rows.iter().map(|(cube, _)| cube.0.len()).sum();
-            work.left = 2 * tests + MORE;
-            let way = match work.balanced(&rows, &mut domains.clone()) {
-                Some(way) => way,
-                None => work.one_by_one(&rows, &domains),
+            work.remaining = 2 * tests + EXTRA_SPLITS;
+            let target = match work.balanced(&rows, &mut domains.clone()) {
+                Some(target) => target,
+                None => work.sequential(&rows, &domains),
             };
-            places.push(way);
+            places.push(target);
         }
         Self {
             splits: work.splits,
@@ -112,8 +112,8 @@ struct Work {
     leaf_numbers: BTreeMap<Leaf, usize>,
     answers: Vec<Vec<i64>>,
     answer_numbers: BTreeMap<Vec<i64>, usize>,
-    /// Number of splits that the place may still have.
-    left: usize,
+    /// Number of splits that the current place can still use.
+    remaining: usize,
 }
 
 impl Work {
@@ -136,7 +136,7 @@ impl Work {
         number
     }
 
-    fn split(&mut self, split: Split) -> Way {
+    fn split(&mut self, split: Split) -> Target {
         if split.at_most == split.above {
             return split.above;
         }
@@ -145,18 +145,18 @@ impl Work {
         if number == fresh {
             self.splits.push(split);
         }
-        Way::Split(number)
+        Target::Split(number)
     }
 
-    /// Decides between guards for inputs in `within`; `None` if there are too many splits.
-    fn balanced(&mut self, rows: &[Row<'_>], within: &mut [(i64, i64)]) -> Option<Way> {
+    /// Decides between guards for inputs in `within`; `None` if that needs too many splits.
+    fn balanced(&mut self, rows: &[Row<'_>], within: &mut [(i64, i64)]) -> Option<Target> {
         let Some(&(_, leaf)) = rows.first() else {
-            return Some(Way::Leaf(self.leaf(None)));
+            return Some(Target::Leaf(self.leaf(None)));
         };
         if rows.iter().all(|&(_, l)| l == leaf) {
-            return Some(Way::Leaf(leaf));
+            return Some(Target::Leaf(leaf));
         }
-        self.left = self.left.checked_sub(1)?;
+        self.remaining = self.remaining.checked_sub(1)?;
         let (input, bound) = best(rows, within);
         let (low, high) = within[input];
         let mut side = |low: i64, high: i64| {
@@ -169,9 +169,9 @@ impl Work {
                 })
                 .collect();
             let outer = std::mem::replace(&mut within[input], (low, high));
-            let way = self.balanced(&met, within);
+            let target = self.balanced(&met, within);
             within[input] = outer;
-            way
+            target
         };
         let at_most = side(low, bound)?;
         let above = side(bound + 1, high)?;
@@ -183,44 +183,44 @@ impl Work {
         }))
     }
 
-    /// Tries the guards in order.
-    fn one_by_one(&mut self, rows: &[Row<'_>], within: &[(i64, i64)]) -> Way {
-        let mut otherwise = Way::Leaf(self.leaf(None));
+    /// Compares the guards in order.
+    fn sequential(&mut self, rows: &[Row<'_>], within: &[(i64, i64)]) -> Target {
+        let mut otherwise = Target::Leaf(self.leaf(None));
         for (cube, leaf) in rows.iter().rev() {
-            let mut way = Way::Leaf(*leaf);
+            let mut target = Target::Leaf(*leaf);
             for test in cube.0.iter().rev() {
                 let (low, high) = within[test.input];
                 if test.high < high {
-                    way = self.split(Split {
+                    target = self.split(Split {
                         input: test.input,
                         bound: test.high,
-                        at_most: way,
+                        at_most: target,
                         above: otherwise,
                     });
                 }
                 if test.low > low {
-                    way = self.split(Split {
+                    target = self.split(Split {
                         input: test.input,
                         bound: test.low - 1,
                         at_most: otherwise,
-                        above: way,
+                        above: target,
                     });
                 }
             }
-            otherwise = way;
+            otherwise = target;
         }
         otherwise
     }
 }
 
-/// The interval that a cube requires of an input.
+/// The interval in which a cube requires an input; `None` if the cube does not test the input.
 fn interval(cube: &Cube, input: usize) -> Option<(i64, i64)> {
     let test = cube.0.iter().find(|t| t.input == input)?;
     Some((test.low, test.high))
 }
 
-/// The split that leaves the fewest guards on its larger side, then the fewest in total. Of two
-/// disjoint guards one is on each side of some bound, so a separating split always exists.
+/// Finds the split that leaves the fewest guards on its larger side, then the fewest in total. Two
+/// disjoint guards are on different sides of some bound, so a separating split always exists.
 fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
     let mut found: Option<((usize, usize), usize, i64)> = None;
     for (input, &(low, high)) in within.iter().enumerate() {
@@ -253,7 +253,7 @@ fn best(rows: &[Row<'_>], within: &[(i64, i64)]) -> (usize, i64) {
         }
     }
     let (_, input, bound) =
-        found.expect("guards that lead elsewhere are disjoint; please report this");
+        found.expect("guards with different leaves are disjoint; please report this");
     (input, bound)
 }
 
@@ -267,7 +267,8 @@ mod tests {
     const HIGH: i64 = 5;
     const INPUTS: usize = 3;
 
-    /// Disjoint guards: a random tree of cuts, whose regions get one of a few leaves or none.
+    /// Transitions with disjoint guards: a random tree of cuts, whose regions get one of a few
+    /// answers or none.
     fn transitions(choices: &[(u8, u8, u8)]) -> Vec<Transition> {
         let mut regions = vec![[(0, HIGH); INPUTS]];
         for &(region, input, bound) in choices {
@@ -305,13 +306,13 @@ mod tests {
     }
 
     fn walk(decisions: &Decisions, place: usize, inputs: &[i64]) -> Leaf {
-        let mut way = decisions.places[place];
+        let mut target = decisions.places[place];
         loop {
-            match way {
-                Way::Leaf(leaf) => return decisions.leaves[leaf],
-                Way::Split(number) => {
+            match target {
+                Target::Leaf(leaf) => return decisions.leaves[leaf],
+                Target::Split(number) => {
                     let split = &decisions.splits[number];
-                    way = if inputs[split.input] <= split.bound {
+                    target = if inputs[split.input] <= split.bound {
                         split.at_most
                     } else {
                         split.above
@@ -338,7 +339,7 @@ mod tests {
         }
     }
 
-    /// Every input for which a guard holds gets the machine's answer.
+    /// Checks that the decisions give the machine's answer for every input for which a guard holds.
     fn assert_agrees(machine: &Machine, decisions: &Decisions) {
         for letter in 0..(HIGH + 1).pow(INPUTS as u32) {
             let inputs = [letter % 6, letter / 6 % 6, letter / 36];
@@ -362,11 +363,11 @@ mod tests {
             let decisions = Decisions::of(&machine);
             assert_agrees(&machine, &decisions);
             let tests: usize = machine.states.iter().chain([&machine.initial]).flatten().flat_map(|t| &t.guard.0).map(|c| c.0.len()).sum();
-            prop_assert!(decisions.splits.len() <= 4 * tests + 4 * MORE);
+            prop_assert!(decisions.splits.len() <= 4 * tests + 4 * EXTRA_SPLITS);
         }
 
         #[test]
-        fn one_after_the_other_finds_it_as_well(choices in prop::collection::vec(any::<(u8, u8, u8)>(), 0..40)) {
+        fn sequential_decisions_find_the_guard_that_holds(choices in prop::collection::vec(any::<(u8, u8, u8)>(), 0..40)) {
             let machine = machine(transitions(&choices), transitions(&choices));
             let mut work = Work::default();
             let mut rows = Vec::new();
@@ -375,12 +376,12 @@ mod tests {
                 let leaf = work.leaf(Some((answer, t.to + 1)));
                 rows.extend(t.guard.0.iter().map(|cube| (cube, leaf)));
             }
-            let way = work.one_by_one(&rows, &[(0, HIGH); INPUTS]);
+            let target = work.sequential(&rows, &[(0, HIGH); INPUTS]);
             let decisions = Decisions {
                 splits: work.splits,
                 leaves: work.leaves,
                 answers: work.answers,
-                places: vec![way, way],
+                places: vec![target, target],
                 first_answers: Vec::new(),
             };
             assert_agrees(&machine, &decisions);

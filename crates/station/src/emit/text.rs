@@ -1,10 +1,10 @@
 //! Pieces of C text: comments, strings, names, wrapped lines.
 
-/// Number of characters after which lines are broken, where possible.
+/// Maximum line length in characters, if the text can be broken.
 const WIDTH: usize = 110;
 
-/// Makes text safe for a C comment: it neither ends it nor opens another, and contains no
-/// characters that change the reading direction or control a terminal.
+/// Makes text safe for a C comment: the result neither ends the comment nor opens another, and
+/// contains no characters that change the reading direction or control a terminal.
 pub fn comment(text: &str) -> String {
     let visible = |c: char| {
         let bidirectional = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
@@ -22,7 +22,7 @@ pub fn comment(text: &str) -> String {
         .replace("??", "? ?")
 }
 
-/// A C string literal with these bytes.
+/// Formats a text as a C string literal.
 pub fn string(text: &str) -> String {
     let mut out = String::from("\"");
     for &byte in text.as_bytes() {
@@ -45,7 +45,7 @@ pub fn string(text: &str) -> String {
     out
 }
 
-/// A long string as literals that the compiler joins, one per line.
+/// Formats a long text as string literals, one per line, which the compiler joins.
 pub fn long_string(text: &str, indent: &str) -> String {
     let mut pieces = vec![String::new()];
     for c in text.chars() {
@@ -60,7 +60,8 @@ pub fn long_string(text: &str, indent: &str) -> String {
     literals.join(&format!("\n{indent}"))
 }
 
-/// The part of a name that is allowed in a C identifier.
+/// Replaces the characters of a name that are not allowed in a C identifier: `heights[2]` becomes
+/// `heights_2`. The result can begin with a digit.
 pub fn identifier(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {

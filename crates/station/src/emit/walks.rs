@@ -1,18 +1,18 @@
 //! Computes the output bits of a step in few walks.
 //!
-//! The functions of a controller's output bits test largely the same signals: each would start with
-//! the tests of those before it. A walk makes every test once for many bits. It moves from place to
-//! place; a place either tests a signal and continues at one of two places, or writes output bits
-//! that are decided by then. A place is identified by the list of undecided bits with their
-//! residual functions, so walks that reach the same list share the rest. This is like a decision
-//! diagram of all bits together, except for the order of the bits, in which a bit is decided before
-//! it is tested.
+//! The functions of a controller's output bits test mostly the same signals, so evaluating each
+//! function by itself would repeat these tests. A walk makes every test once for many bits. It
+//! moves from place to place; a place either tests a signal and continues at one of two places, or
+//! writes output bits whose values are decided. A place is identified by the list of undecided bits
+//! with their residual functions, so walks that reach the same list share the rest. This is like
+//! one decision diagram for all bits. If one output bit depends on another, the other is decided
+//! first.
 //!
-//! In the worst case there are exponentially more places than decisions. So a walk takes as many
-//! bits as fit into their share of places, and the remaining bits go into another walk. A single
-//! bit takes as many places as its function has decisions.
+//! In the worst case there are exponentially more places than nodes in the bits' decision diagrams.
+//! A walk therefore takes bits only as long as its places stay below a limit for each bit; the
+//! remaining bits go into another walk. A single bit takes as many places as its diagram has nodes.
 
-use linewright_solver::game::Controls;
+use linewright_solver::game::StrategyFunctions;
 use linewright_solver::symbolic::{Bit, Diagram, DiagramNode, Edge, Order};
 use std::collections::HashMap;
 
@@ -20,27 +20,26 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) enum Place {
     /// Continues according to the value of a signal.
-    Ask { bit: Bit, high: usize, low: usize },
-    /// Sets these output bits, all of them next bits, and continues.
-    Put { bits: Vec<Bit>, next: usize },
+    Test { bit: Bit, high: usize, low: usize },
+    /// Sets these output bits (in this step, not the previous one) to 1, and continues.
+    Write { bits: Vec<Bit>, next: usize },
 }
 
 /// The walks of a controller.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Walks {
-    /// The places; adjacent places of a walk are adjacent here.
+    /// The places, in depth-first order, so that successive places of a walk are mostly adjacent.
     pub places: Vec<Place>,
-    /// Starts of the walks of a step, one after the other: those of step 0, then those of all
-    /// modes, goal by goal.
+    /// For step 0, then for all modes, goal by goal: the starts of the walks of a step, in order.
     pub starts: Vec<Vec<usize>>,
 }
 
-/// Undecided bits with their functions, in an order in which they may read each other.
-type Open = Vec<(Bit, Edge)>;
+/// Undecided bits with their functions; a function can read only bits before its own.
+type Undecided = Vec<(Bit, Edge)>;
 
 impl Walks {
     /// Computes the walks of a controller's functions.
-    pub fn of(controls: &Controls) -> Self {
+    pub fn of(controls: &StrategyFunctions) -> Self {
         let modes = controls.goals.iter().flat_map(|g| &g.modes);
         let lists: Vec<&[(Bit, Edge)]> = std::iter::once(&controls.first)
             .chain(modes.map(|m| &m.outputs))
@@ -49,7 +48,8 @@ impl Walks {
         Self::of_lists(&controls.diagram, &controls.order, &lists)
     }
 
-    /// Like `of`, for lists of output bits of equal length, with their functions in this order.
+    /// Like `of`, for lists of output bits with their functions; all lists have the same length and
+    /// the same order of bits.
     fn of_lists(diagram: &Diagram, order: &Order, lists: &[&[(Bit, Edge)]]) -> Self {
         let bits = lists.first().map_or(0, |list| list.len());
         let decisions = diagram.nodes.len();
@@ -57,18 +57,18 @@ impl Walks {
             places: Vec::new(),
             starts: vec![Vec::new(); lists.len()],
         };
-        let mut maker = Maker::new(diagram, order);
+        let mut builder = WalkBuilder::new(diagram, order);
         let mut begin = 0;
         while begin < bits {
             let part = |count: usize| lists.iter().map(move |list| &list[begin..begin + count]);
-            // A single bit is always taken; the remaining bits share the remaining places.
-            let mut taken = maker
+            // A walk always takes one bit, and further ones within their share of places.
+            let mut taken = builder
                 .walks(part(1), usize::MAX)
-                .expect("a single bit knows of no others; please report this");
+                .expect("a walk for a single bit has no limit; please report this");
             let mut count = 1;
-            while begin + count < bits && order.pairs().len() <= MOST_PAIRS {
-                let most = (decisions * (count + 1) / bits).max(SMALL);
-                let Some(more) = maker.walks(part(count + 1), most) else {
+            while begin + count < bits && order.pairs().len() <= MAX_PAIRS {
+                let max_places = (decisions * (count + 1) / bits).max(MIN_PLACES);
+                let Some(more) = builder.walks(part(count + 1), max_places) else {
                     break;
                 };
                 taken = more;
@@ -86,88 +86,88 @@ impl Walks {
         let moved = |place: usize| if place == 0 { 0 } else { first + place };
         self.places
             .extend(places.into_iter().map(|place| match place {
-                Place::Ask { bit, high, low } => Place::Ask {
+                Place::Test { bit, high, low } => Place::Test {
                     bit,
                     high: moved(high),
                     low: moved(low),
                 },
-                Place::Put { bits, next } => Place::Put {
+                Place::Write { bits, next } => Place::Write {
                     bits,
                     next: moved(next),
                 },
             }));
         for (list, start) in self.starts.iter_mut().zip(starts) {
-            // A walk that begins at its end has nothing to do.
+            // A walk that begins at its end writes no bits.
             list.extend((start != 0).then(|| moved(start)));
         }
     }
 }
 
-/// Maximum number of bit pairs for walks of several bits, since functions are followed recursively
-/// bit by bit.
-const MOST_PAIRS: usize = 4096;
+/// Maximum number of bit pairs for walks of several bits, which bounds the recursion over the bits
+/// of a function.
+const MAX_PAIRS: usize = 4096;
 
-/// Number of places that is always acceptable.
-const SMALL: usize = 256;
+/// Number of places that a walk can always use.
+const MIN_PLACES: usize = 256;
 
-/// Maximum ratio of new decisions, which arise while walks are searched, to those of the functions.
-const MOST_NEW_NODES: usize = 4;
+/// Maximum ratio of new decisions, created while walks are computed, to those of the functions.
+const MAX_NEW_NODES: usize = 4;
 
-struct Maker {
-    /// Decisions of the functions, and new ones.
+struct WalkBuilder {
+    /// Decisions of the functions, then new ones.
     nodes: Vec<DiagramNode>,
     unique: HashMap<DiagramNode, usize>,
     restricted: HashMap<(Edge, Bit, bool), Edge>,
     /// Position of each pair in the order.
     positions: Vec<u16>,
     places: Vec<Place>,
-    asking: HashMap<Open, usize>,
-    putting: HashMap<Place, usize>,
-    /// Known places from which the walk has not continued.
-    waiting: Vec<(usize, Open)>,
-    most_nodes: usize,
-    most_places: usize,
+    test_places: HashMap<Undecided, usize>,
+    write_places: HashMap<Place, usize>,
+    /// Places whose successors have not been computed.
+    waiting: Vec<(usize, Undecided)>,
+    max_nodes: usize,
+    max_places: usize,
 }
 
-impl Maker {
+impl WalkBuilder {
     fn new(diagram: &Diagram, order: &Order) -> Self {
         let nodes = diagram.nodes.clone();
         let unique = nodes.iter().enumerate().map(|(i, n)| (*n, i)).collect();
         Self {
             positions: order.positions(),
-            most_nodes: (1 + MOST_NEW_NODES) * nodes.len() + 1000,
-            most_places: 0,
+            max_nodes: (1 + MAX_NEW_NODES) * nodes.len() + 1000,
+            max_places: 0,
             nodes,
             unique,
             restricted: HashMap::new(),
             places: Vec::new(),
-            asking: HashMap::new(),
-            putting: HashMap::new(),
+            test_places: HashMap::new(),
+            write_places: HashMap::new(),
             waiting: Vec::new(),
         }
     }
 
-    /// The walks that decide these lists of bits, one per list: the places, and the start of each.
-    /// `None` if there would be more than `most` places.
+    /// Computes the walks that decide these lists of bits, one per list: the places, and the start
+    /// of each. `None` if that needs more than `max_places` places, or too many new decisions.
     fn walks<'a>(
         &mut self,
         lists: impl Iterator<Item = &'a [(Bit, Edge)]>,
-        most: usize,
+        max_places: usize,
     ) -> Option<(Vec<Place>, Vec<usize>)> {
-        self.most_places = most;
+        self.max_places = max_places;
         self.places.clear();
-        self.asking.clear();
-        self.putting.clear();
+        self.test_places.clear();
+        self.write_places.clear();
         self.waiting.clear();
         let mut starts = Vec::new();
         for list in lists {
-            starts.push(self.enter(list.to_vec())?);
+            starts.push(self.place_of(list.to_vec())?);
             self.walk()?;
         }
         Some(self.finish(&starts))
     }
 
-    /// The lower a level, the earlier a bit is tested.
+    /// Level of a bit in the order: bits with a lower level are tested earlier.
     fn level(&self, bit: Bit) -> u32 {
         let position = self.positions[usize::from(bit.pair())];
         2 * u32::from(position) + u32::from(bit.0 & 1)
@@ -177,74 +177,76 @@ impl Maker {
         edge.node().map(|n| self.nodes[n].bit)
     }
 
-    /// The place at which these bits are undecided; bits that are decided are written first.
-    fn enter(&mut self, mut open: Open) -> Option<usize> {
+    /// Returns the place for this list of bits, after writing those that are already decided.
+    fn place_of(&mut self, mut undecided: Undecided) -> Option<usize> {
         let mut put = Vec::new();
-        while let Some(decided) = open.iter().position(|(_, edge)| edge.node().is_none()) {
-            let (bit, edge) = open.remove(decided);
+        while let Some(decided) = undecided.iter().position(|(_, edge)| edge.node().is_none()) {
+            let (bit, edge) = undecided.remove(decided);
             if edge.is_negated() {
                 put.push(bit);
             }
-            self.know(&mut open, bit, edge.is_negated())?;
+            self.assign(&mut undecided, bit, edge.is_negated())?;
         }
-        let next = self.asking_place(open)?;
+        let next = self.test_place(undecided)?;
         if put.is_empty() {
             return Some(next);
         }
         put.sort_unstable();
-        let place = Place::Put { bits: put, next };
-        if let Some(known) = self.putting.get(&place) {
+        let place = Place::Write { bits: put, next };
+        if let Some(known) = self.write_places.get(&place) {
             return Some(*known);
         }
         self.places.push(place.clone());
-        self.putting.insert(place, self.places.len());
+        self.write_places.insert(place, self.places.len());
         Some(self.places.len())
     }
 
-    fn asking_place(&mut self, open: Open) -> Option<usize> {
-        if open.is_empty() {
+    fn test_place(&mut self, undecided: Undecided) -> Option<usize> {
+        if undecided.is_empty() {
             return Some(0);
         }
-        if let Some(known) = self.asking.get(&open) {
+        if let Some(known) = self.test_places.get(&undecided) {
             return Some(*known);
         }
-        if self.places.len() >= self.most_places {
+        if self.places.len() >= self.max_places {
             return None;
         }
-        // Its test is determined when the walk continues from it.
-        let place = Place::Put {
+        // `walk` replaces this placeholder by a test.
+        let place = Place::Write {
             bits: Vec::new(),
             next: 0,
         };
         self.places.push(place);
-        self.asking.insert(open.clone(), self.places.len());
-        self.waiting.push((self.places.len(), open));
+        self.test_places
+            .insert(undecided.clone(), self.places.len());
+        self.waiting.push((self.places.len(), undecided));
         Some(self.places.len())
     }
 
-    /// Continues from every waiting place.
+    /// Computes the successors of all waiting places.
     fn walk(&mut self) -> Option<()> {
-        while let Some((place, open)) = self.waiting.pop() {
-            // A bit may read those before it once they are decided; the first reads none of them.
-            let asked = open
+        while let Some((place, undecided)) = self.waiting.pop() {
+            // A bit can be tested only if it is not undecided. The first undecided bit reads no
+            // undecided bit, so a testable one exists.
+            let testable = undecided
                 .iter()
                 .filter_map(|(_, edge)| self.top(*edge))
-                .filter(|bit| open.iter().all(|(other, _)| other != bit));
-            let bit = asked.min_by_key(|bit| self.level(*bit))?;
-            let mut ways = [true, false].map(|value| (value, open.clone()));
-            for (value, open) in &mut ways {
-                self.know(open, bit, *value)?;
+                .filter(|bit| undecided.iter().all(|(other, _)| other != bit));
+            let bit = testable.min_by_key(|bit| self.level(*bit))?;
+            let mut successors = [true, false].map(|value| (value, undecided.clone()));
+            for (value, undecided) in &mut successors {
+                self.assign(undecided, bit, *value)?;
             }
-            let [(_, high), (_, low)] = ways;
-            let (high, low) = (self.enter(high)?, self.enter(low)?);
-            self.places[place - 1] = Place::Ask { bit, high, low };
+            let [(_, high), (_, low)] = successors;
+            let (high, low) = (self.place_of(high)?, self.place_of(low)?);
+            self.places[place - 1] = Place::Test { bit, high, low };
         }
         Some(())
     }
 
-    /// Residuals of all functions for a value of a bit.
-    fn know(&mut self, open: &mut Open, bit: Bit, value: bool) -> Option<()> {
-        for (_, edge) in open {
+    /// Replaces all functions by their residuals for a value of a bit.
+    fn assign(&mut self, undecided: &mut Undecided, bit: Bit, value: bool) -> Option<()> {
+        for (_, edge) in undecided {
             *edge = self.restrict(*edge, bit, value)?;
         }
         Some(())
@@ -260,8 +262,8 @@ impl Maker {
         }
         let negated = edge.is_negated();
         if node.bit == bit {
-            let way = if value { node.high } else { node.low };
-            return Some(way.flipped(negated));
+            let target = if value { node.high } else { node.low };
+            return Some(target.flipped(negated));
         }
         let key = (edge.flipped(negated), bit, value);
         if let Some(known) = self.restricted.get(&key) {
@@ -278,7 +280,7 @@ impl Maker {
         if high == low {
             return Some(high);
         }
-        // The high edge is never negated, so that equal functions share a node.
+        // The high edge is never negated, so equal functions share a node.
         let negated = high.is_negated();
         let node = DiagramNode {
             bit,
@@ -287,7 +289,7 @@ impl Maker {
         };
         let index = match self.unique.get(&node) {
             Some(index) => *index,
-            None if self.nodes.len() >= self.most_nodes => return None,
+            None if self.nodes.len() >= self.max_nodes => return None,
             None => {
                 self.nodes.push(node);
                 self.unique.insert(node, self.nodes.len() - 1);
@@ -297,8 +299,8 @@ impl Maker {
         Some(Edge::to(index).flipped(negated))
     }
 
-    /// The places in depth-first order, low edge first, so that adjacent places of a walk are
-    /// adjacent in memory.
+    /// Numbers the places in depth-first order, low edge first, so that successive places of a walk
+    /// are mostly adjacent in memory.
     fn finish(&self, starts: &[usize]) -> (Vec<Place>, Vec<usize>) {
         let mut numbers = vec![0; self.places.len() + 1];
         let mut order = Vec::new();
@@ -311,18 +313,18 @@ impl Maker {
                 order.push(place);
                 numbers[place] = order.len();
                 match &self.places[place - 1] {
-                    Place::Ask { high, low, .. } => stack.extend([*high, *low]),
-                    Place::Put { next, .. } => stack.push(*next),
+                    Place::Test { high, low, .. } => stack.extend([*high, *low]),
+                    Place::Write { next, .. } => stack.push(*next),
                 }
             }
         }
         let places = order.iter().map(|place| match &self.places[place - 1] {
-            Place::Ask { bit, high, low } => Place::Ask {
+            Place::Test { bit, high, low } => Place::Test {
                 bit: *bit,
                 high: numbers[*high],
                 low: numbers[*low],
             },
-            Place::Put { bits, next } => Place::Put {
+            Place::Write { bits, next } => Place::Write {
                 bits: bits.clone(),
                 next: numbers[*next],
             },
@@ -341,8 +343,8 @@ mod tests {
     const PAIRS: usize = 7;
     const OUTPUTS: usize = 4;
 
-    /// Signals that an output may read: all of the previous step, and the next ones of inputs and
-    /// of outputs before it.
+    /// Signals that an output can read: all signals of the previous step, and in this step those of
+    /// inputs and of outputs before it.
     fn allowed(output: usize) -> Vec<Bit> {
         let inputs = PAIRS - OUTPUTS;
         (0..PAIRS)
@@ -357,19 +359,19 @@ mod tests {
             .collect()
     }
 
-    /// A function over some bits: a sum of products, each with random signs for randomly chosen
-    /// bits.
-    fn function(maker: &mut Maker, bits: &mut [Bit], terms: &[Vec<(usize, bool)>]) -> Edge {
-        bits.sort_by_key(|bit| maker.level(*bit));
+    /// Builds a function over some bits: a disjunction of conjunctions, each of randomly chosen
+    /// bits with random signs.
+    fn function(builder: &mut WalkBuilder, bits: &mut [Bit], terms: &[Vec<(usize, bool)>]) -> Edge {
+        bits.sort_by_key(|bit| builder.level(*bit));
         let terms: Vec<BTreeMap<usize, bool>> = terms
             .iter()
             .map(|term| term.iter().map(|(b, v)| (b % bits.len(), *v)).collect())
             .collect();
-        build(maker, bits, 0, &terms)
+        build(builder, bits, 0, &terms)
     }
 
     fn build(
-        maker: &mut Maker,
+        builder: &mut WalkBuilder,
         bits: &[Bit],
         from: usize,
         terms: &[BTreeMap<usize, bool>],
@@ -391,9 +393,9 @@ mod tests {
                         .collect()
                 })
                 .collect();
-            build(maker, bits, from + 1, &left)
+            build(builder, bits, from + 1, &left)
         });
-        maker.decision(bits[from], high, low).expect("no limit")
+        builder.decision(bits[from], high, low).expect("no limit")
     }
 
     fn follow(walks: &Walks, list: usize, signals: &mut [bool]) {
@@ -401,9 +403,9 @@ mod tests {
             let mut place = *start;
             while place != 0 {
                 place = match &walks.places[place - 1] {
-                    Place::Ask { bit, high, low } if signals[bit.index()] => *high,
-                    Place::Ask { low, .. } => *low,
-                    Place::Put { bits, next } => {
+                    Place::Test { bit, high, low } if signals[bit.index()] => *high,
+                    Place::Test { low, .. } => *low,
+                    Place::Write { bits, next } => {
                         for bit in bits {
                             signals[bit.index()] = true;
                         }
@@ -430,8 +432,8 @@ mod tests {
         ) {
             let lists: Vec<Vec<Terms>> = lists;
             let order = Order::new(order).expect("a permutation");
-            let mut maker = Maker::new(&Diagram::default(), &order);
-            maker.most_nodes = usize::MAX;
+            let mut builder = WalkBuilder::new(&Diagram::default(), &order);
+            builder.max_nodes = usize::MAX;
             let lists: Vec<Vec<(Bit, Edge)>> = lists
                 .iter()
                 .map(|functions| {
@@ -439,12 +441,12 @@ mod tests {
                     outputs
                         .map(|(output, terms)| {
                             let bit = Bit(2 * (PAIRS - OUTPUTS + output) as u16).primed();
-                            (bit, function(&mut maker, &mut allowed(output), terms))
+                            (bit, function(&mut builder, &mut allowed(output), terms))
                         })
                         .collect()
                 })
                 .collect();
-            let diagram = Diagram { nodes: maker.nodes.clone(), roots: Vec::new() };
+            let diagram = Diagram { nodes: builder.nodes.clone(), roots: Vec::new() };
             let slices: Vec<&[(Bit, Edge)]> = lists.iter().map(Vec::as_slice).collect();
             let walks = Walks::of_lists(&diagram, &order, &slices);
             for (number, list) in lists.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::text::identifier;
 
-/// Words that cannot name a field, including those that a C++ compiler reserves.
+/// Reserved words of C and C++, which cannot name a field.
 const RESERVED: [&str; 66] = [
     "and",
     "asm",
@@ -72,7 +72,7 @@ const RESERVED: [&str; 66] = [
     "alignas",
 ];
 
-/// Whether the included headers, or a compiler with extensions, may define the name.
+/// Whether the included headers, or a compiler with extensions, can define the name.
 fn is_macro(word: &str) -> bool {
     const OTHERS: [&str; 8] = [
         "NULL",
@@ -101,7 +101,7 @@ fn is_macro(word: &str) -> bool {
             && ends(&["_MAX", "_MIN", "_WIDTH", "_C", "_H"])
 }
 
-/// Whether the compiler's folders contain a header of that name, which a generated one must not
+/// Whether the C standard library has a header of that name, which a generated header must not
 /// hide.
 pub(crate) fn is_header(name: &str) -> bool {
     const HEADERS: [&str; 24] = [

@@ -1,5 +1,5 @@
-//! Writes the archive: files in name order with a fixed time, compressed with the one method that
-//! every host can read.
+//! Writes the archive: files in name order with a fixed time, compressed with the method that every
+//! host supports.
 
 use super::description::{build_description, description};
 use super::documentation::documentation;
@@ -43,10 +43,10 @@ pub(super) fn archive(unit: &Unit, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> 
         archive
             .start_file(name, options)
             .and_then(|()| Ok(archive.write_all(&bytes)?))
-            .expect("an archive in memory can be written");
+            .expect("writing an archive to memory does not fail");
     }
     let written = archive
         .finish()
-        .expect("an archive in memory can be written");
+        .expect("writing an archive to memory does not fail");
     written.into_inner()
 }

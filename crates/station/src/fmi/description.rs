@@ -1,9 +1,9 @@
-//! `modelDescription.xml`: what a host knows of a unit before loading it. There is one text per
-//! version of the standard; the versions use different names.
+//! Writes `modelDescription.xml`, from which a host gets the data about a unit before loading it.
+//! There is one text per version of the standard, because the versions use different names.
 //!
-//! An output never depends on an input of the same instant, since it changes only in a step. The
-//! description says so, and hosts then see no algebraic loops. The build time is omitted, so that
-//! the same contract gives the same bytes.
+//! An output never depends on an input of the same instant, because outputs change only in steps.
+//! The description declares this, so that hosts detect no algebraic loops. The build time is
+//! omitted, so that the same contract gives the same bytes.
 
 use super::units::definition;
 use super::variables::{Causality, Enumeration, Kind, Start, Variable};
@@ -15,10 +15,10 @@ use std::collections::BTreeSet;
 /// Attributes in their order.
 type Attributes = Vec<(&'static str, String)>;
 
-/// Name of the program in files.
+/// Name and version of this program in files.
 pub(super) const TOOL: &str = concat!("Linewright ", env!("CARGO_PKG_VERSION"));
 
-/// Number of machine steps simulated if the host specifies no duration.
+/// Number of machine steps in the default experiment, which hosts use if no duration is set.
 const EXPERIMENT_STEPS: f64 = 100.0;
 
 /// Writes elements sequentially. Writing to memory cannot fail.
@@ -45,12 +45,12 @@ impl Xml {
         start
     }
 
-    /// An element without content.
+    /// Writes an element without content.
     pub fn element(&mut self, name: &str, attributes: &Attributes) {
         self.write(Event::Empty(Self::start(name, attributes)));
     }
 
-    /// An element with content.
+    /// Writes an element with content.
     pub fn within(&mut self, name: &str, attributes: &Attributes, content: impl FnOnce(&mut Self)) {
         self.write(Event::Start(Self::start(name, attributes)));
         content(self);
@@ -64,7 +64,7 @@ impl Xml {
     }
 }
 
-/// Text restricted to one line of characters allowed in XML.
+/// Replaces line breaks by spaces, and characters that XML does not allow by `?`.
 pub(super) fn printable(text: &str) -> String {
     let visible = |c: char| match c {
         '\n' | '\t' | '\r' => ' ',
@@ -74,7 +74,7 @@ pub(super) fn printable(text: &str) -> String {
     text.chars().map(visible).collect()
 }
 
-/// The description of a unit.
+/// Renders the description of a unit.
 pub(super) fn description(unit: &Unit) -> String {
     let two = unit.version == Version::Two;
     let mut head: Attributes = vec![
@@ -97,7 +97,7 @@ pub(super) fn description(unit: &Unit) -> String {
         units(xml, unit);
         types(xml, unit);
         xml.within("LogCategories", &vec![], |xml| {
-            let about = "calls that were refused, with the reason";
+            let about = "rejected calls, with the reason";
             xml.element(
                 "Category",
                 &vec![
@@ -132,26 +132,26 @@ pub(super) fn description(unit: &Unit) -> String {
     xml.text()
 }
 
-/// Variables of a version: only FMI 3 names time.
+/// Variables in the unit's version of the standard: only FMI 3 lists time.
 pub(super) fn variables(unit: &Unit) -> impl Iterator<Item = &Variable> {
     let two = unit.version == Version::Two;
     let all = unit.interface.variables.iter();
     all.filter(move |v| !(two && v.causality == Causality::Independent))
 }
 
-/// A real number in XML format.
+/// Formats a real number for XML.
 fn number(value: f64) -> String {
     format!("{value:?}")
 }
 
-/// Capabilities of the unit.
+/// Writes the capabilities of the unit.
 fn interface(xml: &mut Xml, unit: &Unit) {
     let yes = || "true".to_owned();
     let mut can: Attributes = vec![("modelIdentifier", unit.package.stem.clone())];
     if unit.version == Version::Two {
         can.extend([
             ("canHandleVariableCommunicationStepSize", yes()),
-            // Memory is allocated only for saved states, with the C library.
+            // The unit allocates memory only for saved states, with malloc of the C library.
             ("canNotUseMemoryManagementFunctions", yes()),
             ("canGetAndSetFMUstate", yes()),
             ("canSerializeFMUstate", yes()),
@@ -188,10 +188,7 @@ fn units(xml: &mut Xml, unit: &Unit) {
             };
             let exponents = known.exponents.iter().map(|(k, v)| (*k, (*v).to_owned()));
             let mut base: Attributes = exponents.collect();
-            #[expect(
-                clippy::float_cmp,
-                reason = "a factor of 1 is exact, and is not written"
-            )]
+            #[expect(clippy::float_cmp, reason = "a factor of 1 is exact, and omitted")]
             if known.factor != 1.0 {
                 base.push(("factor", number(known.factor)));
             }
@@ -254,7 +251,7 @@ fn initial(variable: &Variable) -> Option<&'static str> {
     }
 }
 
-/// A start value. Values that are set use the host's numbering.
+/// Formats the start value, in the host's numbering.
 fn start(variable: &Variable) -> Option<String> {
     Some(match (variable.start?, variable.kind) {
         (Start::Real(value), _) => number(value),
@@ -264,7 +261,7 @@ fn start(variable: &Variable) -> Option<String> {
     })
 }
 
-/// Type, unit, limits and start of a variable.
+/// Attributes for type, unit, limits and start of a variable.
 fn typed(variable: &Variable, enumerations: &[Enumeration]) -> Attributes {
     let mut attributes = Attributes::new();
     if let Kind::Enumeration(index) = variable.kind {
@@ -310,8 +307,8 @@ fn variable_three(xml: &mut Xml, variable: &Variable, enumerations: &[Enumeratio
     xml.element(kind, &attributes);
 }
 
-/// The outputs, which have no dependencies; FMI 2 numbers variables from 1, FMI 3 uses their
-/// references.
+/// Writes the outputs, all without dependencies; FMI 2 numbers variables from 1, FMI 3 uses their
+/// value references.
 fn structure(xml: &mut Xml, two: bool, variables: &[&Variable]) {
     let unknowns: Vec<String> = variables
         .iter()
@@ -345,7 +342,7 @@ fn structure(xml: &mut Xml, two: bool, variables: &[&Variable]) {
     }
 }
 
-/// `buildDescription.xml` of FMI 3: how the sources are compiled.
+/// Renders `buildDescription.xml` of FMI 3, which lists the sources to compile.
 pub(super) fn build_description(unit: &Unit) -> String {
     let stem = &unit.package.stem;
     let mut xml = Xml::new();

@@ -1,4 +1,4 @@
-//! `documentation/index.html`: what a user who imports a unit has to know.
+//! Renders `documentation/index.html`, the page for users who import a unit.
 
 use super::Unit;
 use super::description::{TOOL, printable, variables};
@@ -41,7 +41,7 @@ struct Enumeration<'a> {
     labels: String,
 }
 
-/// The page.
+/// Renders the page.
 pub(super) fn documentation(unit: &Unit) -> String {
     let text = |t: &str| escape(printable(t)).into_owned();
     let kind = |kind: &Kind| match kind {
@@ -54,7 +54,7 @@ pub(super) fn documentation(unit: &Unit) -> String {
         (Causality::Input, "Inputs"),
         (Causality::Parameter, "Parameters"),
         (Causality::Output, "Outputs"),
-        (Causality::Local, "Inside"),
+        (Causality::Local, "Internal variables"),
     ];
     let groups = groups.into_iter().map(|(causality, title)| {
         let rows = variables(unit).filter(|v| v.causality == causality);

@@ -1,15 +1,15 @@
-//! FMI: a machine as a co-simulation unit for other simulators, in versions 2.0 and 3.0 of the
-//! standard.
+//! Packs a machine as an FMI co-simulation unit for other simulators, in versions 2.0 and 3.0 of
+//! the standard.
 //!
-//! A unit is an archive: the description of its variables (`description`), a page for people
-//! (`documentation`), the C sources, and a binary for each platform with a compiler. The C is the
-//! machine's own, with `ffi/fmi2.c` or `ffi/fmi3.c` in place of the adapter for Plant Simulation;
-//! `ffi/fmi.c` defines a communication step. An archive does not depend on the time or place of the
-//! build: same contract and compiler, same bytes.
+//! A unit is an archive: the description of its variables (`description`), a page for users
+//! (`documentation`), the C sources, and a binary for each platform with a compiler. The C source
+//! is that of the station library, with `ffi/fmi2.c` or `ffi/fmi3.c` instead of the adapter for
+//! Plant Simulation; `ffi/fmi.c` defines a communication step. An archive does not depend on the
+//! time or path of the build: the same contract and compiler give the same bytes.
 //!
-//! There are two archives rather than one with both versions: a unit of FMI 3 may contain one of
-//! FMI 2, but many current importers know only one of them, and choose by what the archive mentions
-//! first.
+//! There are two archives instead of one with both versions: a unit of FMI 3 can also contain one
+//! of FMI 2, but many current importers support only one of them, and choose by what the archive
+//! mentions first.
 
 mod archive;
 mod description;
@@ -42,7 +42,7 @@ pub enum Version {
 }
 
 impl Version {
-    /// Both.
+    /// Both versions.
     pub const ALL: [Self; 2] = [Self::Two, Self::Three];
 
     /// Adapter included at the end of the C file.
@@ -103,7 +103,8 @@ pub struct Unit {
     pub version: Version,
     /// Its variables.
     pub interface: Interface,
-    /// Links the description to the binary: the `guid` of FMI 2, the `instantiationToken` of FMI 3.
+    /// Token that ties the description to the binary: the `guid` of FMI 2, the `instantiationToken`
+    /// of FMI 3.
     pub token: String,
     /// Its C files.
     pub package: Package,
@@ -116,7 +117,7 @@ impl Unit {
     /// Emits a machine with the controller of each of its components, in order.
     ///
     /// # Panics
-    /// Panics if they do not belong together.
+    /// Panics if a controller does not fit its component's contract.
     pub fn emit(machine: &Machine, controllers: &[mealy::Controller], version: Version) -> Self {
         let emitted = emit::emit(machine, controllers, &Profile::assumed());
         let first = first_operation(machine, controllers);
@@ -145,7 +146,7 @@ impl Unit {
         }
     }
 
-    /// File name of its archive: `assembly_cell_fmi2.fmu`.
+    /// File name of the unit's archive: `assembly_cell_fmi2.fmu`.
     pub fn file_name(&self) -> String {
         let version = match self.version {
             Version::Two => 2,
@@ -154,15 +155,16 @@ impl Unit {
         format!("{}_fmi{version}.fmu", self.package.stem)
     }
 
-    /// Builds its archive with these binaries.
+    /// Builds the unit's archive with these binaries and returns its bytes.
     pub fn archive(&self, binaries: &[(Platform, Vec<u8>)]) -> Vec<u8> {
         archive::archive(self, binaries)
     }
 }
 
-/// The initial operation if the host sets none: the first that can be repeated with the start
-/// values of all other inputs, so that a unit can be simulated as imported. An operation that grips
-/// a part cannot be repeated; if there is no repeatable one, the first operation.
+/// Index of the operation that runs if the host sets none: the first operation that can be repeated
+/// with the start values of all other inputs, so that a unit can be simulated directly after
+/// import. For example, an operation that grips a part cannot be repeated. If no operation is
+/// repeatable, the first one.
 fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usize {
     const TIMES: usize = 3;
     let mut still = machine.clone();
@@ -180,14 +182,14 @@ fn first_operation(machine: &Machine, controllers: &[mealy::Controller]) -> usiz
     (0..machine.operations.len()).find(repeats).unwrap_or(0)
 }
 
-/// Formats a hash like a usual token.
+/// Formats a hash as a GUID in braces.
 fn token(hash: &str) -> String {
     let parts = [(0, 8), (8, 12), (12, 16), (16, 20), (20, 32)].map(|(from, to)| &hash[from..to]);
     format!("{{{}}}", parts.join("-"))
 }
 
-/// Compilers for the binaries that a unit should have, and a finding for each missing one. Whether
-/// the compiler for this computer exists is found when it is started.
+/// Returns the compilers for the binaries that a unit should have, and a finding for each missing
+/// one. A missing compiler for this computer is only detected in [`build`].
 pub fn toolchains() -> (Vec<Toolchain>, Vec<Diagnostic>) {
     let mut toolchains = vec![Toolchain::shipping()];
     let mut findings = Vec::new();
@@ -209,12 +211,12 @@ fn missing(platform: &str, error: &Error) -> Diagnostic {
     );
     let help = finding.help.unwrap_or_default();
     Diagnostic::warning(codes::UNIT_WITHOUT_BINARY, None, message).with_help(format!(
-        "{help}; a host that compiles the sources in the unit can use it as it is"
+        "{help}; hosts that compile the sources in the unit can use the unit without the binary"
     ))
 }
 
-/// Writes a machine's units, one per version, into a folder, and returns their paths. A compiler
-/// that cannot be started is a finding; the units then lack its binary.
+/// Builds a machine's units, one per version, in a folder, and returns their paths. For a compiler
+/// that cannot be started, a finding is returned, and the units lack its binary.
 pub fn build(
     machine: &Machine,
     controllers: &[mealy::Controller],

@@ -1,5 +1,5 @@
-//! The C file of a unit: the machine's own text, additional tables for the adapters, and the
-//! adapter.
+//! Renders the C file of a unit: the definition of the machine, additional tables for the adapters,
+//! and the adapter.
 
 use super::Version;
 use super::variables::{Kind, kind};
@@ -45,7 +45,7 @@ struct Property {
     about: String,
 }
 
-/// The whole file.
+/// Renders the C file of a unit.
 pub(super) fn source(
     machine: &Machine,
     unit: &str,
@@ -71,7 +71,7 @@ pub(super) fn source(
     )
 }
 
-/// Data that the adapters need beside the machine's own tables.
+/// Renders the tables that the adapters need in addition to the machine's own ones.
 pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
     let plant = machine.plant.iter().map(|p| &p.domain);
     let outputs = machine.components.iter().flat_map(|c| {
@@ -99,7 +99,7 @@ pub(super) fn tables(machine: &Machine, first_operation: usize) -> String {
     )
 }
 
-/// The value nearest to 0.
+/// Value of a wire before the first step: the value of its domain that is nearest to 0.
 fn before(domain: &Domain) -> i64 {
     0.clamp(domain.low(), domain.high())
 }

@@ -6,7 +6,8 @@ pub(super) struct Definition {
     pub factor: f64,
 }
 
-/// Defines a unit of the language; `None` for an unknown one, which is used as is.
+/// Returns the definition of a unit of the language; `None` for an unknown unit, which the
+/// description names without a definition.
 pub(super) fn definition(unit: &str) -> Option<Definition> {
     const TIME: &[(&str, &str)] = &[("s", "1")];
     const LENGTH: &[(&str, &str)] = &[("m", "1")];

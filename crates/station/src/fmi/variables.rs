@@ -1,11 +1,12 @@
 //! The variables of a unit: their names, types and values.
 //!
-//! Names that every unit has are fixed; those of the machine follow the standard's structured
-//! convention: `turn_a.angle`, `part.heights[0]`. In names, anything but letters and digits becomes
-//! `_`, and a duplicate name gets a number, so that every importer can make an identifier of it.
-//! Groups, indices in them and types are those of `ffi/fmi.h`.
+//! The names of variables that every unit has are fixed; the names of the machine's variables
+//! follow the standard's structured convention: `turn_a.angle`, `part.heights[0]`. In each part of
+//! a name, characters other than ASCII letters and digits become `_`, and a duplicate name gets a
+//! number, so that every importer can convert names to identifiers. Groups, their indices, and
+//! types are those of `ffi/fmi.h`.
 
-use linewright_core::gr1::{Domain, described};
+use linewright_core::gr1::{Domain, describe_domain};
 use linewright_language::contract::machine::{Machine, PlantSource, Property, PropertyKind};
 use std::collections::BTreeSet;
 
@@ -42,9 +43,9 @@ pub enum Kind {
 /// Start value of a variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// For a real number.
+    /// Start value of a real number.
     Real(f64),
-    /// For all other types, in the machine's own numbers: labels count from 0.
+    /// Start value of any other type, in the machine's numbering: labels count from 0.
     Whole(i64),
 }
 
@@ -59,13 +60,13 @@ pub struct Variable {
     pub causality: Causality,
     /// Data type.
     pub kind: Kind,
-    /// Unit of a real number; empty for a bare one.
+    /// Unit of a real number; empty if it has none.
     pub unit: String,
     /// Smallest and largest value, if known.
     pub limits: Option<(i64, i64)>,
     /// Start value, for inputs and parameters.
     pub start: Option<Start>,
-    /// Description for people.
+    /// Description for users.
     pub description: String,
 }
 
@@ -76,8 +77,8 @@ pub struct Enumeration {
     pub name: String,
     /// Labels in order.
     pub labels: Vec<String>,
-    /// Preferred name, used if it is free.
-    wish: String,
+    /// Preferred name of the type.
+    preferred: String,
 }
 
 /// All variables of a unit in the order of its description, and their types.
@@ -90,7 +91,7 @@ pub struct Interface {
     names: Names,
 }
 
-/// Value reference of an index in a group.
+/// Returns the value reference of an index in a group.
 pub fn reference(group: u32, index: usize) -> u32 {
     group * 0x10_0000 + index as u32
 }
@@ -103,13 +104,13 @@ pub mod group {
     pub const SIGNALS: u32 = 1;
     /// Properties and parameters set by the host.
     pub const GIVEN: u32 = 2;
-    /// Properties as left by the last operation.
+    /// Properties after the last completed operation.
     pub const RESULTS: u32 = 3;
     /// Wires after the last step.
     pub const WIRES: u32 = 4;
 }
 
-/// The type of a domain, as named in `ffi/fmi.h`; an enumeration gets index 0.
+/// Returns the type of variables with this domain; an enumeration gets index 0.
 pub(super) fn kind(domain: &Domain) -> Kind {
     match domain {
         Domain::Bool => Kind::Boolean,
@@ -126,15 +127,16 @@ pub(super) fn kind(domain: &Domain) -> Kind {
 }
 
 impl Interface {
-    /// The variables of a machine's unit that starts with this operation.
+    /// Creates the variables of a machine's unit; `first_operation` is the start value of
+    /// `operation`.
     pub fn of(machine: &Machine, first_operation: usize) -> Self {
         let mut all = Self::default();
         all.general(machine, first_operation);
         all.inputs(machine);
         all.outputs(machine);
-        // Types and variables share a namespace, and users see the names of variables.
+        // Types and variables share a namespace. Variables are named first, because users see them.
         for enumeration in &mut all.enumerations {
-            enumeration.name = all.names.unique(&enumeration.wish);
+            enumeration.name = all.names.unique(&enumeration.preferred);
         }
         all
     }
@@ -144,8 +146,15 @@ impl Interface {
         self.variables.iter().find(|v| v.name == name)
     }
 
-    fn add(&mut self, wish: &str, reference: u32, causality: Causality, kind: Kind, about: String) {
-        let name = self.names.unique(wish);
+    fn add(
+        &mut self,
+        preferred: &str,
+        reference: u32,
+        causality: Causality,
+        kind: Kind,
+        about: String,
+    ) {
+        let name = self.names.unique(preferred);
         self.variables.push(Variable {
             name,
             reference,
@@ -164,10 +173,10 @@ impl Interface {
             .expect("a variable was just added")
     }
 
-    /// Variables that every unit has; their numbers are those of `ffi/fmi.h`.
+    /// Adds the variables that every unit has, with the indices of `ffi/fmi.h`.
     fn general(&mut self, machine: &Machine, first_operation: usize) {
         use Causality::{Independent, Input, Output};
-        // `time` comes first, so that nothing else gets that name.
+        // `time` comes first, so that no other variable gets that name.
         type Row = (
             &'static str,
             usize,
@@ -184,7 +193,7 @@ impl Interface {
                 Input,
                 Kind::Boolean,
                 "",
-                "the machine works; otherwise it stands still, with idle power",
+                "whether the machine works; otherwise it stays in its state, with idle power",
             ),
             (
                 "total.seconds",
@@ -192,7 +201,7 @@ impl Interface {
                 Output,
                 Kind::Real,
                 "s",
-                "what all steps took by the machine's own times, idle ones included",
+                "duration of all steps by the machine's declared times, including idle steps",
             ),
             (
                 "total.joules",
@@ -200,7 +209,7 @@ impl Interface {
                 Output,
                 Kind::Real,
                 "J",
-                "the energy of all steps, idle ones included",
+                "energy of all steps, including idle steps",
             ),
             (
                 "total.steps",
@@ -208,7 +217,7 @@ impl Interface {
                 Output,
                 Kind::Long,
                 "",
-                "how many steps the controllers made",
+                "number of steps of the controllers",
             ),
             (
                 "verdict",
@@ -217,9 +226,9 @@ impl Interface {
                 Kind::Integer,
                 "",
                 concat!(
-                    "0, or the code of the last step that was refused: -3 a value outside its domain, ",
+                    "0, or the error code of the last failed step: -3 a value outside its domain, ",
                     "-5 a broken assumption, -6 a broken guarantee, -7 the step limit, ",
-                    "-9 a fault of the generator, -10 a skill called against an order"
+                    "-9 a bug of the generator, -10 a skill called against an order"
                 ),
             ),
         ];
@@ -230,7 +239,7 @@ impl Interface {
                 Input,
                 Kind::Enumeration(0),
                 "",
-                "the operation that begins next; one that is under way goes on",
+                "operation to begin next; does not affect an operation in progress",
             ),
             (
                 "done",
@@ -238,7 +247,7 @@ impl Interface {
                 Output,
                 Kind::Boolean,
                 "",
-                "the last step ended an operation",
+                "whether the last step ended an operation",
             ),
             (
                 "completed",
@@ -246,7 +255,7 @@ impl Interface {
                 Output,
                 Kind::Long,
                 "",
-                "how many operations have ended",
+                "number of completed operations",
             ),
             (
                 "last.seconds",
@@ -254,7 +263,7 @@ impl Interface {
                 Output,
                 Kind::Real,
                 "s",
-                "what the last operation that ended took by the machine's own times",
+                "duration of the last completed operation by the machine's declared times",
             ),
             (
                 "last.joules",
@@ -262,7 +271,7 @@ impl Interface {
                 Output,
                 Kind::Real,
                 "J",
-                "the energy of the last operation that ended",
+                "energy of the last completed operation",
             ),
             (
                 "last.steps",
@@ -270,7 +279,7 @@ impl Interface {
                 Output,
                 Kind::Long,
                 "",
-                "the steps of the last operation that ended",
+                "number of steps of the last completed operation",
             ),
         ];
         let rows = if machine.operations.is_empty() {
@@ -366,7 +375,7 @@ impl Interface {
             for (index, property) in machine.properties.iter().enumerate() {
                 if property.kind == PropertyKind::Part {
                     let name = format!("result.{}", property.name);
-                    let what = "property of the part, as the last operation that ended has left it";
+                    let what = "property of the part after the last completed operation";
                     let reference = reference(group::RESULTS, index);
                     self.property(property, &name, reference, Causality::Output, what);
                 }
@@ -374,7 +383,10 @@ impl Interface {
         }
         for (wire, input) in machine.plant.iter().enumerate() {
             if matches!(input.source, PlantSource::Property(_)) {
-                let about = format!("what the controllers see of the part: {}", input.describe());
+                let about = format!(
+                    "property of the part as the controllers see it: {}",
+                    input.describe()
+                );
                 let reference = reference(group::WIRES, wire);
                 self.domain(
                     &input.name,
@@ -387,11 +399,11 @@ impl Interface {
         }
     }
 
-    /// A real number for a property.
+    /// Adds a real variable for a property.
     fn property(
         &mut self,
         property: &Property,
-        wish: &str,
+        preferred: &str,
         reference: u32,
         causality: Causality,
         what: &str,
@@ -402,59 +414,60 @@ impl Interface {
                 let labels = labels.iter().enumerate().map(|(i, l)| format!("{i} {l}"));
                 format!("{what}: {}", labels.collect::<Vec<_>>().join(", "))
             }
-            Some(domain) => format!("{what}: {}", described(domain, &property.unit)),
+            Some(domain) => format!("{what}: {}", describe_domain(domain, &property.unit)),
             None => what.to_owned(),
         };
-        self.add(wish, reference, causality, Kind::Real, about);
+        self.add(preferred, reference, causality, Kind::Real, about);
         self.last().unit.clone_from(&property.unit);
     }
 
-    /// A variable with a finite domain.
+    /// Adds a variable with a finite domain.
     fn domain(
         &mut self,
-        wish: &str,
+        preferred: &str,
         reference: u32,
         causality: Causality,
         domain: &Domain,
         about: String,
     ) {
-        self.add(wish, reference, causality, kind(domain), about);
+        self.add(preferred, reference, causality, kind(domain), about);
         match domain {
             Domain::Enum { name, labels } => {
-                let own = format!("{}_labels", wish.replace(['.', '[', ']'], "_"));
-                let wish = name.as_deref().unwrap_or(&own);
-                self.last().kind = Kind::Enumeration(self.enumeration(wish, labels));
+                let own = format!("{}_labels", preferred.replace(['.', '[', ']'], "_"));
+                let type_name = name.as_deref().unwrap_or(&own);
+                self.last().kind = Kind::Enumeration(self.enumeration(type_name, labels));
             }
             Domain::Range { low, high } => self.last().limits = Some((*low, *high)),
             Domain::Bool => {}
         }
     }
 
-    /// Returns the enumeration with these labels, existing or new.
-    fn enumeration(&mut self, wish: &str, labels: &[String]) -> usize {
-        // Labels are names as well.
+    /// Returns the index of the enumeration with this preferred name and these labels, and adds it
+    /// if it does not exist.
+    fn enumeration(&mut self, preferred: &str, labels: &[String]) -> usize {
+        // The rules for names also apply to labels.
         let mut names = Names::default();
         let labels: Vec<String> = labels.iter().map(|l| names.unique(l)).collect();
-        let known = |e: &Enumeration| e.labels == labels && e.wish == wish;
+        let known = |e: &Enumeration| e.labels == labels && e.preferred == preferred;
         if let Some(index) = self.enumerations.iter().position(known) {
             return index;
         }
         self.enumerations.push(Enumeration {
             name: String::new(),
             labels,
-            wish: wish.to_owned(),
+            preferred: preferred.to_owned(),
         });
         self.enumerations.len() - 1
     }
 }
 
-/// Assigns names, each once.
+/// Assigns unique names.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct Names(BTreeSet<String>);
 
 impl Names {
-    fn unique(&mut self, wish: &str) -> String {
-        let (stem, indices) = structured(wish);
+    fn unique(&mut self, preferred: &str) -> String {
+        let (stem, indices) = structured(preferred);
         let mut name = format!("{stem}{indices}");
         let mut number = 2;
         while !self.0.insert(name.clone()) {
@@ -465,8 +478,8 @@ impl Names {
     }
 }
 
-/// A name of the structured convention, without its last indices, and these: `a.b[0].c[1][2]` is
-/// `a.b[0].c` and `[1,2]`.
+/// Converts a name to the structured convention and splits off its last indices: `a.b[0].c[1][2]`
+/// becomes `a.b[0].c` and `[1,2]`.
 fn structured(name: &str) -> (String, String) {
     let segments: Vec<(String, String)> = name.split('.').map(segment).collect();
     let mut stem = String::new();
@@ -485,7 +498,7 @@ fn structured(name: &str) -> (String, String) {
     )
 }
 
-/// One part of a name and its indices.
+/// Converts one part of a name, and splits it into identifier and indices.
 fn segment(text: &str) -> (String, String) {
     let is_index = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit());
     if let Some((base, rest)) = text.split_once('[')
@@ -497,7 +510,7 @@ fn segment(text: &str) -> (String, String) {
     (plain(text), String::new())
 }
 
-/// The part of a name that is an identifier everywhere.
+/// Converts a text to an identifier that every importer accepts.
 fn plain(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
@@ -533,8 +546,8 @@ mod tests {
             ("", "__2"),
             ("..", "_._._"),
         ];
-        for (wish, name) in cases {
-            assert_eq!(names.unique(wish), name);
+        for (preferred, name) in cases {
+            assert_eq!(names.unique(preferred), name);
         }
     }
 }

@@ -1,5 +1,5 @@
-//! The monitor of skill orders as a program to load on the cell: C, Structured Text, PLCopen XML.
-//! Each form has the same rows as this process's own monitor (`order::layout`).
+//! Emits the monitor of skill orders as a program for the cell's controller: C, Structured Text,
+//! PLCopen XML. Each form has the same tables as the monitor of this program (`order::layout`).
 
 pub mod c;
 pub mod structured_text;

@@ -1,9 +1,9 @@
-//! A monitor of skill orders as a function block of IEC 61131-3: one input per skill, whose rising
-//! edge is the call.
+//! Emits a monitor of skill orders as a function block of IEC 61131-3: one input per skill, whose
+//! rising edge is the call.
 //!
-//! The set of skills called at once is found by walking a table, skill by skill: from a set and one
-//! more skill to their union. So no mask is needed, and nothing that depends on how a system stores
-//! bits. All sets that are never called at once share one entry.
+//! A table gives the union of a set and one more skill. The block uses it skill by skill to find
+//! the number of the set that is called at once, so it needs no bit masks, which systems store in
+//! different ways. All sets that are never called at once share one number.
 
 use crate::structured_text::names::{Names, comment, identifier, stem, string};
 use crate::structured_text::tables::{element, named_table};
@@ -15,8 +15,8 @@ use linewright_language::order::table::Table;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Maximum length of a rule's text: the default string length of the systems.
-const LONGEST: usize = 80;
+/// Maximum length of a rule's text: the default string length of most systems.
+const MAX_TEXT_CHARS: usize = 80;
 
 /// The monitor of a table as a function block `FB_PickAndPlaceUnitOrder`.
 pub fn block(table: &Table) -> Block {
@@ -25,10 +25,10 @@ pub fn block(table: &Table) -> Block {
     let layout = Layout::new(table);
     let set_with = named_table(
         &words.set_with,
-        sets.with(table.skills.len()),
+        sets.unions(table.skills.len()),
         0,
         &format!(
-            "from a set of skills and one more to both: {} * set + skill",
+            "union of a set and one skill, at index {} * set + skill",
             table.skills.len()
         ),
     );
@@ -37,7 +37,7 @@ pub fn block(table: &Table) -> Block {
         sets.next(table, &layout),
         0,
         &format!(
-            "the state after a set: {} * state + set; below 0, why it is refused",
+            "next state after a set, at index {} * state + set; a negative number is a reason to refuse",
             sets.count()
         ),
     );
@@ -55,27 +55,27 @@ pub fn block(table: &Table) -> Block {
     });
     let mut inputs = vec![control(
         &words.reset,
-        "back to before the first call; nothing is called while it is TRUE",
+        "return to the state before the first call; no skill is called while it is TRUE",
     )];
     inputs.extend(called);
     let mut outputs = vec![
-        control(&words.allowed, "all that is called may be done"),
+        control(&words.allowed, "all calls are allowed"),
         control(&words.violated, "a call was refused since the last reset"),
         Variable::new(
             &words.rule,
-            Type::Text(LONGEST),
-            "why the last one was refused",
+            Type::Text(MAX_TEXT_CHARS),
+            "reason of the last refusal",
         ),
     ];
     for (granted, skill) in words.granted.iter().zip(&table.skills) {
-        let about = format!("{} is called, and may be done", comment(skill));
+        let about = format!("{} is called and allowed", comment(skill));
         outputs.push(control(granted, &about));
     }
     let number = |name: &str, about: &str| Variable::new(name, Type::Integer(index), about);
     let start = i64::from(table.start);
     let mut state = number(&words.state, "");
     if start != 0 {
-        state = state.beginning(&start.to_string());
+        state = state.with_initial_value(&start.to_string());
     }
     Block {
         contract: table.name.clone(),
@@ -90,8 +90,8 @@ pub fn block(table: &Table) -> Block {
             (
                 Section::Temporary,
                 vec![
-                    number(&words.set, "what is called now"),
-                    number(&words.to, "what it leads to"),
+                    number(&words.set, "set of skills called now"),
+                    number(&words.to, "next state, or reason to refuse"),
                 ],
             ),
         ],
@@ -121,7 +121,7 @@ impl Words {
     fn new(table: &Table) -> Self {
         let mut names = Names::default();
         let block = names.unique(&format!("FB_{}Order", stem(&table.name)));
-        // Skills keep their names; the block's own names give way.
+        // On a conflict, skills keep their names, and the block's own names get a number.
         let skills: Vec<String> = table
             .skills
             .iter()
@@ -132,7 +132,7 @@ impl Words {
             .iter()
             .map(|s| names.unique(&identifier(&format!("granted_{s}"))))
             .collect();
-        let mut own = |wish: &str| names.unique(&identifier(wish));
+        let mut own = |preferred: &str| names.unique(&identifier(preferred));
         Self {
             block,
             skills,
@@ -150,15 +150,15 @@ impl Words {
     }
 }
 
-/// Numbers of the distinguished sets of skills: 0 is the empty set, the last number is any other
-/// set.
+/// Numbers of the sets of skills that can be called, and of their subsets in skill order: 0 is the
+/// empty set, the last number stands for every other set.
 struct Sets(BTreeMap<(u32, u64), usize>);
 
 impl Sets {
     fn new(table: &Table) -> Self {
         let mut sets = BTreeMap::new();
         for mask in &table.calls {
-            // Including the intermediate sets, skill by skill.
+            // Include the intermediate sets, skill by skill.
             let mut rest = *mask;
             while rest != 0 {
                 sets.insert((rest.count_ones(), rest), 0);
@@ -175,8 +175,9 @@ impl Sets {
         self.0.len() + 2
     }
 
-    /// For every set and skill, their union; in skill order.
-    fn with(&self, skills: usize) -> Vec<i64> {
+    /// For every set and skill, the number of their union, if the skill comes after all skills of
+    /// the set.
+    fn unions(&self, skills: usize) -> Vec<i64> {
         let other = self.count() - 1;
         let masks = std::iter::once(0).chain(self.0.keys().map(|(_, mask)| *mask));
         let mut with = Vec::new();
@@ -193,7 +194,7 @@ impl Sets {
         with
     }
 
-    /// For every state and set, the next state.
+    /// For every state and set, the next state, or a negative number with the reason to refuse.
     fn next(&self, table: &Table, layout: &Layout) -> Vec<i64> {
         let mut next = Vec::new();
         for state in 0..table.states {
@@ -211,7 +212,7 @@ impl Sets {
                     Some(entry) if entry < layout.refused => {
                         i64::from(entry / layout.stride as u32)
                     }
-                    Some(entry) => refusal(layout, layout.why(entry)),
+                    Some(entry) => refusal(layout, layout.refusal_reason(entry)),
                     None => refusal(layout, RefusalReason::Together),
                 }
             };
@@ -223,9 +224,9 @@ impl Sets {
     }
 }
 
-/// The number that takes the place of a next state and gives the reason why there is none.
+/// The negative number that stands for a reason to refuse instead of a next state.
 fn refusal(layout: &Layout, why: RefusalReason) -> i64 {
-    -1 - i64::from(layout.code(why) - layout.refused)
+    -1 - i64::from(layout.refusal_code(why) - layout.refused)
 }
 
 /// Number of elements of a table.
@@ -255,7 +256,7 @@ fn description(table: &Table, words: &Words) -> Vec<String> {
         "monitor/description.txt",
         Description {
             name: comment(&table.name),
-            kept: &table.kept,
+            kept: &table.options_text,
             allowed: &words.allowed,
             violated: &words.violated,
             rule: &words.rule,
@@ -277,13 +278,13 @@ struct Body<'a> {
     rule: &'a str,
     set: &'a str,
     to: &'a str,
-    /// The state after the set, or the reason why there is none.
+    /// Expression of the state after the set, or of the reason to refuse.
     next: String,
     skills: Vec<Skill<'a>>,
     reasons: Vec<Reason>,
 }
 
-/// A skill's input, its output, and the union of a set with it.
+/// A skill's input and output, and the expression of the union of a set with it.
 #[derive(Serialize)]
 struct Skill<'a> {
     name: &'a str,
@@ -333,7 +334,7 @@ fn body(
             };
             Reason {
                 code: refusal(layout, why),
-                text: string(&text, LONGEST),
+                text: string(&text, MAX_TEXT_CHARS),
             }
         });
     let place = format!("{}[{} * {state} + {set}]", next.name, sets.count());

@@ -1,43 +1,43 @@
 //! Parses a probe's dump.
 //!
-//! A dump is lines of words. A header begins a session (a library that was loaded); a call follows
-//! the other, each with its end:
+//! A dump consists of lines of words. A header begins a session, for each time the library was
+//! loaded; then follow calls, each with its end:
 //!
 //! ```text
 //! linewright-probe 1
 //! platform windows
 //! pointers 64
-//! profile name = "found"            in the second round: the profile's file, line by line
+//! profile name = "found"            in the second round: the profile file, line by line
 //! call lw_probe_integer_1
 //! expects integer:1
 //! ret 00000000...                   the bytes at `ret`, or null
 //! arg 01000000...
-//! points 8 4c696e65...              the bytes that the pointer at 8 refers to
+//! points 8 4c696e65...              the bytes at the address that `arg` holds at offset 8
 //! end lw_probe_integer_1
 //! ```
 //!
-//! The text is untrusted: whatever it contains, parsing it gives findings and never takes more
-//! memory than the text. A last call without its end was cut off and is ignored.
+//! The text is untrusted: any content gives findings instead of a failure, and parsing needs memory
+//! in proportion to the text. A last call without its end was cut off and is ignored.
 
 use super::Value;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 
-/// First words of a dump, with the version.
+/// First line of a dump, with the version.
 const HEADER: &str = "linewright-probe 1";
 
-/// Maximum sizes; no probe exceeds them.
-const MOST_CALLS: usize = 2000;
-const MOST_BYTES: usize = 512;
-const MOST_POINTERS: usize = 64;
-const MOST_VALUES: usize = 8;
+/// Maximum sizes, which no probe exceeds.
+const MAX_CALLS: usize = 2000;
+const MAX_BYTES: usize = 512;
+const MAX_POINTERS: usize = 64;
+const MAX_VALUES: usize = 8;
 
 /// One session of a dump.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Dump {
     /// `windows` or `unix`.
     pub platform: String,
-    /// Profile file of the second round.
+    /// Text of the profile file, in the second round.
     pub profile: Option<String>,
     /// Calls in order.
     pub calls: Vec<Record>,
@@ -54,22 +54,22 @@ pub struct Record {
     pub ret: Vec<u8>,
     /// Bytes at `arg`.
     pub arg: Vec<u8>,
-    /// Offsets in `arg` that may hold an address, with the bytes found there.
+    /// Offsets in `arg` that can hold an address, with the bytes at that address.
     pub points: Vec<(usize, Vec<u8>)>,
     /// Line at which the record begins.
     pub place: Span,
 }
 
 impl Record {
-    /// Bytes that the 8 bytes at an offset of `arg` point to.
-    pub fn at(&self, offset: usize) -> Option<&[u8]> {
+    /// Bytes at the address that `arg` holds at an offset, if any were recorded.
+    pub fn bytes_at_pointer(&self, offset: usize) -> Option<&[u8]> {
         let found = self.points.iter().find(|(at, _)| *at == offset);
         found.map(|(_, bytes)| bytes.as_slice())
     }
 }
 
-/// Parses a dump: its last session with calls, and findings about the text. After a finding of
-/// severity error the result is unusable.
+/// Parses a dump: returns its last session with calls, and findings about the text. If a finding is
+/// an error, the session must not be used.
 pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
     let mut reader = Reader {
         file,
@@ -83,7 +83,7 @@ pub fn parse(file: FileId, text: &str) -> (Dump, Vec<Diagnostic>) {
         let content = line.trim_end_matches(['\n', '\r']);
         let place = Span::new(file, at, at + content.len());
         at += line.len();
-        // A line without its end may be truncated.
+        // A line without a line break can be truncated.
         if !whole {
             reader.cut(place);
         } else if !content.is_empty() {
@@ -109,12 +109,12 @@ impl Reader {
         if let Some((_, damaged)) = &mut self.open {
             *damaged = true;
         }
-        // The first findings suffice.
+        // Report only the first findings.
         if self.findings.len() < 20 {
-            self.findings
-                .push(Diagnostic::warning(codes::DUMP, place, message).with_help(
-                    "the call that it belongs to is left out; run the probe again for a whole dump",
-                ));
+            self.findings.push(
+                Diagnostic::warning(codes::DUMP, place, message)
+                    .with_help("the call is ignored; run the probe again to get a complete dump"),
+            );
         }
     }
 
@@ -122,7 +122,7 @@ impl Reader {
         self.open = None;
         self.findings.push(
             Diagnostic::warning(codes::DUMP, place, "the dump is cut off here")
-                .with_help("the call that has no end is left out: did the host end in it?"),
+                .with_help("the incomplete call is ignored; check whether the host crashed in it"),
         );
     }
 
@@ -143,7 +143,7 @@ impl Reader {
                     place,
                     format!("the dump has version {}, not 1", shortened(rest)),
                 )
-                .with_help("read it with the linewright that built the probe"),
+                .with_help("read it with the version of linewright that built the probe"),
             );
             return;
         }
@@ -151,7 +151,7 @@ impl Reader {
             if self.findings.is_empty() {
                 self.findings.push(
                     Diagnostic::error(codes::DUMP, place, "this is not a dump of the probe")
-                        .with_help("a dump begins with `linewright-probe 1`; the probe writes it beside its library"),
+                        .with_help("choose the file that the probe wrote next to its library; it begins with `linewright-probe 1`"),
                 );
             }
             return;
@@ -165,13 +165,13 @@ impl Reader {
             "pointers" if rest == "64" => {}
             "pointers" => {
                 let message = format!(
-                    "the probe ran in a program with pointers of {} bits",
+                    "the probe ran in a program with {}-bit pointers",
                     shortened(rest)
                 );
-                self.findings.push(
-                    Diagnostic::error(codes::DUMP, place, message)
-                        .with_help("station libraries have 64 bits, as Plant Simulation has"),
-                );
+                self.findings
+                    .push(Diagnostic::error(codes::DUMP, place, message).with_help(
+                        "run the probe in a 64-bit Plant Simulation; station libraries are 64-bit",
+                    ));
             }
             "profile" => {
                 let profile = dump.profile.get_or_insert_default();
@@ -180,7 +180,7 @@ impl Reader {
             }
             "call" => {
                 if self.open.is_some() {
-                    self.damaged(place, "a call begins before the one above has ended");
+                    self.damaged(place, "a call begins before the previous one has ended");
                 }
                 let record = Record {
                     name: shortened(rest),
@@ -195,10 +195,7 @@ impl Reader {
 
     fn within_call(&mut self, word: &str, rest: &str, place: Span) {
         let Some((record, _)) = &mut self.open else {
-            self.damaged(
-                place,
-                format!("`{}` is outside any call", shortened(word)),
-            );
+            self.damaged(place, format!("`{}` is not within a call", shortened(word)));
             return;
         };
         let read = match word {
@@ -206,8 +203,8 @@ impl Reader {
             "ret" => bytes(rest).map(|b| record.ret = b),
             "arg" => bytes(rest).map(|b| record.arg = b),
             "points" => rest.split_once(' ').and_then(|(at, hex)| {
-                let at = at.parse().ok().filter(|at| *at < MOST_BYTES)?;
-                let bytes = bytes(hex).filter(|_| record.points.len() < MOST_POINTERS)?;
+                let at = at.parse().ok().filter(|at| *at < MAX_BYTES)?;
+                let bytes = bytes(hex).filter(|_| record.points.len() < MAX_POINTERS)?;
                 record.points.push((at, bytes));
                 Some(())
             }),
@@ -232,8 +229,8 @@ impl Reader {
         let Some(dump) = self.sessions.last_mut() else {
             return;
         };
-        if dump.calls.len() >= MOST_CALLS {
-            self.damaged(place, "the dump has more calls than any probe makes");
+        if dump.calls.len() >= MAX_CALLS {
+            self.damaged(place, format!("the dump has more than {MAX_CALLS} calls"));
         } else if !damaged {
             dump.calls.push(record);
         }
@@ -245,8 +242,8 @@ impl Reader {
         let Some(last) = with_calls else {
             if !errors {
                 self.findings.push(
-                    Diagnostic::error(codes::DUMP, start, "the dump holds no whole call")
-                        .with_help("call the probe from Plant Simulation as its SimTalk text does"),
+                    Diagnostic::error(codes::DUMP, start, "the dump contains no complete call")
+                        .with_help("run the probe's SimTalk method in Plant Simulation"),
                 );
             }
             return (Dump::default(), self.findings);
@@ -258,19 +255,19 @@ impl Reader {
         if earlier > 0 {
             let span = Span::new(self.file, 0, 0);
             let message = format!(
-                "the dump holds {} sessions; the last one counts",
+                "the dump contains {} sessions; only the last one is used",
                 earlier + 1
             );
             self.findings.push(
                 Diagnostic::note(codes::DUMP, span, message)
-                    .with_help("delete the dump before the probe runs again"),
+                    .with_help("delete the dump before you run the probe again"),
             );
         }
         (self.sessions.swap_remove(last), self.findings)
     }
 }
 
-/// The first letters of a word of the dump, for a message.
+/// Shortens a text of the dump for a message.
 fn shortened(text: &str) -> String {
     let visible = |c: char| if c.is_control() { '?' } else { c };
     let mut short: String = text.chars().take(40).map(visible).collect();
@@ -280,14 +277,14 @@ fn shortened(text: &str) -> String {
     short
 }
 
-/// Decodes hexadecimal bytes; empty for `null` and an empty text.
+/// Decodes hexadecimal bytes; `null` and an empty text give no bytes.
 fn bytes(hex: &str) -> Option<Vec<u8>> {
     if hex == "null" {
         return Some(Vec::new());
     }
     let digit = |b: u8| (b as char).to_digit(16).map(|d| d as u8);
     let hex = hex.as_bytes();
-    if !hex.len().is_multiple_of(2) || hex.len() > 2 * MOST_BYTES {
+    if !hex.len().is_multiple_of(2) || hex.len() > 2 * MAX_BYTES {
         return None;
     }
     hex.chunks_exact(2)
@@ -295,11 +292,11 @@ fn bytes(hex: &str) -> Option<Vec<u8>> {
         .collect()
 }
 
-/// The values of a line `expects`.
+/// Parses the values of a line `expects`.
 fn values(text: &str) -> Option<Vec<Value>> {
     let words = text.split_whitespace();
-    let values: Option<Vec<Value>> = words.take(MOST_VALUES + 1).map(value).collect();
-    values.filter(|v| v.len() <= MOST_VALUES)
+    let values: Option<Vec<Value>> = words.take(MAX_VALUES + 1).map(value).collect();
+    values.filter(|v| v.len() <= MAX_VALUES)
 }
 
 fn value(word: &str) -> Option<Value> {
@@ -337,11 +334,11 @@ mod tests {
         let text = Value::Text("Lw".to_owned());
         assert_eq!(call.expects, [Value::Integer(-2), text, Value::Real(1.5)]);
         assert_eq!(
-            (call.ret.as_slice(), call.at(0)),
+            (call.ret.as_slice(), call.bytes_at_pointer(0)),
             (&[0, 255][..], Some(&b"Lw\0"[..]))
         );
         for call in super::super::calls() {
-            let words: Vec<String> = call.arguments.iter().map(Value::word).collect();
+            let words: Vec<String> = call.arguments.iter().map(Value::dump_word).collect();
             assert_eq!(values(&words.join(" ")), Some(call.arguments));
         }
     }

@@ -1,15 +1,16 @@
 //! Infers the layout of `UF_Value` from a probe's dump.
 //!
-//! Each question is answered by the positions that explain all observations: the value is where all
-//! numbers are found and where the pointers lead to the texts; the next argument begins where the
-//! next values are; an integer is as wide as its bytes match the number, sign included; the tag is
-//! where kinds differ and values of a kind agree. What the bytes leave open is reported, with
-//! advice. Finally the whole layout has to explain every call.
+//! Each answer must explain all observations: the value is at the offset where every call with a
+//! number shows this number, and every call with a text the pointer to it; the size of an argument
+//! is the distance from one value to the next; the width of
+//! an integer is the number of bytes that match the number, including its sign; the tag is at the
+//! offset at which the bytes differ between kinds and agree within each kind. Open questions are
+//! reported, with advice. Finally, the complete layout must explain every call.
 
 use super::dump::{Dump, Record};
 use super::texts::{encoding, reads};
-use super::{Kind, SEEN, Value, returned};
-use crate::profile::{Encoding, LARGEST_SIZE, Layout, Profile, Tag, VALUE_BYTES, read};
+use super::{CONFIRM_EXPORT, Kind, Value, returned_values};
+use crate::profile::{Encoding, Layout, MAX_SIZE, Profile, Tag, VALUE_BYTES, read};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{FileId, Span};
 use schemars::JsonSchema;
@@ -20,11 +21,11 @@ use std::fmt::Write as _;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Confidence {
-    /// Nothing else explains the dump.
+    /// No other answer explains the dump.
     Certain,
-    /// Another answer would explain it but is less simple; or it makes no difference.
+    /// Another answer also explains the dump, but is less simple or makes no difference.
     Likely,
-    /// The dump does not determine it; the answer is the simplest one.
+    /// The dump does not determine the answer; this is the simplest one.
     Open,
 }
 
@@ -37,7 +38,7 @@ pub struct Fact {
     pub found: String,
     /// Certainty of the answer.
     pub sure: Confidence,
-    /// Reason for it, and advice if it is not certain.
+    /// Reason for the answer, and advice if it is not certain.
     pub why: String,
 }
 
@@ -46,12 +47,12 @@ pub struct Fact {
 pub struct Inference {
     /// The layout.
     pub layout: Layout,
-    /// One answer per question.
+    /// The answers to all questions.
     pub facts: Vec<Fact>,
 }
 
 /// Advice if no layout can be found.
-const VENDOR: &str = "run the probe's SimTalk unchanged and whole; if it was, compile with the vendor's header instead (-DUF_USE_VENDOR_HEADER)";
+const VENDOR: &str = "run the probe's complete SimTalk method without changes; if that does not help, compile with the vendor's header (-DUF_USE_VENDOR_HEADER)";
 
 /// Infers the layout from a dump's calls.
 pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
@@ -78,19 +79,19 @@ pub fn infer(dump: &Dump) -> Result<Inference, Box<Diagnostic>> {
         strings,
         tag,
     };
-    // Texts that arrived changed are already reported; everything else must match.
-    let misfit = dump
+    // Changed texts are already reported; all other arguments must match.
+    let mismatch = dump
         .calls
         .iter()
         .find_map(|r| explain(&layout, r, false).err());
-    match misfit {
+    match mismatch {
         Some(finding) => Err(finding),
         None => Ok(Inference { layout, facts }),
     }
 }
 
-/// Evaluates the second round: whether the host read the returned values with the profile's layout.
-/// If so, the profile is confirmed.
+/// Evaluates the second round: checks whether the host read the returned values with the profile's
+/// layout, and returns the confirmed profile. `None` for a dump of the first round.
 pub fn confirm(dump: &Dump) -> Option<Result<Profile, Vec<Diagnostic>>> {
     let text = dump.profile.as_ref()?;
     Some(judge(dump, text))
@@ -105,24 +106,28 @@ fn judge(dump: &Dump, text: &str) -> Result<Profile, Vec<Diagnostic>> {
             "build the probe again with `build --probe --profile FILE`, and run it again",
         )]
     })?;
-    let wanted = returned(profile.layout.integer_bits);
-    let seen: Vec<&Record> = dump.calls.iter().filter(|r| r.name == SEEN).collect();
+    let wanted = returned_values(profile.layout.integer_bits);
+    let seen: Vec<&Record> = dump
+        .calls
+        .iter()
+        .filter(|r| r.name == CONFIRM_EXPORT)
+        .collect();
     if seen.is_empty() || seen.iter().any(|r| r.expects != wanted) {
         return Err(vec![
             Diagnostic::error(
                 codes::LAYOUT_REFUTED,
                 start,
-                format!("the dump has no whole call of `{SEEN}`: nothing that was returned has come back"),
+                format!("the dump contains no complete call of `{CONFIRM_EXPORT}`: the host passed back no returned values"),
             )
-            .with_help("run the SimTalk of the second round to its end; if the host ends in it, the layout is wrong: delete the profile, and give `doctor --probe` the first dump again"),
+            .with_help("run the SimTalk method of the second round to its end; if the host crashes in it, the layout is wrong: delete the profile, and run `linewright doctor --probe` on the first dump again"),
         ]);
     }
-    // Texts of the first round may have been changed on their way into the method; those of the
-    // library were not.
+    // The texts of the first round can have been changed when they were pasted into the method; the
+    // library's own texts cannot.
     let misfits: Vec<Diagnostic> = dump
         .calls
         .iter()
-        .filter_map(|r| explain(&profile.layout, r, r.name == SEEN).err())
+        .filter_map(|r| explain(&profile.layout, r, r.name == CONFIRM_EXPORT).err())
         .map(|mut finding| {
             finding.code = codes::LAYOUT_REFUTED;
             *finding
@@ -135,10 +140,10 @@ fn judge(dump: &Dump, text: &str) -> Result<Profile, Vec<Diagnostic>> {
     Ok(profile)
 }
 
-/// Offset of the value.
+/// Infers the offset of the value.
 fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnostic>> {
-    let mut left: Vec<usize> = (0..=(LARGEST_SIZE - VALUE_BYTES) as usize).collect();
-    for (kind, what, least) in [
+    let mut left: Vec<usize> = (0..=(MAX_SIZE - VALUE_BYTES) as usize).collect();
+    for (kind, what, min_calls) in [
         (Kind::Real, "real numbers", 2),
         (Kind::Integer, "integers", 2),
         (Kind::Text, "strings", 1),
@@ -150,14 +155,14 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
         let firsts: Vec<(&Record, &Value)> = firsts
             .filter(|(_, v)| v.kind() == kind && !is_empty(v))
             .collect();
-        if firsts.len() < least {
+        if firsts.len() < min_calls {
             let message = format!("the dump has too few calls with {what}");
             return Err(Box::new(open(dump.calls.first(), message)));
         }
         left.retain(|&v| firsts.iter().all(|(r, value)| holds(r, v, value)));
         if left.is_empty() {
             let message = format!(
-                "no place in the first {LARGEST_SIZE} bytes at `arg` holds all {what} that were passed"
+                "no offset in the first {MAX_SIZE} bytes at `arg` holds all {what} that were passed"
             );
             return Err(Box::new(open(firsts.first().map(|(r, _)| *r), message)));
         }
@@ -172,7 +177,7 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
             Confidence::Open
         },
         why: if certain {
-            "all numbers are there, and the addresses of all texts".to_owned()
+            "all numbers and the addresses of all texts are there".to_owned()
         } else {
             format!(
                 "all values are also at offset {}; the second round decides",
@@ -183,7 +188,7 @@ fn value_offset(dump: &Dump, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnos
     Ok(left[0])
 }
 
-/// Distance in bytes from one argument to the next.
+/// Infers the distance in bytes from one argument to the next.
 fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, Box<Diagnostic>> {
     let several: Vec<&Record> = dump.calls.iter().filter(|r| r.expects.len() > 1).collect();
     if several.is_empty() {
@@ -196,12 +201,10 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
             values.all(|(i, v)| is_empty(v) || holds(r, i * size + value, v))
         })
     };
-    let least = value + VALUE_BYTES as usize;
-    let sizes: Vec<usize> = (least.max(9)..=LARGEST_SIZE as usize)
-        .filter(fits)
-        .collect();
+    let min_size = value + VALUE_BYTES as usize;
+    let sizes: Vec<usize> = (min_size.max(9)..=MAX_SIZE as usize).filter(fits).collect();
     let Some(&size) = sizes.first() else {
-        let message = "at no distance do the arguments of one call follow each other".to_owned();
+        let message = "no distance between the arguments of a call explains the dump".to_owned();
         return Err(Box::new(open(several.first().copied(), message)));
     };
     let certain = sizes.len() == 1;
@@ -214,7 +217,7 @@ fn distance(dump: &Dump, value: usize, facts: &mut Vec<Fact>) -> Result<usize, B
             Confidence::Open
         },
         why: if certain {
-            "so far apart are the arguments of one call".to_owned()
+            "distance between the arguments of a call".to_owned()
         } else {
             format!(
                 "{} bytes would fit as well; the second round decides",
@@ -256,6 +259,7 @@ impl Record {
     }
 }
 
+/// Infers the width of an integer in bits.
 fn integer_bits(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> u32 {
     let seen: Vec<(i64, &[u8])> = slots
         .iter()
@@ -282,16 +286,16 @@ fn integer_bits(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> u32 
             Confidence::Likely
         },
         why: if certain {
-            "width of an integer, including its sign".to_owned()
+            "all integers match in this width, including their signs".to_owned()
         } else {
-            "run the probe again with all its integers: no negative or no large one was passed"
+            "no negative or no large integer was passed; run the probe again with all its integers"
                 .to_owned()
         },
     });
     bits
 }
 
-/// The tag: its offset, its width, and the number of each kind.
+/// Infers the tag: its offset, its width, and the number of each kind.
 fn tag(
     slots: &[Slot<'_>],
     value: usize,
@@ -302,7 +306,7 @@ fn tag(
     let size = slots.first().map_or(0, |s| s.bytes.len());
     let in_value = |o: usize| o >= value && o < value + VALUE_BYTES as usize;
     let clear = |o: usize, n: usize| o + n <= size && !(o..o + n).any(in_value);
-    // A tag is where kinds differ and values of a kind agree.
+    // At the tag's offset, the bytes differ between kinds and agree within each kind.
     let mut places = Vec::new();
     for width in [1, 2, 4, 8] {
         let distinct = |&o: &usize| {
@@ -316,7 +320,8 @@ fn tag(
         };
         places = (0..size).filter(distinct).collect();
         if let Some(first) = places.first_mut() {
-            // A field begins at a multiple of its size: lower bytes that are always 0 belong to it.
+            // A field begins at a multiple of its size, so bytes before it that are always 0 belong
+            // to it.
             let start = *first / packing.min(4) * packing.min(4);
             let zero = |o: usize| slots.iter().all(|s| s.bytes[o] == 0);
             if clear(start, *first - start) && (start..*first).all(zero) {
@@ -348,11 +353,11 @@ fn tag(
     }
     drop(places);
     let message =
-        "no bytes beside the value tell integers, real numbers and strings apart".to_owned();
+        "no bytes outside the value distinguish integers, real numbers and strings".to_owned();
     Err(Box::new(open(slots.first().map(|s| s.record), message)))
 }
 
-/// The number common to all values of a kind at an offset.
+/// Returns the number that all values of a kind have at an offset; `None` if they differ.
 fn agreed(slots: &[Slot<'_>], kind: Kind, offset: usize, width: usize) -> Option<u64> {
     let mut numbers = slots
         .iter()
@@ -368,10 +373,11 @@ fn number(bytes: &[u8], offset: usize, width: usize) -> Option<u64> {
     Some(u64::from_le_bytes(wide))
 }
 
-/// Width of the tag that begins at `start` and takes at least `needed` bytes.
+/// Infers the width of the tag that begins at `start` and has at least `needed` bytes, and its
+/// number for each kind. `others` are further possible offsets.
 #[expect(
     clippy::too_many_arguments,
-    reason = "one question, all of whose evidence is here"
+    reason = "all evidence for one question is passed"
 )]
 fn wide(
     slots: &[Slot<'_>],
@@ -394,7 +400,7 @@ fn wide(
             && (start + needed..start + w).all(zero)
     };
     let mut widths: Vec<usize> = [1, 2, 4, 8].into_iter().filter(possible).collect();
-    // Whatever follows the tag, the value or the end, follows as closely as the packing allows.
+    // The value or the end follows the tag as closely as the packing allows.
     let closes = |w: &usize| {
         let next = (start + w).next_multiple_of(packing);
         next == if start < value { value } else { size }
@@ -402,10 +408,10 @@ fn wide(
     if widths.iter().any(closes) {
         widths.retain(closes);
     }
-    // Whether the host leaves bytes unchanged: then bytes that are always 0 were written.
+    // Whether the host leaves unused bytes unchanged: then it wrote bytes that are always 0.
     let widest = widths.last().copied().unwrap_or(needed);
     let idle = |s: &Slot<'_>| {
-        let beside = (0..size).any(|o| {
+        let outside = (0..size).any(|o| {
             (o < start || o >= start + widest) && (o < value || o >= end) && s.bytes[o] != 0
         });
         let used = match s.value {
@@ -413,10 +419,10 @@ fn wide(
             Value::Boolean(_) => value + 4,
             _ => end,
         };
-        // Nothing has been returned yet when the probe reads `ret`.
+        // When the probe reads `ret`, it has not returned a value yet.
         let answer = s.record.ret.get(value..end);
         let set = |bytes: &[u8]| bytes.iter().any(|b| *b != 0);
-        beside || set(&s.bytes[used..end]) || answer.is_some_and(set)
+        outside || set(&s.bytes[used..end]) || answer.is_some_and(set)
     };
     let unclean = slots.iter().any(idle);
     let width = if widths.len() > 1 && !unclean && widths.contains(&4) {
@@ -433,7 +439,7 @@ fn wide(
             Confidence::Likely
         },
         why: match others.first() {
-            None => "there kinds differ and values of a kind agree".to_owned(),
+            None => "the bytes there differ between kinds and agree within each kind".to_owned(),
             Some(other) => format!("kinds also differ at offset {other}; the second round decides"),
         },
     });
@@ -450,12 +456,12 @@ fn wide(
             "no other width explains the bytes".to_owned()
         } else if unclean {
             format!(
-                "of {} the widest: the bytes above are always 0, others are not cleared",
+                "the widest of {}: its further bytes are always 0, although the host does not clear unused bytes",
                 words.join(", ")
             )
         } else {
             format!(
-                "{} would do as well and make no difference: the bytes above are always 0",
+                "{} are possible and make no difference: the further bytes are always 0",
                 words.join(", ")
             )
         },
@@ -484,10 +490,9 @@ fn wide(
         found: shown,
         sure: Confidence::Certain,
         why: if optional {
-            "each is in all values of its kind".to_owned()
+            "all values of a kind have its tag".to_owned()
         } else {
-            "each is in all values of its kind; truth values and times were not passed"
-                .to_owned()
+            "all values of a kind have its tag; no Boolean values or times were passed".to_owned()
         },
     });
     Tag {
@@ -501,12 +506,13 @@ fn wide(
     }
 }
 
+/// Error for a question that the dump leaves open.
 fn open(record: Option<&Record>, message: String) -> Diagnostic {
     let place = record.map(|r| r.place);
-    Diagnostic::error(codes::LAYOUT_OPEN, place, message).with_help(VENDOR)
+    Diagnostic::error(codes::LAYOUT_UNDETERMINED, place, message).with_help(VENDOR)
 }
 
-/// A text that cannot be recognized.
+/// Whether a value is an empty text, which cannot be recognized.
 fn is_empty(value: &Value) -> bool {
     matches!(value, Value::Text(t) if t.is_empty())
 }
@@ -520,33 +526,34 @@ fn holds(record: &Record, offset: usize, value: &Value) -> bool {
         Value::Real(x) | Value::Time(x) => bytes == x.to_le_bytes(),
         Value::Integer(i) => bytes[..2] == i.to_le_bytes()[..2],
         Value::Boolean(b) => (bytes[0] != 0) == *b,
-        Value::Text(t) if !t.is_ascii() => record.at(offset).is_some(),
+        Value::Text(t) if !t.is_ascii() => record.bytes_at_pointer(offset).is_some(),
         Value::Text(t) => record
-            .at(offset)
+            .bytes_at_pointer(offset)
             .is_some_and(|bytes| Encoding::ALL.into_iter().any(|e| reads(bytes, t, e))),
     }
 }
 
-/// Whether a layout explains what a call received; with `texts`, including texts beyond ASCII.
+/// Checks that a layout explains the bytes of a call; with `texts`, including texts that are not
+/// ASCII.
 fn explain(layout: &Layout, record: &Record, texts: bool) -> Result<(), Box<Diagnostic>> {
     let size = layout.size as usize;
     for (i, value) in record.values() {
         let why = match slot(record, i * size, size, value) {
-            None => Some("is not within the bytes that could be read".to_owned()),
+            None => Some("is beyond the bytes that the probe could read".to_owned()),
             Some(slot) => misread(layout, &slot, texts),
         };
         if let Some(why) = why {
             let message = format!("argument {} of `{}` {why}", i + 1, record.name);
             let place: Span = record.place;
             return Err(Box::new(
-                Diagnostic::error(codes::LAYOUT_OPEN, place, message).with_help(VENDOR),
+                Diagnostic::error(codes::LAYOUT_UNDETERMINED, place, message).with_help(VENDOR),
             ));
         }
     }
     Ok(())
 }
 
-/// How an argument differs from the value passed.
+/// Describes how an argument differs from the value that was passed; `None` if it does not.
 fn misread(layout: &Layout, slot: &Slot<'_>, texts: bool) -> Option<String> {
     let tag = number(
         slot.bytes,
@@ -560,14 +567,16 @@ fn misread(layout: &Layout, slot: &Slot<'_>, texts: bool) -> Option<String> {
         Kind::Integer => tag == tags.integer,
         Kind::Real => tag == tags.real,
         Kind::Text => tag == tags.string,
-        // Kinds that the layout does not use need not be explained.
+        // A kind without a tag in the layout is not checked.
         Kind::Boolean if tags.boolean.is_none() => return None,
         Kind::Time if tag != tags.real && !tags.more_real.contains(&tag) => return None,
         Kind::Boolean => tags.boolean == Some(tag),
         Kind::Time => true,
     };
     if !tag_fits {
-        return Some(format!("has the tag {tag}, which is not that of its kind"));
+        return Some(format!(
+            "has the tag {tag}, which is not the tag of its kind"
+        ));
     }
     let value_fits = match slot.value {
         Value::Integer(i) => {
@@ -580,13 +589,13 @@ fn misread(layout: &Layout, slot: &Slot<'_>, texts: bool) -> Option<String> {
             bytes == [0; 8]
                 || slot
                     .record
-                    .at(slot.base + at)
+                    .bytes_at_pointer(slot.base + at)
                     .is_none_or(|b| reads(b, t, layout.strings))
         }
         Value::Text(t) if !texts && !t.is_ascii() => true,
         Value::Text(t) => slot
             .record
-            .at(slot.base + at)
+            .bytes_at_pointer(slot.base + at)
             .is_some_and(|b| reads(b, t, layout.strings)),
     };
     (!value_fits).then(|| "is not the value that was passed".to_owned())

@@ -1,15 +1,15 @@
-//! The probe: a library that is called with known values and dumps the raw bytes that it receives,
+//! The probe, a library that is called with known values and dumps the raw bytes that it receives;
 //! and the analysis of the dump.
 //!
 //! ```text
 //! calls() ─package→ Package, simtalk::text   (run in Plant Simulation)   dump::parse→ Dump ─infer→ Inference ─confirm→ Profile
 //! ```
 //!
-//! The calls determine the layout. Real numbers with eight distinctive bytes show where the value
-//! is; several in one call show the distance between arguments. Integers of both signs and all
-//! sizes show the width of an integer: the bytes above it are those of the sign, or they are not.
-//! The tag is where kinds differ and values of one kind agree. Texts with umlauts and a euro sign
-//! show the string encoding.
+//! The calls determine the layout. Real numbers with distinctive bytes show the offset of the
+//! value; several real numbers in one call show the distance between arguments. Integers of both
+//! signs and all sizes show the width of an integer: beyond it, the bytes do not continue the
+//! number. The tag is at the offset at which the bytes differ between kinds and agree within each
+//! kind. Texts with umlauts and a euro sign show the string encoding.
 
 pub mod dump;
 pub mod infer;
@@ -58,8 +58,8 @@ impl Value {
         }
     }
 
-    /// Its form in a dump: `integer:-2`, `text:4c77`.
-    pub fn word(&self) -> String {
+    /// Formats the value as in a dump: `integer:-2`, `text:4c77`.
+    pub fn dump_word(&self) -> String {
         match self {
             Self::Integer(i) => format!("integer:{i}"),
             Self::Real(x) => format!("real:{x:?}"),
@@ -77,11 +77,11 @@ pub struct Call {
     pub name: String,
     /// Arguments of the call.
     pub arguments: Vec<Value>,
-    /// Whether the dump is sufficient without it.
+    /// Whether the layout can be inferred without this call.
     pub optional: bool,
 }
 
-/// Calls of the first round.
+/// Returns the calls of the first round.
 pub fn calls() -> Vec<Call> {
     let text = |t: &str| Value::Text(t.to_owned());
     let integers = [1, -2, 258, -30_000, 16_909_060, -1_985_229_329];
@@ -121,9 +121,9 @@ pub fn calls() -> Vec<Call> {
     calls
 }
 
-/// Values returned by the library in the second round: an integer of the layout's width, a real
-/// number, a text.
-pub fn returned(integer_bits: u32) -> [Value; 3] {
+/// Returns the values that the library returns in the second round: an integer that fits the
+/// layout's width, a real number, a text.
+pub fn returned_values(integer_bits: u32) -> [Value; 3] {
     let integer = if integer_bits == 16 {
         -12_345
     } else {
@@ -136,8 +136,8 @@ pub fn returned(integer_bits: u32) -> [Value; 3] {
     ]
 }
 
-/// The export that receives the returned values in the second round.
-pub const SEEN: &str = "lw_confirm_seen";
+/// Name of the export that receives the returned values in the second round.
+pub const CONFIRM_EXPORT: &str = "lw_confirm_seen";
 
 fn call(name: &str, arguments: Vec<Value>) -> Call {
     Call {

@@ -1,7 +1,7 @@
-//! The probe as a package: `ffi/probe.c` with the list of its calls, and the SimTalk that makes
-//! them.
+//! The probe as a package: `ffi/probe.c` with the list of its calls, and the SimTalk method that
+//! makes the calls.
 
-use super::{Call, SEEN, Value, calls, returned};
+use super::{CONFIRM_EXPORT, Call, Value, calls, returned_values};
 use crate::emit::text::string;
 use crate::package::Package;
 use crate::profile::{Profile, header};
@@ -9,7 +9,7 @@ use crate::simtalk::literal;
 use crate::template::render;
 use serde::Serialize;
 
-/// File name of the probe.
+/// File name of the probe, without extension.
 pub const STEM: &str = "linewright_probe";
 
 /// The fields of `probe.c`.
@@ -52,17 +52,18 @@ struct CallOfMethod {
     name: String,
     /// Arguments, each preceded by a comma.
     arguments: String,
-    /// A time, which needs a variable.
+    /// The argument, if it is a time: it needs a variable in SimTalk.
     duration: Option<String>,
 }
 
-/// Builds the probe; with a profile, that of the second round, which also returns values with it.
+/// Creates the probe's package. With a profile, it is the probe of the second round, which also
+/// returns values in the profile's layout.
 pub fn package(profile: Option<&Profile>) -> Package {
     let calls = all(profile).into_iter().map(|call| {
         let words = call
             .arguments
             .iter()
-            .fold(String::new(), |s, v| s + " " + &v.word());
+            .fold(String::new(), |s, v| s + " " + &v.dump_word());
         CallOfSource {
             count: call.arguments.len(),
             arguments: string(&words),
@@ -95,12 +96,13 @@ fn confirmed(profile: &Profile) -> Confirmed {
     let lines = toml
         .lines()
         .map(|line| string(&format!("profile {line}\n")));
-    let [integer, real, text] = returned(profile.layout.integer_bits).map(|value| match value {
-        Value::Text(t) => string(&t),
-        Value::Real(x) | Value::Time(x) => format!("{x:?}"),
-        Value::Integer(i) => i.to_string(),
-        Value::Boolean(b) => i32::from(b).to_string(),
-    });
+    let [integer, real, text] =
+        returned_values(profile.layout.integer_bits).map(|value| match value {
+            Value::Text(t) => string(&t),
+            Value::Real(x) | Value::Time(x) => format!("{x:?}"),
+            Value::Integer(i) => i.to_string(),
+            Value::Boolean(b) => i32::from(b).to_string(),
+        });
     Confirmed {
         profile: lines.collect(),
         integer,
@@ -114,15 +116,15 @@ fn all(profile: Option<&Profile>) -> Vec<Call> {
     let mut all = calls();
     if let Some(profile) = profile {
         all.push(Call {
-            name: SEEN.to_owned(),
-            arguments: returned(profile.layout.integer_bits).into(),
+            name: CONFIRM_EXPORT.to_owned(),
+            arguments: returned_values(profile.layout.integer_bits).into(),
             optional: false,
         });
     }
     all
 }
 
-/// SimTalk 2 text of a method that makes the calls. `library` is the library's file name.
+/// Renders the SimTalk 2 method that makes the calls. `library` is the library's file name.
 pub fn simtalk(profile: Option<&Profile>, library: &str) -> String {
     let (optional, needed): (Vec<Call>, Vec<Call>) = calls().into_iter().partition(|c| c.optional);
     let written = |calls: Vec<Call>| {
@@ -146,7 +148,7 @@ pub fn simtalk(profile: Option<&Profile>, library: &str) -> String {
             needed: written(needed),
             optional: written(optional),
             second_round: profile.is_some(),
-            seen: SEEN,
+            seen: CONFIRM_EXPORT,
         },
     )
 }

@@ -1,15 +1,18 @@
-//! Determines how a host encodes strings: which encodings explain the texts in the dump.
+//! Determines the string encoding of a host: the one that explains the texts in the dump.
 
 use super::Value;
 use super::infer::{Confidence, Fact, Slot};
 use crate::profile::Encoding;
 
-/// The encoding of strings.
+/// Infers the encoding of strings, and adds the fact about it. `value` is the offset of the value
+/// in an argument.
 pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) -> Encoding {
     let texts: Vec<(&str, &[u8])> = slots
         .iter()
         .filter_map(|s| match s.value {
-            Value::Text(t) if !t.is_empty() => Some((t.as_str(), s.record.at(s.base + value)?)),
+            Value::Text(t) if !t.is_empty() => {
+                Some((t.as_str(), s.record.bytes_at_pointer(s.base + value)?))
+            }
             _ => None,
         })
         .collect();
@@ -29,19 +32,20 @@ pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) 
         (
             *one,
             Confidence::Certain,
-            "umlauts and the euro sign arrive so".to_owned(),
+            "umlauts and the euro sign arrived in this encoding".to_owned(),
         )
     } else if let ([one], true) = (without_euro.as_slice(), umlauts) {
         (
             *one,
             Confidence::Likely,
-            "umlauts arrive so; the text with a euro sign came changed or not at all".to_owned(),
+            "umlauts arrived in this encoding; the text with a euro sign was changed or missing"
+                .to_owned(),
         )
     } else if umlauts && without_euro.contains(&Encoding::Latin1) {
         (
             Encoding::Latin1,
             Confidence::Likely,
-            "umlauts arrive so, and windows-1252 would do as well; the text with a euro sign came changed or not at all".to_owned(),
+            "umlauts arrived in this encoding, or in windows-1252; the text with a euro sign was changed or missing".to_owned(),
         )
     } else {
         let found = if plain.contains(&Encoding::Utf8) {
@@ -52,19 +56,19 @@ pub(super) fn encoding(slots: &[Slot<'_>], value: usize, facts: &mut Vec<Fact>) 
         (
             found,
             Confidence::Open,
-            "umlauts did not arrive as they were sent; names without them work all the same. Were they intact in the method when the probe ran?".to_owned(),
+            "umlauts did not arrive unchanged; names without them work anyway. Check that the umlauts in the method were intact when the probe ran".to_owned(),
         )
     };
     facts.push(Fact {
         what: "strings",
-        found: found.word().to_owned(),
+        found: found.name().to_owned(),
         sure,
         why,
     });
     found
 }
 
-/// Whether the bytes begin with a text and its terminator in an encoding.
+/// Whether the bytes begin with a text in an encoding, followed by its terminator.
 pub(super) fn reads(bytes: &[u8], text: &str, encoding: Encoding) -> bool {
     let mut wanted = encode(text, encoding);
     wanted.extend(if encoding == Encoding::Utf16 {
@@ -75,7 +79,7 @@ pub(super) fn reads(bytes: &[u8], text: &str, encoding: Encoding) -> bool {
     bytes.starts_with(&wanted)
 }
 
-/// A text in an encoding; `?` replaces missing characters.
+/// Encodes a text; characters that the encoding lacks become `?`.
 fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
     let single = |c: char| match (u32::from(c), encoding) {
         (point @ (0..0x80 | 0xa0..0x100), _) | (point @ 0x80..0xa0, Encoding::Latin1) => {

@@ -1,5 +1,5 @@
-//! A profile as the C header `uf_profile.h` that `ffi/uf_value.h` includes. It is part of a package
-//! like any other file, and so is covered by content hash, sources and reproducibility.
+//! Renders a profile as the C header `uf_profile.h`, which `ffi/uf_value.h` includes. Like every
+//! other file of a package, the header is part of the content hash and the shipped sources.
 
 use super::{Encoding, Profile};
 use crate::emit::text::{comment, string};
@@ -29,14 +29,14 @@ struct Header<'a> {
 }
 
 impl Profile {
-    /// The text of `uf_profile.h`.
+    /// Renders `uf_profile.h`.
     pub fn to_header(&self) -> String {
         let layout = &self.layout;
         let tag = &layout.tag;
-        let state = if self.verified() {
-            "verified: the host read back what was returned with this layout"
+        let state = if self.is_verified() {
+            "verified: the host read back values that were returned with this layout"
         } else {
-            "UNVERIFIED: nobody has seen the host read back what was returned with it"
+            "UNVERIFIED: no test has shown the host reading back values with this layout"
         };
         let encoding = match layout.strings {
             Encoding::Utf8 => "LW_UF_UTF_8",

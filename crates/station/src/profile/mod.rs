@@ -1,11 +1,11 @@
 //! The assumed layout of `UF_Value`, the arguments that Plant Simulation passes to a library: a
 //! *profile*.
 //!
-//! The vendor's header is not public, so a layout is a build setting and never a fact. A profile is
-//! a small TOML file ([`read`]), becomes a C header of a package ([`header`]), and is found by the
-//! probe (`station::probe`). It is *verified* only if the program in which it was found has read
-//! back what a library returned with exactly this layout: [`Profile::confirmed`] then holds the
-//! layout's fingerprint, so that a layout edited later does not count as verified.
+//! The vendor's header is not public, so the layout is a build setting. A profile is a small TOML
+//! file ([`read`]) that becomes a C header of a package ([`header`]); the probe (`station::probe`)
+//! determines it. A profile is *verified* only if the program in which it was found has read back
+//! values that a library returned with exactly this layout: [`Profile::confirmed`] then holds the
+//! layout's fingerprint, so a layout that is edited later does not count as verified.
 
 pub mod header;
 mod print;
@@ -18,23 +18,23 @@ use sha2::{Digest, Sha256};
 /// Schema of a profile file.
 pub const SCHEMA: &str = "linewright/uf-profile/1";
 
-/// The JSON Schema of a profile's file, as the value that its TOML has.
+/// The JSON Schema of a profile file, for the value that its TOML represents.
 pub const FILE_SCHEMA: &str = include_str!("uf-profile.schema.json");
 
-/// How many bytes a value of the union takes: a real number or a pointer.
+/// Number of bytes of the union's value: a real number or a pointer.
 pub const VALUE_BYTES: u32 = 8;
 
-/// Maximum size in bytes of a `UF_Value`: the probe reads no further.
-pub const LARGEST_SIZE: u32 = 64;
+/// Maximum size of a `UF_Value` in bytes, up to which the probe reads.
+pub const MAX_SIZE: u32 = 64;
 
 /// An assumed layout with its name and origin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Profile {
     /// Short name, shown by `station_describe`.
     pub name: String,
-    /// Origin of the layout, one line.
+    /// Origin of the layout, in one line.
     pub found: String,
-    /// Fingerprint of the confirmed layout; `None` if unconfirmed.
+    /// Fingerprint of the layout that was confirmed; `None` if none was.
     pub confirmed: Option<String>,
     /// The layout.
     pub layout: Layout,
@@ -57,20 +57,20 @@ pub struct Layout {
     pub tag: Tag,
 }
 
-/// What `station_describe` and `doctor` say of a profile.
+/// A profile in the output of `station_describe` and `doctor`.
 #[derive(Debug, JsonSchema, Serialize)]
 pub struct ProfileEntry {
     /// The name of the profile.
     name: String,
     /// Whether the layout was confirmed in the program that it is for.
     verified: bool,
-    /// Where it comes from.
+    /// The origin of the profile.
     found: String,
-    /// The layout; null where the vendor's header decides it.
+    /// The layout; null if the vendor's header defines it.
     layout: Option<Layout>,
 }
 
-/// The field that says what a value is.
+/// The field that contains the kind of a value.
 #[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct Tag {
     /// Offset in bytes.
@@ -83,10 +83,10 @@ pub struct Tag {
     pub real: u64,
     /// Tag of a string.
     pub string: u64,
-    /// Tag of a truth value, if it is not passed as an integer.
+    /// Tag of a Boolean value, if it is not passed as an integer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boolean: Option<u64>,
-    /// Tags of further kinds of real numbers: times, lengths and the like.
+    /// Tags of further kinds of real numbers, such as times and lengths.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub more_real: Vec<u64>,
 }
@@ -109,11 +109,11 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// All of them.
+    /// All encodings.
     pub const ALL: [Self; 4] = [Self::Utf8, Self::Latin1, Self::Windows1252, Self::Utf16];
 
     /// Name of the encoding in a profile.
-    pub fn word(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Utf8 => "utf-8",
             Self::Latin1 => "latin-1",
@@ -124,8 +124,8 @@ impl Encoding {
 }
 
 impl Layout {
-    /// The assumption: `struct { int type; union { int integer; double real; const char *string; }
-    /// value; }`.
+    /// The assumed layout: `struct { int type; union { int integer; double real; const char
+    /// *string; } value; }`.
     pub fn assumed() -> Self {
         Self {
             size: 16,
@@ -145,7 +145,7 @@ impl Layout {
         }
     }
 
-    /// 16 hexadecimal digits that identify the whole layout.
+    /// Returns 16 hexadecimal digits that identify the complete layout.
     pub fn fingerprint(&self) -> String {
         let text = serde_json::to_string(self).expect("a layout is plain data; please report this");
         super::emit::hex(&Sha256::digest(text))[..16].to_owned()
@@ -157,21 +157,21 @@ impl Profile {
     pub fn assumed() -> Self {
         Self {
             name: "default".to_owned(),
-            found: "assumed; never tried in the real product".to_owned(),
+            found: "assumed; never tested in the real product".to_owned(),
             confirmed: None,
             layout: Layout::assumed(),
         }
     }
 
-    /// Whether the program in which it was found has read back values returned with exactly this
-    /// layout.
-    pub fn verified(&self) -> bool {
+    /// Whether the program in which the layout was found has read back values that were returned
+    /// with exactly this layout.
+    pub fn is_verified(&self) -> bool {
         self.confirmed.as_deref() == Some(self.layout.fingerprint().as_str())
     }
 
-    /// `profile "default" (unverified)`
-    pub fn shown(&self) -> String {
-        let state = if self.verified() {
+    /// Returns name and state of the profile: `profile "default" (unverified)`.
+    pub fn label(&self) -> String {
+        let state = if self.is_verified() {
             "verified"
         } else {
             "unverified"
@@ -179,19 +179,19 @@ impl Profile {
         format!("profile \"{}\" ({state})", self.name)
     }
 
-    /// The profile as shown by `station_describe`.
+    /// Returns the profile as in the output of `station_describe`.
     pub fn describe(&self) -> ProfileEntry {
         ProfileEntry {
             name: self.name.clone(),
-            verified: self.verified(),
+            verified: self.is_verified(),
             found: self.found.clone(),
             layout: Some(self.layout.clone()),
         }
     }
 
-    /// The same for a library compiled with the vendor's own header, whose layout is not known
-    /// here.
-    pub fn describe_vendors() -> ProfileEntry {
+    /// Returns the entry for a library that is compiled with the vendor's header, whose layout is
+    /// unknown to this program.
+    pub fn describe_vendor_header() -> ProfileEntry {
         ProfileEntry {
             name: "vendor header".to_owned(),
             verified: true,
@@ -208,12 +208,12 @@ mod tests {
     #[test]
     fn an_edited_layout_is_not_verified() {
         let mut profile = Profile::assumed();
-        assert!(!profile.verified());
+        assert!(!profile.is_verified());
         profile.confirmed = Some(profile.layout.fingerprint());
-        assert!(profile.verified());
-        assert!(profile.shown().ends_with("(verified)"));
+        assert!(profile.is_verified());
+        assert!(profile.label().ends_with("(verified)"));
         profile.layout.tag.string = 4;
-        assert!(!profile.verified());
-        assert!(profile.shown().ends_with("(unverified)"));
+        assert!(!profile.is_verified());
+        assert!(profile.label().ends_with("(unverified)"));
     }
 }

@@ -1,10 +1,11 @@
-//! Prints a profile as a file: always the same text for the same profile, which parses back to it.
+//! Prints a profile as a file. The same profile always gives the same text, which parses back to
+//! the same profile.
 
 use super::{Profile, SCHEMA};
 use std::fmt::Write as _;
 
 impl Profile {
-    /// The TOML of this profile.
+    /// Formats the profile as TOML.
     pub fn to_toml(&self) -> String {
         let layout = &self.layout;
         let tag = &layout.tag;
@@ -14,24 +15,24 @@ impl Profile {
         let _ = writeln!(out, "schema = {}", quoted(SCHEMA));
         let _ = writeln!(out, "name = {}", quoted(&self.name));
         let _ = writeln!(out, "found = {}", quoted(&self.found));
-        let _ = writeln!(out, "verified = {}", self.verified());
-        if let (true, Some(fingerprint)) = (self.verified(), &self.confirmed) {
+        let _ = writeln!(out, "verified = {}", self.is_verified());
+        if let (true, Some(fingerprint)) = (self.is_verified(), &self.confirmed) {
             let _ = writeln!(
                 out,
-                "confirmed = {} # the layout that was confirmed",
+                "confirmed = {} # fingerprint of the confirmed layout",
                 quoted(fingerprint)
             );
         }
         let _ = writeln!(out, "\n[layout]");
         let _ = writeln!(
             out,
-            "size = {} # from one argument to the next",
+            "size = {} # distance from one argument to the next",
             layout.size
         );
         let _ = writeln!(out, "packing = {}", layout.packing);
         let _ = writeln!(out, "value = {} # offset", layout.value);
         let _ = writeln!(out, "integer_bits = {}", layout.integer_bits);
-        let _ = writeln!(out, "strings = {}", quoted(layout.strings.word()));
+        let _ = writeln!(out, "strings = {}", quoted(layout.strings.name()));
         let _ = writeln!(out, "\n[tag]");
         let _ = writeln!(out, "offset = {}", tag.offset);
         let _ = writeln!(out, "bits = {}", tag.bits);
@@ -53,7 +54,7 @@ impl Profile {
     }
 }
 
-/// A TOML basic string.
+/// Formats a TOML basic string.
 fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {

@@ -1,20 +1,26 @@
 //! Parses a profile strictly: unknown and missing keys, impossible values and overlapping fields
-//! are findings, all reported at once with their places.
+//! give findings, all reported in one run with their positions.
 //!
-//! The `toml` crate gives the tree with the place of every key and value; it is walked manually,
-//! since a derived reader stops at the first error.
+//! The `toml` crate returns the tree with the position of every key and value. This module reads
+//! the tree itself, because a derived reader stops at the first error.
 
-use super::{Encoding, LARGEST_SIZE, Layout, Profile, SCHEMA, Tag, VALUE_BYTES};
+use super::{Encoding, Layout, MAX_SIZE, Profile, SCHEMA, Tag, VALUE_BYTES};
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
 use linewright_core::source::{FileId, Span};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Maximum length of the name, and of the line on the profile's origin.
-const LONGEST: [usize; 2] = [60, 200];
+/// Maximum number of characters of the profile's name.
+const MAX_NAME_CHARS: usize = 60;
 
-/// Parses a profile; if there is none, the findings give the reason.
+/// Maximum number of characters of the line about the profile's origin.
+const MAX_ORIGIN_CHARS: usize = 200;
+
+/// Parses a profile.
+///
+/// # Errors
+/// Returns findings about all mistakes in the text.
 pub fn parse(file: FileId, text: &str) -> Result<Profile, Vec<Diagnostic>> {
     let mut reader = Reader {
         file,
@@ -32,7 +38,7 @@ struct Reader {
     findings: Vec<Diagnostic>,
 }
 
-/// A table whose keys are taken one by one; the remaining keys are unknown.
+/// A table whose keys are read one by one; keys that are never read are unknown.
 struct Fields<'t, 'i> {
     table: &'t DeTable<'i>,
     place: Range<usize>,
@@ -40,7 +46,7 @@ struct Fields<'t, 'i> {
     known: Vec<&'static str>,
 }
 
-/// A value with its place.
+/// A value with its position.
 type SpannedValue<T> = Spanned<T>;
 
 impl Reader {
@@ -58,7 +64,7 @@ impl Reader {
             self.report(
                 place.start.min(end)..end,
                 format!("this is not TOML: {}", error.message().replace('\n', " ")),
-                "`linewright explain LW540` shows a whole profile",
+                "correct the TOML; `linewright explain LW540` shows a complete profile",
             );
         }
         if !self.findings.is_empty() {
@@ -70,11 +76,11 @@ impl Reader {
             self.report(
                 schema.span(),
                 format!("the schema is \"{}\", not \"{SCHEMA}\"", schema.get_ref()),
-                "this program reads profiles of that schema only; `doctor --probe` writes them",
+                format!("use a profile with the schema \"{SCHEMA}\"; `linewright doctor --probe` writes one"),
             );
         }
-        let name = self.line(&mut top, "name", LONGEST[0]);
-        let found = self.line(&mut top, "found", LONGEST[1]);
+        let name = self.line(&mut top, "name", MAX_NAME_CHARS);
+        let found = self.line(&mut top, "found", MAX_ORIGIN_CHARS);
         let verified = self.required(&mut top, "verified", "true or false", |v| match v {
             DeValue::Boolean(b) => Some(*b),
             _ => None,
@@ -104,7 +110,7 @@ impl Reader {
             if *c.get_ref() != fingerprint {
                 self.report(
                     c.span(),
-                    "the layout is not the one that was confirmed".to_owned(),
+                    "the layout differs from the layout that was confirmed".to_owned(),
                     "undo the change; or delete this line, set `verified = false`, and confirm the layout with the probe",
                 );
             }
@@ -113,12 +119,12 @@ impl Reader {
         match verified {
             Some(v) if *v.get_ref() && !claimed => self.report(
                 v.span(),
-                "nothing confirms this layout".to_owned(),
-                "set it to false: only `doctor --probe` on the dump of a confirmation writes a verified profile",
+                "the profile is verified without a confirmation".to_owned(),
+                "set it to false: only `doctor --probe` on the dump of the second round writes a verified profile",
             ),
             Some(v) if !*v.get_ref() && claimed => self.report(
                 v.span(),
-                "an unverified profile has a confirmation".to_owned(),
+                "the profile has a confirmation but is not verified".to_owned(),
                 "delete the line `confirmed`, or set this to true",
             ),
             _ => {}
@@ -131,11 +137,11 @@ impl Reader {
         })
     }
 
-    /// Reads the table `[layout]`; the tag is still that of the assumption.
+    /// Reads the table `[layout]`.
     fn layout(&mut self, fields: &mut Fields<'_, '_>) -> Option<PlacedLayout> {
-        let size = self.number(fields, "size", 9..=i64::from(LARGEST_SIZE));
+        let size = self.number(fields, "size", 9..=i64::from(MAX_SIZE));
         let packing = self.one_of(fields, "packing", &[1, 2, 4, 8]);
-        let value = self.number(fields, "value", 0..=i64::from(LARGEST_SIZE - VALUE_BYTES));
+        let value = self.number(fields, "value", 0..=i64::from(MAX_SIZE - VALUE_BYTES));
         let integer_bits = self.one_of(fields, "integer_bits", &[16, 32, 64]);
         let strings = self.required(fields, "strings", "an encoding", |v| {
             v.as_str().map(str::to_owned)
@@ -143,12 +149,12 @@ impl Reader {
         let strings = strings.and_then(|given| {
             let known = Encoding::ALL
                 .into_iter()
-                .find(|e| e.word() == given.get_ref());
+                .find(|e| e.name() == given.get_ref());
             if known.is_none() {
-                let words = Encoding::ALL.map(Encoding::word);
+                let words = Encoding::ALL.map(Encoding::name);
                 let help = match nearest(given.get_ref(), words.into_iter()) {
                     Some(word) => format!("did you mean \"{word}\"?"),
-                    None => format!("there are {}", words.join(", ")),
+                    None => format!("choose one of {}", words.join(", ")),
                 };
                 self.report(
                     given.span(),
@@ -169,7 +175,7 @@ impl Reader {
 
     /// Reads the table `[tag]`.
     fn tag(&mut self, fields: &mut Fields<'_, '_>) -> Option<PlacedTag> {
-        let offset = self.number(fields, "offset", 0..=i64::from(LARGEST_SIZE - 1));
+        let offset = self.number(fields, "offset", 0..=i64::from(MAX_SIZE - 1));
         let bits = self.one_of(fields, "bits", &[8, 16, 32, 64]);
         let any = 0..=i64::MAX;
         let (mut tags, mut complete) = (Vec::new(), true);
@@ -198,14 +204,17 @@ impl Reader {
         })
     }
 
-    /// Checks that the tags fit their field and differ.
+    /// Checks that the tags fit their field and are distinct.
     fn distinct(&mut self, bits: Option<i64>, tags: &[(&'static str, SpannedValue<i64>)]) {
         for (i, (name, number)) in tags.iter().enumerate() {
             if let Some(bits) = bits.filter(|b| *b < 64 && *number.get_ref() >> b != 0) {
                 self.report(
                     number.span(),
-                    format!("{} does not fit the {bits} bits of a tag", number.get_ref()),
-                    "make `bits` larger, or correct the number",
+                    format!(
+                        "{} does not fit into the {bits} bits of a tag",
+                        number.get_ref()
+                    ),
+                    "increase `bits`, or correct the number",
                 );
             }
             let mut before = tags[..i].iter();
@@ -216,13 +225,13 @@ impl Reader {
                         "`{other}` and `{name}` have the same tag {}",
                         number.get_ref()
                     ),
-                    "give each kind of value a tag of its own",
+                    "give each kind of value a different tag",
                 );
             }
         }
     }
 
-    /// Checks that layout and tag are compatible.
+    /// Checks that layout and tag are compatible, and combines them.
     fn together(&mut self, layout: &PlacedLayout, tag: &PlacedTag) -> Layout {
         let bytes = *tag.bits.get_ref() / 8;
         let (size, value, offset) = (
@@ -235,11 +244,11 @@ impl Reader {
             self.report(
                 layout.value.span(),
                 format!(
-                    "the value takes the bytes {value} to {}, but the whole only {size}",
+                    "the value occupies bytes {value} to {}, but `size` is {size}",
                     value + width - 1
                 ),
                 format!(
-                    "make `size` at least {}, or put the value further to the front",
+                    "set `size` to at least {}, or decrease the value's offset",
                     value + width
                 ),
             );
@@ -248,11 +257,11 @@ impl Reader {
             self.report(
                 tag.offset.span(),
                 format!(
-                    "the tag takes the bytes {offset} to {}, but the whole only {size}",
+                    "the tag occupies bytes {offset} to {}, but `size` is {size}",
                     offset + bytes - 1
                 ),
                 format!(
-                    "make `size` at least {}, or put the tag further to the front",
+                    "set `size` to at least {}, or decrease the tag's offset",
                     offset + bytes
                 ),
             );
@@ -261,25 +270,25 @@ impl Reader {
             self.report(
                 tag.offset.span(),
                 format!(
-                    "the tag takes the bytes {offset} to {}, the value {value} to {}: they overlap",
+                    "the tag in bytes {offset} to {} overlaps the value in bytes {value} to {}",
                     offset + bytes - 1,
                     value + width - 1
                 ),
-                "the value takes 8 bytes whatever is in it; put the tag before or behind it, or make it narrower",
+                "move the tag before or after the value, which always has 8 bytes, or make the tag narrower",
             );
         }
         let packing = *layout.packing.get_ref();
         for (what, place, of, own) in [
-            ("the value is at", layout.value.span(), value, width),
-            ("the tag is at", tag.offset.span(), offset, bytes),
-            ("the whole takes", layout.size.span(), size, width),
+            ("the value's offset is", layout.value.span(), value, width),
+            ("the tag's offset is", tag.offset.span(), offset, bytes),
+            ("the size is", layout.size.span(), size, width),
         ] {
             let unit = packing.min(own);
             if of % unit != 0 {
                 self.report(
                     place,
-                    format!("{what} {of}, which is not a multiple of {unit} as `packing = {packing}` wants it"),
-                    "make the packing smaller, or correct the number",
+                    format!("{what} {of}, but `packing = {packing}` requires a multiple of {unit}"),
+                    "decrease the packing, or correct the number",
                 );
             }
         }
@@ -306,7 +315,7 @@ impl Reader {
         }
     }
 
-    /// A required value, converted by `read`.
+    /// Reads a required value, converted by `read`; `wanted` describes it in messages.
     fn required<T>(
         &mut self,
         fields: &mut Fields<'_, '_>,
@@ -321,7 +330,7 @@ impl Reader {
                 place,
                 format!("`{key}` is missing{within}"),
                 format!(
-                    "add `{key} = ...`, {wanted}; `linewright explain LW540` shows a whole profile"
+                    "add `{key} = ...`, {wanted}; `linewright explain LW540` shows a complete profile"
                 ),
             );
             return None;
@@ -347,32 +356,32 @@ impl Reader {
         })
     }
 
-    /// A single line of text, neither empty nor too long.
+    /// Reads a single line of text that is neither empty nor too long.
     fn line(
         &mut self,
         fields: &mut Fields<'_, '_>,
         key: &'static str,
-        longest: usize,
+        max_chars: usize,
     ) -> Option<String> {
         let text = self.text(fields, key)?;
         let value = text.get_ref();
         if value.trim().is_empty()
-            || value.chars().count() > longest
+            || value.chars().count() > max_chars
             || value.chars().any(char::is_control)
         {
             self.report(
                 text.span(),
-                format!("`{key}` is not one line of 1 to {longest} characters"),
-                "write a few words",
+                format!("`{key}` is not one line of 1 to {max_chars} characters"),
+                "write one short line",
             );
             return None;
         }
-        // The name is shown before "(unverified)".
+        // Messages show the name before "(unverified)".
         if key == "name" && value.to_lowercase().contains("verified") {
             self.report(
                 text.span(),
-                format!("the name \"{value}\" claims to be verified"),
-                "that is what the key `verified` says; choose another name",
+                format!("the name \"{value}\" contains the word \"verified\""),
+                "choose another name; the key `verified` states whether the layout is verified",
             );
         }
         Some(text.into_inner())
@@ -385,9 +394,9 @@ impl Reader {
         within: std::ops::RangeInclusive<i64>,
     ) -> Option<SpannedValue<i64>> {
         let wanted = if *within.end() == i64::MAX {
-            format!("a whole number from {}", within.start())
+            format!("an integer from {}", within.start())
         } else {
-            format!("a whole number from {} to {}", within.start(), within.end())
+            format!("an integer from {} to {}", within.start(), within.end())
         };
         self.required(fields, key, &wanted, |v| {
             whole(v).filter(|n| within.contains(n))
@@ -407,13 +416,13 @@ impl Reader {
         })
     }
 
-    /// A list of tags.
+    /// Reads a list of tags.
     fn numbers(
         &mut self,
         fields: &mut Fields<'_, '_>,
         key: &'static str,
     ) -> Vec<SpannedValue<i64>> {
-        let wanted = "a list of whole numbers from 0";
+        let wanted = "a list of integers from 0";
         let read = self.required(fields, key, wanted, |v| {
             let all = v.as_array()?.iter().map(|item| {
                 let number = whole(item.get_ref()).filter(|n| *n >= 0)?;
@@ -433,7 +442,7 @@ impl Reader {
             self.report(
                 0..0,
                 format!("the table `[{key}]` is missing"),
-                "`linewright explain LW540` shows a whole profile",
+                "add the table; `linewright explain LW540` shows a complete profile",
             );
             return None;
         };
@@ -441,7 +450,7 @@ impl Reader {
             self.report(
                 value.span(),
                 format!("`{key}` is not a table"),
-                format!("write a line `[{key}]`, and its keys below"),
+                format!("write a line `[{key}]`, followed by its keys"),
             );
             return None;
         };
@@ -461,7 +470,7 @@ impl Reader {
             }
             let help = match nearest(name, fields.known.iter().copied()) {
                 Some(word) => format!("did you mean `{word}`?"),
-                None => format!("there are `{}`", fields.known.join("`, `")),
+                None => format!("the possible keys are `{}`", fields.known.join("`, `")),
             };
             self.report(
                 key.span(),
@@ -506,7 +515,7 @@ impl<'t, 'i> Fields<'t, 'i> {
     }
 }
 
-/// An integer that fits 64 bits.
+/// Reads an integer that fits 64 bits.
 fn whole(value: &DeValue<'_>) -> Option<i64> {
     let number = value.as_integer()?;
     i64::from_str_radix(number.as_str(), number.radix()).ok()

@@ -1,13 +1,14 @@
 //! Checks a machine's assumptions before its transitions.
 //!
-//! A machine's guards were combined over inputs that the assumptions exclude, so it has transitions
-//! for some of those, too. So a step first evaluates the contract's assumptions one after the
-//! other; the first violated one refuses the step and is named. This needs the inputs of the
-//! previous step, which are kept.
+//! A machine's guards were simplified with inputs that the assumptions exclude, so it also has
+//! transitions for some of these inputs. A step therefore first evaluates the contract's
+//! assumptions one after the other; the first violated one refuses the step, and the error names
+//! it. For this, the block keeps inputs of the previous step.
 //!
-//! Every assumption can be expressed in the standard. One whose condition would be longer than
-//! [`LONGEST`](super::expression::LONGEST) is not checked: then only inputs without a transition
-//! are refused, and no assumption is named.
+//! Every assumption can be expressed in the standard. An assumption whose condition would be longer
+//! than [`MAX_CONDITION_CHARS`](super::expression::MAX_CONDITION_CHARS) is not checked: of the
+//! inputs that break it, only those without a transition are refused, and the error does not name
+//! it.
 
 use super::Variable;
 use super::expression::Translator;
@@ -23,14 +24,14 @@ pub(super) struct Assumptions {
     state: String,
     first: String,
     later: String,
-    /// Values kept of the previous step: the variable, the input that it copies, and its value
+    /// Inputs kept from the previous step: the variable, the input that it copies, and its value
     /// before step 0.
     kept: Vec<(Variable, String, String)>,
 }
 
 impl Assumptions {
-    /// The assumptions of a machine whose state is in this variable, which is negative before step
-    /// 0.
+    /// Converts the assumptions of a machine; `state` is the variable of its state, which is
+    /// negative before step 0.
     pub fn new(interface: &mut Interface<'_>, specification: &Specification, state: &str) -> Self {
         let side = &specification.assumptions;
         let mut kept = BTreeMap::new();
@@ -59,12 +60,12 @@ impl Assumptions {
                 if formula.expr.simplify() == Expr::TRUE {
                     return;
                 }
-                let Some(condition) = translator.broken(&formula.expr) else {
+                let Some(condition) = translator.violation(&formula.expr) else {
                     return;
                 };
                 used.push_str(&condition);
                 used.push('\n');
-                let label = interface.broken(&formula.name);
+                let label = interface.assumption_error(&formula.name);
                 let word = if out.is_empty() { "IF" } else { "ELSIF" };
                 let line = wrap_condition(&format!("{word} {condition} THEN"), "        ");
                 let _ = writeln!(out, "{line}\n    {} := {label};", interface.own().refused);
@@ -91,10 +92,10 @@ impl Assumptions {
                 let input = interface.inputs[place].variable();
                 let copy = Variable {
                     name,
-                    description: format!("{} in the step before", input.name),
+                    description: format!("{} in the previous step", input.name),
                     ..input.clone()
                 };
-                (copy, input.name, interface.inputs[place].usual())
+                (copy, input.name, interface.inputs[place].initial_value())
             });
         Self {
             kept: kept.collect(),
@@ -105,34 +106,35 @@ impl Assumptions {
         }
     }
 
-    /// Error of a step without a transition.
+    /// Label of the error for a step without a transition.
     pub fn no_step(&self) -> &str {
         &self.no_step
     }
 
-    /// The step of a machine: assumption checks, then the transition, then the values to keep.
+    /// Statements of a machine's step: assumption checks, then the transition, then the copies of
+    /// inputs to keep.
     pub fn around(&self, own: &BlockVariables, transition: &str) -> String {
-        let (refused, fine) = (&own.refused, &own.fine);
+        let (refused, no_error) = (&own.refused, &own.no_error);
         let mut out = String::new();
         let state = &self.state;
         let (first, later) = (indented(&self.first, 1), indented(&self.later, 1));
-        let asked = match (first.is_empty(), later.is_empty()) {
+        let checks = match (first.is_empty(), later.is_empty()) {
             (true, true) => String::new(),
             (false, true) => format!("IF {state} < 0 THEN\n{first}END_IF;\n"),
             (true, false) => format!("IF {state} >= 0 THEN\n{later}END_IF;\n"),
             (false, false) => format!("IF {state} < 0 THEN\n{first}ELSE\n{later}END_IF;\n"),
         };
-        if asked.is_empty() {
+        if checks.is_empty() {
             out.push_str(transition);
         } else {
             let transition = indented(transition, 1);
             let _ = write!(
                 out,
-                "(* What it relies on. *)\n{asked}IF {refused} = {fine} THEN\n{transition}END_IF;\n"
+                "(* Assumptions. *)\n{checks}IF {refused} = {no_error} THEN\n{transition}END_IF;\n"
             );
         }
         if !self.kept.is_empty() {
-            let _ = writeln!(out, "IF {refused} = {fine} THEN");
+            let _ = writeln!(out, "IF {refused} = {no_error} THEN");
             for (copy, input, _) in &self.kept {
                 let _ = writeln!(out, "    {} := {input};", copy.name);
             }
@@ -141,16 +143,16 @@ impl Assumptions {
         out
     }
 
-    /// Statements that forget the previous step.
+    /// Statements that reset the kept inputs.
     pub fn reset(&self) -> String {
         let kept = self.kept.iter();
-        kept.fold(String::new(), |mut out, (copy, _, usual)| {
-            let _ = writeln!(out, "{} := {usual};", copy.name);
+        kept.fold(String::new(), |mut out, (copy, _, initial)| {
+            let _ = writeln!(out, "{} := {initial};", copy.name);
             out
         })
     }
 
-    /// Variables that it keeps.
+    /// Variables of the kept inputs.
     pub fn into_locals(self) -> impl Iterator<Item = Variable> {
         self.kept.into_iter().map(|(copy, ..)| copy)
     }

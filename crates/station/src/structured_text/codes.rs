@@ -1,6 +1,7 @@
-//! Values as integers, for tables and bits: 0 and 1, the number of a label, or the value itself.
+//! Converts values to integers and back, for tables and bits: a Boolean is 0 or 1, a label is its
+//! index, an integer is itself.
 //!
-//! The standard has no conversion between enumerations and numbers, so a CASE statement is used.
+//! The standard has no conversion between enumerations and numbers, so CASE statements are used.
 
 use super::interface::Port;
 use super::{Type, Width};

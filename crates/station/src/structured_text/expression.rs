@@ -2,8 +2,8 @@
 //!
 //! Integers are computed in the narrowest type that holds every intermediate value. The standard
 //! rounds quotients toward 0 while contracts round them down, so a division of possibly negative
-//! numbers takes a longer expression. Enumerations are compared by their labels, and become numbers
-//! only where necessary.
+//! numbers needs a longer expression. Enumerations are compared by their labels, and converted to
+//! numbers only if necessary.
 
 use super::interface::Port;
 use super::{Type, Width, literal};
@@ -12,10 +12,10 @@ use linewright_core::gr1::{BinaryOp, Domain, Expr, Owner, Specification, Time, U
 use std::collections::BTreeMap;
 
 /// Maximum length of a condition in characters. Quotients of negative numbers repeat their
-/// operands, so that a formula of nothing else could grow without bound.
-pub(super) const LONGEST: usize = 100_000;
+/// operands, so nested quotients can grow exponentially.
+pub(super) const MAX_CONDITION_CHARS: usize = 100_000;
 
-/// Names of variables.
+/// Translates formulas to conditions, with the names of the block's variables.
 pub(super) struct Translator<'a> {
     pub specification: &'a Specification,
     pub inputs: &'a [Port<'a>],
@@ -25,8 +25,8 @@ pub(super) struct Translator<'a> {
 }
 
 impl Translator<'_> {
-    /// The condition that a formula is violated; `None` if it would be too long.
-    pub fn broken(&self, expr: &Expr) -> Option<String> {
+    /// Condition that is true if a formula is violated; `None` if the condition would be too long.
+    pub fn violation(&self, expr: &Expr) -> Option<String> {
         let expr = expr.simplify();
         bounded(match self.connected(&expr, true) {
             Some((operands, sign)) => operands?.join(sign),
@@ -34,7 +34,7 @@ impl Translator<'_> {
         })
     }
 
-    /// The operands joined by AND or OR in a truth value or its negation, if it has this form.
+    /// If a truth value or its negation is a conjunction or disjunction, its operands and operator.
     fn connected(&self, expr: &Expr, negate: bool) -> Option<(Option<Vec<String>>, &'static str)> {
         let signs = [(true, " AND "), (false, " OR ")];
         let mut found = signs.into_iter().filter_map(|(and, sign)| {
@@ -60,7 +60,7 @@ impl Translator<'_> {
                 };
                 Some((name, port))
             }
-            // Until the step is made, outputs have the values of the previous step.
+            // Before the step is made, outputs have the values of the previous step.
             (Owner::System, Time::Now, Some(_)) => {
                 let place = specification.outputs().position(|v| v == id)?;
                 let port = &self.outputs[place];
@@ -126,7 +126,7 @@ impl Translator<'_> {
             Expr::If(c, a, b) => {
                 let (a, b) = (self.truth(a, negate)?, self.truth(b, negate)?);
                 match &**c {
-                    // A short one can be repeated.
+                    // A short condition can be repeated.
                     Expr::Var(..) | Expr::Unary(..) => {
                         let (yes, no) = (self.truth(c, false)?, self.truth(c, true)?);
                         format!("(({yes} AND {a}) OR ({no} AND {b}))")
@@ -134,7 +134,7 @@ impl Translator<'_> {
                     _ => format!("SEL({}, {b}, {a})", self.truth(c, false)?),
                 }
             }
-            // A number is true unless it is 0.
+            // A number is true if it is not 0.
             _ => self.compared(expr, if negate { "=" } else { "<>" }, &Expr::Const(0))?,
         })
     }
@@ -216,7 +216,7 @@ impl Translator<'_> {
             Expr::Unary(UnaryOp::Neg, a) => format!("(0 - {})", self.number(a, width)?),
             Expr::Unary(_, a) => format!("ABS({})", self.number(a, width)?),
             Expr::If(c, a, b) => {
-                // Two bare literals would have no type.
+                // SEL needs a typed literal if both operands are literals.
                 let typed = |e: &Expr| match e {
                     Expr::Const(c) => Some(format!("{word}#{c}")),
                     _ => self.number(e, width),
@@ -243,12 +243,12 @@ impl Translator<'_> {
     }
 }
 
-/// The text, unless it is too long.
+/// Returns the text, or `None` if it is too long.
 fn bounded(text: String) -> Option<String> {
-    (text.len() <= LONGEST).then_some(text)
+    (text.len() <= MAX_CONDITION_CHARS).then_some(text)
 }
 
-/// The number of a label.
+/// Expression that converts an enumeration to the number of its label.
 fn numbered(name: &str, labels: &[String], word: &str) -> String {
     let last = labels.len().saturating_sub(1);
     let labels = labels.iter().enumerate().take(last).rev();
@@ -257,9 +257,9 @@ fn numbered(name: &str, labels: &[String], word: &str) -> String {
     })
 }
 
-/// A quotient that is rounded down, or its remainder, which has the divisor's sign; `signs` says
-/// which of the two may be negative. The standard's own quotient rounds toward 0, and its remainder
-/// has the dividend's sign.
+/// Expression for a quotient that is rounded down, or for its remainder, which has the divisor's
+/// sign. `signs` tells whether dividend and divisor can be negative. The standard's own quotient
+/// rounds toward 0, and its remainder has the dividend's sign.
 fn rounded_down(op: BinaryOp, x: &str, y: &str, signs: (bool, bool), word: &str) -> String {
     let rest = format!("({x} MOD {y})");
     // No divisor's range contains 0. If the remainder's sign differs from the divisor's, the
@@ -276,12 +276,12 @@ fn rounded_down(op: BinaryOp, x: &str, y: &str, signs: (bool, bool), word: &str)
             format!("(({x} / {y}) - SEL({high}, {zero}, {word}#1))")
         }
         (_, None) => rest,
-        // The divisor may be a bare literal, which SEL cannot type.
+        // The divisor can be an untyped literal, which SEL does not accept.
         (_, Some(high)) => format!("({rest} + SEL({high}, {zero}, ({zero} + {y})))"),
     }
 }
 
-/// Whether an operator gives a number rather than a truth value.
+/// Whether an operator returns a number instead of a truth value.
 fn is_arithmetic(op: BinaryOp) -> bool {
     use BinaryOp as B;
     matches!(
@@ -290,8 +290,8 @@ fn is_arithmetic(op: BinaryOp) -> bool {
     )
 }
 
-/// The operands of the conjunction, or else the disjunction, that a truth value or its negation is,
-/// from left to right; with each, whether it is negated.
+/// Splits a truth value or its negation into the operands of a conjunction, or of a disjunction if
+/// `conjunction` is false, from left to right; with each operand, whether it is negated.
 fn operands(expr: &Expr, negate: bool, conjunction: bool) -> Vec<(&Expr, bool)> {
     use BinaryOp as B;
     let mut found = Vec::new();

@@ -1,6 +1,6 @@
-//! A controller as functions: a table of decisions with shared parts, walked by a loop.
+//! Emits a controller as functions: a table of decisions with shared parts, which a loop evaluates.
 //!
-//! A block cannot call itself and should not need other blocks, so the walk is repeated in each of
+//! A block cannot call itself and should not need other blocks, so the loop is repeated in each of
 //! the four places that evaluate a function: assumptions, modes, outputs, goals.
 
 use super::interface::{Interface, Port};
@@ -14,10 +14,10 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Tables of the decisions, and of the roots.
+/// Tables of the decisions, and of the functions' roots among them.
 struct Tables {
-    promise: Variable,
-    promise_error: Variable,
+    assumption: Variable,
+    assumption_error: Variable,
     node_signal: Variable,
     node_high: Variable,
     node_low: Variable,
@@ -33,23 +33,23 @@ impl Tables {
     fn new(interface: &mut Interface<'_>, functions: &Functions) -> Self {
         let controls = &functions.controls;
         let numbers = |edges: &mut dyn Iterator<Item = u32>| edges.map(i64::from).collect();
-        let promised = controls.assumed_first.iter().chain(&controls.assumed);
-        let promises: Vec<i64> = numbers(&mut promised.map(|(_, e)| e.0));
+        let assumed = controls.assumed_first.iter().chain(&controls.assumed);
+        let assumptions: Vec<i64> = numbers(&mut assumed.map(|(_, e)| e.0));
         let names = functions.names_first.iter().chain(&functions.names);
-        let mut errors: Vec<String> = names.map(|n| interface.broken(n)).collect();
+        let mut errors: Vec<String> = names.map(|n| interface.assumption_error(n)).collect();
         if errors.is_empty() {
-            errors.push(interface.own().fine.clone());
+            errors.push(interface.own().no_error.clone());
         }
-        let promise_error = Variable {
+        let assumption_error = Variable {
             initial: Initial::Values(errors.clone()),
             ..Variable::new(
-                &interface.fresh("promise_error"),
+                &interface.fresh("assumption_error"),
                 Type::Array(
                     0,
                     errors.len() as i64 - 1,
                     Box::new(Type::Enumeration(interface.error_type())),
                 ),
-                "what is wrong where it does not hold",
+                "error if the assumption does not hold",
             )
         };
         let nodes = &controls.diagram.nodes;
@@ -57,7 +57,7 @@ impl Tables {
         let highs = numbers(&mut nodes.iter().map(|n| n.high.0));
         let lows = numbers(&mut nodes.iter().map(|n| n.low.0));
 
-        // The outputs of step 0 come first, then those of the modes; equal ones are shared.
+        // The outputs of step 0 come first, then those of the modes; equal lists are shared.
         let count = controls.first.len();
         let mut rows: Vec<&[(Bit, Edge)]> = vec![&controls.first];
         let mut known: BTreeMap<&[(Bit, Edge)], usize> = BTreeMap::new();
@@ -81,61 +81,66 @@ impl Tables {
         let output_signals = outputs().map(|(b, _)| i64::from(b.0)).collect();
         let output_edges = outputs().map(|(_, e)| i64::from(e.0)).collect();
 
-        let mut make = |wish: &str, values: Vec<i64>, first: i64, about: &str| {
-            table(interface, wish, values, first, about)
+        let mut make = |name: &str, values: Vec<i64>, first: i64, about: &str| {
+            table(interface, name, values, first, about)
         };
         Self {
-            promise: make(
-                "promise",
-                promises,
+            assumption: make(
+                "assumption",
+                assumptions,
                 0,
-                "what is assumed: of step 0, then of later steps",
+                "assumptions about step 0, then about later steps",
             ),
-            promise_error,
+            assumption_error,
             node_signal: make(
                 "node_signal",
                 signals,
                 1,
                 concat!(
-                    "a decision asks for a signal; edge 2n leads to decision n, ",
+                    "signal that a decision tests; edge 2n leads to decision n, ",
                     "2n + 1 to its negation, 0 is FALSE and 1 is TRUE"
                 ),
             ),
-            node_high: make("node_high", highs, 1, "the edge where the signal is TRUE"),
-            node_low: make("node_low", lows, 1, "the edge where it is FALSE"),
+            node_high: make("node_high", highs, 1, "edge if the signal is TRUE"),
+            node_low: make("node_low", lows, 1, "edge if the signal is FALSE"),
             output_signal: make(
                 "output_signal",
                 output_signals,
                 0,
-                "the outputs' signals, of step 0 and of every mode",
+                "signals of the outputs, for step 0 and for every mode",
             ),
             output_edge: make(
                 "output_edge",
                 output_edges,
                 0,
-                "their values, in the order in which they are computed",
+                "values of the outputs, in the order of computation",
             ),
             mode_when: make(
                 "mode_when",
                 when,
                 0,
-                "a way of pursuing a goal is taken when this holds",
+                "condition of a mode of pursuing a goal",
             ),
-            mode_first: make("mode_first", first, 0, "the first of its outputs"),
+            mode_first: make("mode_first", first, 0, "first output of the mode"),
             goal_mode: make(
                 "goal_mode",
                 modes,
                 0,
-                "the first mode of every goal, and one beyond the last",
+                "first mode of every goal, then the number of modes",
             ),
-            goal_reached: make("goal_reached", reached, 0, "when it is reached"),
+            goal_reached: make(
+                "goal_reached",
+                reached,
+                0,
+                "condition that the goal is reached",
+            ),
         }
     }
 
     fn into_list(self) -> Vec<Variable> {
         vec![
-            self.promise,
-            self.promise_error,
+            self.assumption,
+            self.assumption_error,
             self.node_signal,
             self.node_high,
             self.node_low,
@@ -168,16 +173,17 @@ struct Step<'a> {
     memory: &'a str,
     signals: &'a str,
     refused: &'a str,
-    fine: &'a str,
-    /// Number of bits of the last step's values.
+    no_error: &'a str,
+    /// Number of bits of the values in a step.
     pairs: usize,
     /// Statements that write the inputs to their signals.
     inputs: Vec<String>,
-    first_promises: usize,
-    /// Number of promises, for step 0 and later steps together.
-    promises: usize,
-    promise_error: &'a str,
-    evaluate_promise: String,
+    /// Number of assumptions about step 0.
+    first_assumptions: usize,
+    /// Number of assumptions about step 0 and about later steps.
+    assumptions: usize,
+    assumption_error: &'a str,
+    evaluate_assumption: String,
     first_mode: String,
     end_of_modes: String,
     evaluate_mode: String,
@@ -220,19 +226,19 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
     let goal = Variable::new(
         &goal,
         Type::Integer(Width::of(0, functions.controls.goals.len() as i64)),
-        "the goal that is pursued; -1 before step 0",
+        "pursued goal; -1 before step 0",
     )
-    .beginning("-1");
+    .with_initial_value("-1");
     let memory = Variable::new(
         &interface.fresh("memory"),
         Type::Array(0, pairs - 1, Box::new(Type::Bool)),
-        "the bits of the last step's values",
+        "bits of the values in the last step",
     );
     let tables = Tables::new(interface, functions);
     let all = [
         &tables.node_high,
         &tables.node_low,
-        &tables.promise,
+        &tables.assumption,
         &tables.output_edge,
         &tables.mode_when,
         &tables.mode_first,
@@ -240,7 +246,7 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
         &tables.goal_mode,
         &tables.output_signal,
     ];
-    // Indices and edges have the same type, even if they are one beyond a table.
+    // Indices and edges have the same type, which also holds the index after a table's last row.
     let rows = all.iter().map(|t| match t.kind {
         Type::Array(_, last, _) => Width::of(0, last + 1),
         _ => Width::Lint,
@@ -254,12 +260,12 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
         .max(Width::of(0, 2 * pairs));
     let code = Type::Integer(code_width(interface));
     let mut scratch =
-        |wish: &str, kind: Type, about: &str| Variable::new(&interface.fresh(wish), kind, about);
+        |name: &str, kind: Type, about: &str| Variable::new(&interface.fresh(name), kind, about);
     let scratch = Scratch {
         signals: scratch(
             "signals",
             Type::Array(0, 2 * pairs - 1, Box::new(Type::Bool)),
-            "2k is a bit of the last step's values, 2k + 1 the same bit in this step",
+            "2k is a bit of the values in the last step, 2k + 1 the same bit in this step",
         ),
         at: scratch("row", Type::Integer(index), ""),
         last: scratch("last", Type::Integer(index), ""),
@@ -296,7 +302,7 @@ pub(super) fn parts(interface: &mut Interface<'_>, functions: &Functions) -> Par
     }
 }
 
-/// Width in which values are split into bits.
+/// Width of the variable in which values are split into bits.
 fn code_width(interface: &Interface<'_>) -> Width {
     let ports = || interface.inputs.iter().chain(&interface.outputs);
     let widths = ports().map(|p| {
@@ -327,7 +333,7 @@ fn step(
     let get = |table: &Variable, place: &str| {
         element(table).convert(index, &format!("{}[{place}]", table.name))
     };
-    // Evaluates the function that `place` of a table names.
+    // Evaluates the function whose edge is in row `place` of a table.
     let evaluate = |table: &Variable, place: &str, levels: usize| {
         let node = format!("{edge} / 2");
         let statements = render(
@@ -347,13 +353,13 @@ fn step(
         .inputs
         .iter()
         .zip(&functions.input_bits)
-        .map(|(port, bits)| take_apart(port, bits, scratch))
+        .map(|(port, bits)| write_signals(port, bits, scratch))
         .filter(|statements| !statements.is_empty());
     let outputs = interface
         .outputs
         .iter()
         .zip(&functions.output_bits)
-        .map(|(port, bits)| indented(&put_together(port, bits, scratch), 1));
+        .map(|(port, bits)| indented(&read_signals(port, bits, scratch), 1));
     render(
         "structured_text/functions.st",
         Step {
@@ -364,13 +370,13 @@ fn step(
             memory: &memory.name,
             signals,
             refused: &own.refused,
-            fine: &own.fine,
+            no_error: &own.no_error,
             pairs: functions.pairs(),
             inputs: inputs.map(|s| s.trim_end().to_owned()).collect(),
-            first_promises: controls.assumed_first.len(),
-            promises: controls.assumed_first.len() + controls.assumed.len(),
-            promise_error: &tables.promise_error.name,
-            evaluate_promise: evaluate(&tables.promise, at, 1),
+            first_assumptions: controls.assumed_first.len(),
+            assumptions: controls.assumed_first.len() + controls.assumed.len(),
+            assumption_error: &tables.assumption_error.name,
+            evaluate_assumption: evaluate(&tables.assumption, at, 1),
             first_mode: get(&tables.goal_mode, goal_name),
             end_of_modes: get(&tables.goal_mode, &format!("{goal_name} + 1")),
             evaluate_mode: evaluate(&tables.mode_when, at, 3),
@@ -386,7 +392,7 @@ fn step(
 }
 
 /// Statements that write the bits of an input to its signals in this step, least significant first.
-fn take_apart(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
+fn write_signals(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
     let signal = |bit: &Bit| format!("{}[{}]", scratch.signals.name, bit.primed().0);
     if let ([bit], Type::Bool) = (bits, &port.kind) {
         return format!("{} := {};\n", signal(bit), port.name);
@@ -414,7 +420,7 @@ fn take_apart(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
 }
 
 /// Statements that set an output from its signals in this step.
-fn put_together(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
+fn read_signals(port: &Port<'_>, bits: &[Bit], scratch: &Scratch) -> String {
     let signal = |bit: &Bit| format!("{}[{}]", scratch.signals.name, bit.primed().0);
     if let ([bit], Type::Bool) = (bits, &port.kind) {
         return format!("{} := {};\n", port.name, signal(bit));

@@ -1,11 +1,11 @@
 //! Common parts of all blocks: names and types of the ports, the control inputs and outputs, and
-//! the beginning and end of a call.
+//! the frame of a call.
 
 use super::names::{Names, comment, identifier, part, stem};
 use super::text::{indented, wrap_condition};
 use super::{Block, Enumeration, Initial, Parts, Section, Type, Variable, Width, literal};
 use crate::template::render;
-use linewright_core::gr1::{Domain, Formula, Side, Specification, Timing, described};
+use linewright_core::gr1::{Domain, Formula, Side, Specification, Timing, describe_domain};
 use linewright_solver::mealy;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -23,7 +23,7 @@ pub(super) struct Port<'a> {
     pub of: &'a mealy::Port,
 }
 
-/// The names of the block.
+/// A block's ports, types, errors and names.
 pub(super) struct Interface<'a> {
     contract: String,
     prefix: String,
@@ -39,12 +39,15 @@ pub(super) struct Interface<'a> {
     /// Outputs and internal variables.
     pub outputs: Vec<Port<'a>>,
     own: BlockVariables,
+    /// Type of the errors.
     errors: Enumeration,
-    broken: BTreeMap<String, String>,
-    outside: Vec<Option<String>>,
+    /// Error of each assumption, by its name.
+    assumption_errors: BTreeMap<String, String>,
+    /// Error for a value outside its domain, for each input that is not Boolean.
+    domain_errors: Vec<Option<String>>,
 }
 
-/// The block's own variables used by every form.
+/// The block's own variables that every form of controller uses.
 #[derive(Serialize)]
 pub(super) struct BlockVariables {
     pub enable: String,
@@ -52,10 +55,10 @@ pub(super) struct BlockVariables {
     pub stepped: String,
     pub error: String,
     pub error_id: String,
-    /// Error of this call.
+    /// Temporary variable: the reason why this step is refused, or `no_error`.
     pub refused: String,
-    /// Label that means no error.
-    pub fine: String,
+    /// Error label that stands for no error.
+    pub no_error: String,
 }
 
 /// The fields of `description.txt`.
@@ -77,7 +80,7 @@ struct Call<'a> {
     #[serde(flatten)]
     own: &'a BlockVariables,
     /// Statements that reset state and outputs.
-    beginning: String,
+    reset_statements: String,
     /// Statements that refuse inputs outside their domains.
     checks: String,
     step: String,
@@ -106,37 +109,37 @@ impl<'a> Interface<'a> {
                 error: String::new(),
                 error_id: String::new(),
                 refused: String::new(),
-                fine: String::new(),
+                no_error: String::new(),
             },
             errors: Enumeration {
                 name: String::new(),
-                description: format!("Why {} refused a step.", comment(contract)),
+                description: format!("Reason why {} refused a step.", comment(contract)),
                 labels: Vec::new(),
             },
-            broken: BTreeMap::new(),
-            outside: Vec::new(),
+            assumption_errors: BTreeMap::new(),
+            domain_errors: Vec::new(),
         };
-        // Enumerations come first: they need the same names in all blocks that share them, so that
-        // outputs of one can be connected to inputs of another.
+        // Enumerations are named first: they need the same names in all blocks that share them, so
+        // that outputs of one block can be connected to inputs of another.
         let ports = controller.inputs().iter().chain(controller.outputs());
         for port in ports {
             interface.declare(port);
         }
         interface.block = interface.names.unique(&format!("FB_{prefix}"));
         interface.errors.name = interface.names.unique(&format!("E_{prefix}_Error"));
-        interface.own.fine = interface.error("no_error", "");
+        interface.own.no_error = interface.error("no_error", "");
         interface.inputs = interface.ports(controller.inputs());
         interface.outputs = interface.ports(controller.outputs());
         for place in 0..interface.inputs.len() {
             let port = &interface.inputs[place];
             let label = (port.kind != Type::Bool).then(|| {
-                let wish = format!("outside_{}", part(&port.of.name));
+                let name = format!("outside_{}", part(&port.of.name));
                 let meaning = format!("{} has a value outside its domain", port.of.name);
-                interface.error(&wish, &meaning)
+                interface.error(&name, &meaning)
             });
-            interface.outside.push(label);
+            interface.domain_errors.push(label);
         }
-        // Names from the contract are kept; the block's own names give way.
+        // On a conflict, names from the contract stay, and the block's own names get a number.
         interface.own = BlockVariables {
             enable: interface.fresh("enable"),
             reset: interface.fresh("reset"),
@@ -144,7 +147,7 @@ impl<'a> Interface<'a> {
             error: interface.fresh("error"),
             error_id: interface.fresh("error_id"),
             refused: interface.fresh("refused"),
-            fine: interface.own.fine,
+            no_error: interface.own.no_error,
         };
         interface
     }
@@ -154,43 +157,44 @@ impl<'a> Interface<'a> {
         &self.own
     }
 
-    /// The type of the errors.
+    /// Name of the error type.
     pub fn error_type(&self) -> String {
         self.errors.name.clone()
     }
 
-    /// A name for an additional variable.
-    pub fn fresh(&mut self, wish: &str) -> String {
-        self.names.unique(&identifier(wish))
+    /// Returns an unused name for an additional variable.
+    pub fn fresh(&mut self, preferred: &str) -> String {
+        self.names.unique(&identifier(preferred))
     }
 
-    /// Adds an error; returns its label.
-    fn error(&mut self, wish: &str, meaning: &str) -> String {
-        let label = format!("{}_{wish}", self.prefix);
+    /// Adds an error and returns its label.
+    fn error(&mut self, name: &str, meaning: &str) -> String {
+        let label = format!("{}_{name}", self.prefix);
         let label = self.names.unique(&label);
         self.errors.labels.push((label.clone(), comment(meaning)));
         label
     }
 
-    /// The error for a violated assumption with this name.
-    pub fn broken(&mut self, name: &str) -> String {
-        if let Some(label) = self.broken.get(name) {
+    /// Returns the label of the error for a violated assumption with this name.
+    pub fn assumption_error(&mut self, name: &str) -> String {
+        if let Some(label) = self.assumption_errors.get(name) {
             return label.clone();
         }
         let all = self.specification.assumptions.all();
         let texts: Vec<String> = all.filter(|f| f.name == name).map(text).collect();
         let label = self.error(&format!("broken_{}", part(name)), &texts.join("; "));
-        self.broken.insert(name.to_owned(), label.clone());
+        self.assumption_errors
+            .insert(name.to_owned(), label.clone());
         label
     }
 
-    /// The error for a missing transition.
+    /// Adds the error for a missing transition and returns its label.
     pub fn no_step(&mut self) -> String {
-        let meaning = "the controller has no step for these inputs; it has one wherever the assumptions are kept";
+        let meaning = "the controller has no step for these inputs, so they break an assumption";
         self.error("no_step", meaning)
     }
 
-    /// Declares the type of an enumeration, unless it is known.
+    /// Declares the type of a port with labels, if it is not declared yet.
     fn declare(&mut self, port: &mealy::Port) {
         let Domain::Enum { name, labels } = &port.domain else {
             return;
@@ -212,9 +216,9 @@ impl<'a> Interface<'a> {
             labels: labels
                 .iter()
                 .map(|label| {
-                    let wish = format!("{prefix}_{}", part(label));
-                    let declared = self.names.unique(&wish);
-                    // What the name already says is not repeated.
+                    let preferred = format!("{prefix}_{}", part(label));
+                    let declared = self.names.unique(&preferred);
+                    // A comment is only needed if the declared name differs from the label.
                     let meaning = if declared == format!("{prefix}_{label}") {
                         String::new()
                     } else {
@@ -250,7 +254,7 @@ impl<'a> Interface<'a> {
         named.collect()
     }
 
-    /// Completes the block with the parts of a form of controllers.
+    /// Completes the block with the parts that depend on the form of the controller.
     pub fn finish(self, parts: Parts) -> Block {
         let body = self.body(&parts);
         let description = self.description();
@@ -259,23 +263,23 @@ impl<'a> Interface<'a> {
         let mut inputs = vec![
             control(
                 &own.enable,
-                "a call in which it is TRUE makes one step; it is no edge",
+                "each call in which it is TRUE makes one step; not edge-triggered",
             ),
             control(
                 &own.reset,
-                "back to before step 0; no step is made while it is TRUE",
+                "return to the state before step 0; no step is made while it is TRUE",
             ),
         ];
         let mut outputs = vec![
             control(&own.stepped, "this call made a step"),
             control(
                 &own.error,
-                "the last step was refused and changed nothing; until the next step or reset",
+                "the last step was refused and changed nothing; stays TRUE until the next step or reset",
             ),
             Variable::new(
                 &own.error_id,
                 Type::Enumeration(errors.name.clone()),
-                "why it was refused",
+                "reason why the step was refused",
             ),
         ];
         let mut locals = parts.locals;
@@ -295,7 +299,7 @@ impl<'a> Interface<'a> {
         let refused = Variable::new(
             &own.refused,
             Type::Enumeration(errors.name.clone()),
-            "why this step is refused",
+            "reason why this step is refused",
         );
         temporaries.insert(0, refused);
         let mut types = self.types;
@@ -323,7 +327,7 @@ impl<'a> Interface<'a> {
     fn description(&self) -> Vec<String> {
         let own = &self.own;
         let timing = match self.timing {
-            Timing::Mealy => "the outputs of a step may depend on the inputs of the same step",
+            Timing::Mealy => "the outputs of a step can depend on the inputs of the same step",
             Timing::Moore => "the outputs of a step do not depend on the inputs of the same step",
         };
         let list = |side: &Side| {
@@ -353,9 +357,14 @@ impl<'a> Interface<'a> {
     }
 
     fn body(&self, parts: &Parts) -> String {
-        let mut beginning = parts.reset.clone();
+        let mut reset_statements = parts.reset.clone();
         for port in &self.outputs {
-            let _ = writeln!(beginning, "{} := {};", port.name, port.usual());
+            let _ = writeln!(
+                reset_statements,
+                "{} := {};",
+                port.name,
+                port.initial_value()
+            );
         }
         let checks = self.domain_checks();
         let levels = if checks.is_empty() { 1 } else { 2 };
@@ -363,18 +372,18 @@ impl<'a> Interface<'a> {
             "structured_text/call.st",
             Call {
                 own: &self.own,
-                beginning: indented(&beginning, 1).trim_end().to_owned(),
+                reset_statements: indented(&reset_statements, 1).trim_end().to_owned(),
                 checks: indented(&checks, 1).trim_end().to_owned(),
                 step: indented(&parts.step, levels).trim_end().to_owned(),
             },
         )
     }
 
-    /// Refuses inputs outside their domains. In some systems an enumeration can have values other
-    /// than its labels.
+    /// Statements that refuse inputs outside their domains. In some systems an enumeration can have
+    /// values other than its labels.
     fn domain_checks(&self) -> String {
         let mut out = String::new();
-        for (port, label) in self.inputs.iter().zip(&self.outside) {
+        for (port, label) in self.inputs.iter().zip(&self.domain_errors) {
             let Some(label) = label else {
                 continue;
             };
@@ -405,7 +414,7 @@ pub(super) fn mentions(text: &str, name: &str) -> bool {
     words.any(|w| w == name)
 }
 
-/// A formula with its name.
+/// Formats a formula with its name and requirement.
 fn text(formula: &Formula) -> String {
     let requirement = match &formula.requirement {
         Some(requirement) => format!(" ({requirement})"),
@@ -415,7 +424,7 @@ fn text(formula: &Formula) -> String {
 }
 
 impl Port<'_> {
-    /// A value of the port as text.
+    /// Formats a value of the port as a literal.
     pub fn value(&self, value: i64) -> String {
         match self.kind {
             Type::Bool => if value == 0 { "FALSE" } else { "TRUE" }.to_owned(),
@@ -424,8 +433,9 @@ impl Port<'_> {
         }
     }
 
-    /// Its value before the first call: 0 if that is in the domain, otherwise the lowest.
-    pub fn usual(&self) -> String {
+    /// Literal of the port's value before the first call: 0 if that is in the domain, otherwise the
+    /// lowest value.
+    pub fn initial_value(&self) -> String {
         self.value(self.zero())
     }
 
@@ -434,10 +444,11 @@ impl Port<'_> {
         if domain.contains(0) { 0 } else { domain.low() }
     }
 
+    /// Declares the port as a variable of the block.
     pub fn variable(&self) -> Variable {
         let port = self.of;
         let mut description = match &self.kind {
-            Type::Integer(_) => described(&port.domain, &port.unit),
+            Type::Integer(_) => describe_domain(&port.domain, &port.unit),
             _ => String::new(),
         };
         if port.name != self.name {
@@ -448,7 +459,7 @@ impl Port<'_> {
             name: self.name.clone(),
             kind: self.kind.clone(),
             initial: match self.zero() {
-                0 => Initial::Usual,
+                0 => Initial::Default,
                 value => Initial::Value(literal(value)),
             },
             description: comment(&description),

@@ -1,5 +1,5 @@
-//! A machine as a CASE over its states with one condition per transition, as a person would write
-//! it.
+//! Emits a machine as a CASE over its states with one condition per transition, as a person would
+//! write it.
 
 use super::assumptions::Assumptions;
 use super::interface::{Interface, Port};
@@ -9,8 +9,8 @@ use linewright_core::gr1::Specification;
 use linewright_solver::mealy::{Guard, Machine, Transition};
 use std::fmt::Write;
 
-/// Maximum number of tests and assignments of a machine in this form; a longer one becomes tables.
-const MOST_TERMS: usize = 4_000;
+/// Maximum number of tests and assignments in a CASE; a machine with more becomes tables.
+const MAX_TERMS: usize = 4_000;
 
 /// Whether a machine is written as a CASE.
 pub(super) fn is_short(machine: &Machine) -> bool {
@@ -19,19 +19,19 @@ pub(super) fn is_short(machine: &Machine) -> bool {
         let tests: usize = t.guard.0.iter().map(|c| c.0.len()).sum();
         tests + t.output.len() + 1
     });
-    terms.sum::<usize>() <= MOST_TERMS
+    terms.sum::<usize>() <= MAX_TERMS
 }
 
-/// The variable that holds the state, with an explanation in its comment.
+/// Creates the variable that holds the state.
 pub(super) fn state(interface: &mut Interface<'_>, machine: &Machine) -> Variable {
     let width = Width::of(0, machine.states.len() as i64);
     let name = interface.fresh("state");
     Variable::new(
         &name,
         Type::Integer(width),
-        "-1 before step 0; numbered as in JSON and drawings",
+        "-1 before step 0; same numbers as in JSON and diagrams",
     )
-    .beginning("-1")
+    .with_initial_value("-1")
 }
 
 /// Emits state and step.
@@ -42,7 +42,7 @@ pub(super) fn parts(
 ) -> Parts {
     let state = state(interface, machine);
     let assumptions = Assumptions::new(interface, specification, &state.name);
-    let refuse = format!(
+    let no_step = format!(
         "{} := {};\n",
         interface.own().refused,
         assumptions.no_step()
@@ -57,7 +57,7 @@ pub(super) fn parts(
             ""
         };
         let _ = writeln!(step, "    {place}:{before}");
-        let text = choice(interface, machine, transitions, &state.name, &refuse);
+        let text = choice(interface, machine, transitions, &state.name, &no_step);
         step.push_str(&indented(&text, 2));
     }
     step.push_str("END_CASE;\n");
@@ -74,13 +74,13 @@ pub(super) fn parts(
     }
 }
 
-/// The statements of one state.
+/// The statements of one state; `no_step` is executed if no transition's guard holds.
 fn choice(
     interface: &Interface<'_>,
     machine: &Machine,
     transitions: &[Transition],
     state: &str,
-    refuse: &str,
+    no_step: &str,
 ) -> String {
     let mut out = String::new();
     for transition in transitions {
@@ -90,7 +90,7 @@ fn choice(
         }
         let _ = writeln!(done, "{state} := {};", transition.to);
         let Some(guard) = condition(&interface.inputs, machine, &transition.guard) else {
-            // No input is left for another transition: the guards of a state are disjoint.
+            // A guard that always holds is the only one: the guards of a state are disjoint.
             return done;
         };
         let word = if out.is_empty() { "IF" } else { "ELSIF" };
@@ -98,9 +98,9 @@ fn choice(
         let _ = write!(out, "{line}\n{}", indented(&done, 1));
     }
     if out.is_empty() {
-        return refuse.to_owned();
+        return no_step.to_owned();
     }
-    let _ = write!(out, "ELSE\n{}END_IF;\n", indented(refuse, 1));
+    let _ = write!(out, "ELSE\n{}END_IF;\n", indented(no_step, 1));
     out
 }
 
@@ -127,7 +127,7 @@ fn condition(inputs: &[Port<'_>], machine: &Machine, guard: &Guard) -> Option<St
     })
 }
 
-/// Joins several operands into one.
+/// Joins operands with an operator; several are put in parentheses.
 fn grouped(operands: &[String], operator: &str) -> String {
     match operands {
         [only] => only.clone(),
@@ -135,7 +135,7 @@ fn grouped(operands: &[String], operator: &str) -> String {
     }
 }
 
-/// The tests that must all hold for a port to have one of these values; empty if every value is
+/// The tests that all hold exactly if a port has one of these values; empty if every value is
 /// allowed.
 fn port_tests(port: &Port<'_>, values: &[(i64, i64)]) -> Vec<String> {
     let name = &port.name;

@@ -1,14 +1,14 @@
 //! Emits a controller as a function block of IEC 61131-3 Structured Text, as text or as PLCopen
 //! XML.
 //!
-//! A [`Block`] is plain data, the same for both output formats. It uses only what the second
-//! edition of the standard has and every larger system accepts: no methods, no pointers, no typed
-//! access to enumerations, `(* *)` comments, explicit conversions. Enumerations are prefixed
-//! (`Command_turn`), so that their labels need no qualifier, whose syntax differs between systems.
+//! A [`Block`] is plain data, the same for both output formats. It uses only features of the
+//! standard's second edition that all major systems accept: no methods, no pointers, no typed
+//! access to enumerations, `(* *)` comments, explicit conversions. Labels of enumerations have a
+//! prefix (`Command_turn`), so that they need no qualifier, whose syntax differs between systems.
 //!
-//! A machine becomes a CASE over its states (`machine.rs`), or tables if that would be long
-//! (`tables.rs`); functions become a table of decisions that a loop walks (`functions.rs`). The
-//! common interface, and the beginning and end of a call, are in `interface.rs`.
+//! A machine becomes a CASE over its states (`machine.rs`), or tables if the CASE would be long
+//! (`tables.rs`); functions become a table of decisions that a loop evaluates (`functions.rs`). The
+//! common interface and the frame of a call are in `interface.rs`.
 
 mod assumptions;
 mod codes;
@@ -34,9 +34,9 @@ pub struct Block {
     pub name: String,
     /// Description and usage, one paragraph per line.
     pub description: Vec<String>,
-    /// Enumerations that it needs, its own errors last.
+    /// Enumerations that the block uses; its error type comes last.
     pub types: Vec<Enumeration>,
-    /// Variables by kind; the controller's own ones first.
+    /// Variables by kind; in each kind, the block's own variables come before the contract's.
     pub sections: Vec<(Section, Vec<Variable>)>,
     /// Statements of the body.
     pub body: String,
@@ -45,11 +45,11 @@ pub struct Block {
 /// The type of an enumeration; its labels have the values 0, 1, ...
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Enumeration {
-    /// `E_Command`
+    /// Name of the type: `E_Command`.
     pub name: String,
     /// Description for a comment.
     pub description: String,
-    /// The labels as declared, `Command_turn`, with their meanings.
+    /// The labels as declared, `Command_turn`, each with a comment, which can be empty.
     pub labels: Vec<(String, String)>,
 }
 
@@ -60,11 +60,11 @@ pub enum Section {
     Input,
     /// `VAR_OUTPUT`
     Output,
-    /// `VAR`: kept from call to call.
+    /// `VAR`: keeps its value between calls.
     Local,
     /// `VAR CONSTANT`
     Constant,
-    /// `VAR_TEMP`: not kept, and written before it is read.
+    /// `VAR_TEMP`: written before it is read in every call.
     Temporary,
 }
 
@@ -77,18 +77,18 @@ pub struct Variable {
     pub kind: Type,
     /// Value before the first call, if it differs from the type's default.
     pub initial: Initial,
-    /// Description; may be empty.
+    /// Description; can be empty.
     pub description: String,
 }
 
 /// Value of a variable before the first call.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Initial {
-    /// `FALSE`, 0, or the first label.
-    Usual,
-    /// This one.
+    /// The default of the type: `FALSE`, 0, or the first label.
+    Default,
+    /// A single value.
     Value(String),
-    /// Values of an array, in order.
+    /// The values of an array, in order.
     Values(Vec<String>),
 }
 
@@ -139,8 +139,8 @@ impl Width {
         }
     }
 
-    /// Converts an expression of this width to another. No conversion is left to the compiler: the
-    /// second edition has none, and systems differ in their warnings.
+    /// Converts an expression of this width to another width. All conversions are explicit, because
+    /// the second edition has no implicit ones, and systems differ in their warnings.
     pub(super) fn convert(self, to: Self, text: &str) -> String {
         if self == to {
             text.to_owned()
@@ -150,7 +150,7 @@ impl Width {
     }
 }
 
-/// An integer. If it does not fit a `DINT`, it carries its type.
+/// Formats an integer literal; it has a type prefix if it does not fit a `DINT`.
 fn literal(value: i64) -> String {
     if i32::try_from(value).is_ok() {
         value.to_string()
@@ -180,42 +180,42 @@ pub fn block(controller: &mealy::Controller, specification: &Specification) -> B
 
 /// Like `block`, but always with tables, even for a short machine; for tests.
 #[doc(hidden)]
-pub fn block_of_tables(machine: &mealy::Machine, specification: &Specification) -> Block {
+pub fn block_with_tables(machine: &mealy::Machine, specification: &Specification) -> Block {
     let controller = mealy::Controller::Machine(machine.clone());
     let mut interface = Interface::new(&controller, specification);
     let parts = tables::parts(&mut interface, machine, specification);
     interface.finish(parts)
 }
 
-/// What a form of controllers adds to the interface.
+/// The parts of a block that depend on the form of the controller.
 struct Parts {
-    /// Kept from call to call.
+    /// Variables that keep their values between calls.
     locals: Vec<Variable>,
     /// Tables.
     constants: Vec<Variable>,
-    /// Variables that are not kept.
+    /// Temporary variables.
     temporaries: Vec<Variable>,
-    /// Statements that return to before step 0.
+    /// Statements that return to the state before step 0.
     reset: String,
-    /// Statements of a step: they set `refused`, or change the state and the outputs. Inputs are
-    /// within their domains.
+    /// Statements of a step, for inputs within their domains: they either set `refused`, or change
+    /// the state and the outputs.
     step: String,
 }
 
 impl Variable {
-    /// A variable with the type's default before the first call.
+    /// Creates a variable with the type's default before the first call.
     pub fn new(name: &str, kind: Type, description: &str) -> Self {
         Self {
             name: name.to_owned(),
             kind,
-            initial: Initial::Usual,
+            initial: Initial::Default,
             description: description.to_owned(),
         }
     }
 
     /// Sets the value before the first call.
     #[must_use]
-    pub fn beginning(self, value: &str) -> Self {
+    pub fn with_initial_value(self, value: &str) -> Self {
         Self {
             initial: Initial::Value(value.to_owned()),
             ..self

@@ -33,7 +33,7 @@ const VENDORS: &str = "
     PARAMS PERSISTENT POINTER PROPERTY REFERENCE REGION RET RETC RETCN S5TIME SIZEOF ST STN UNION VARIANT VAR_INST VAR_STAT
     VOID XORN XSIZEOF";
 
-/// Whether a word cannot be a name.
+/// Whether a word is reserved and cannot be a name.
 fn is_reserved(word: &str) -> bool {
     let word = word.to_ascii_uppercase();
     let listed = |list: &str| list.split_whitespace().any(|w| w == word);
@@ -56,7 +56,8 @@ fn umlaut(c: char) -> Option<&'static str> {
     })
 }
 
-/// The part of a name that can be part of an identifier; never empty.
+/// Converts a name to the inner part of an identifier: ASCII letters, digits and single
+/// underscores. The result is never empty but can begin with a digit.
 pub(crate) fn part(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
@@ -80,7 +81,7 @@ pub(crate) fn part(name: &str) -> String {
     }
 }
 
-/// Valid beginning of an identifier.
+/// Converts a name to the beginning of an identifier, which does not begin with a digit.
 pub(crate) fn stem(name: &str) -> String {
     let word = part(name);
     if word.starts_with(|c: char| c.is_ascii_digit()) {
@@ -90,7 +91,7 @@ pub(crate) fn stem(name: &str) -> String {
     }
 }
 
-/// A name as an identifier.
+/// Converts a name to an identifier that is not a reserved word.
 pub(crate) fn identifier(name: &str) -> String {
     let word = stem(name);
     if is_reserved(&word) {
@@ -100,26 +101,26 @@ pub(crate) fn identifier(name: &str) -> String {
     }
 }
 
-/// Assigns identifiers, each once, ignoring case.
+/// Assigns identifiers that are unique, ignoring case.
 #[derive(Debug, Default)]
 pub(crate) struct Names(BTreeSet<String>);
 
 impl Names {
-    /// The preferred identifier, or the first free one with a number appended.
-    pub fn unique(&mut self, wish: &str) -> String {
-        let mut name = wish.to_owned();
+    /// Returns the preferred identifier, or that identifier with the first free number appended.
+    pub fn unique(&mut self, preferred: &str) -> String {
+        let mut name = preferred.to_owned();
         let mut number = 2;
         while !self.0.insert(name.to_ascii_uppercase()) {
-            name = format!("{wish}_{number}");
+            name = format!("{preferred}_{number}");
             number += 1;
         }
         name
     }
 }
 
-/// Makes text safe for a comment: it neither ends it nor opens another, and contains nothing that a
-/// system could take for a directive, no character that XML forbids, and none that changes the
-/// reading direction.
+/// Makes text safe for a comment: the result neither ends the comment nor opens another, and
+/// contains no braces, which some systems read as directives, no characters that XML forbids, and
+/// none that change the reading direction.
 pub(crate) fn comment(text: &str) -> String {
     let hidden = |c: char| {
         let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');
@@ -137,9 +138,9 @@ pub(crate) fn comment(text: &str) -> String {
     text.replace("*)", "* )").replace("(*", "( *")
 }
 
-/// A character string of at most `most` characters: in ASCII, since a `STRING` holds bytes in the
-/// system's own encoding.
-pub(crate) fn string(text: &str, most: usize) -> String {
+/// Formats a character string literal of at most `max_chars` characters, in ASCII, because a
+/// `STRING` holds bytes in the system's own encoding.
+pub(crate) fn string(text: &str, max_chars: usize) -> String {
     let mut ascii = String::new();
     for c in text.chars() {
         match umlaut(c) {
@@ -148,7 +149,7 @@ pub(crate) fn string(text: &str, most: usize) -> String {
             None => ascii.push('?'),
         }
     }
-    ascii.truncate(most);
+    ascii.truncate(max_chars);
     format!("'{}'", ascii.replace('$', "$$").replace('\'', "$'"))
 }
 
@@ -177,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn case_does_not_tell_names_apart() {
+    fn case_does_not_distinguish_names() {
         let mut names = Names::default();
         let given = ["a", "A", "a_2", "A"].map(|n| names.unique(n));
         assert_eq!(given, ["a", "A_2", "a_2_2", "A_3"]);

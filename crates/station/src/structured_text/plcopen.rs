@@ -1,7 +1,8 @@
-//! A block as PLCopen XML: the exchange format of PLCopen's technical committee 6, version 2.01.
+//! Prints a block as PLCopen XML: the exchange format of PLCopen's technical committee 6, version
+//! 2.01.
 //!
-//! The elements are in schema order. The same block gives the same bytes, so time and place of
-//! writing are omitted: the date required by the schema is fixed.
+//! The elements are in schema order. The same block always gives the same bytes, so the date that
+//! the schema requires is fixed.
 
 use super::{Block, Enumeration, Initial, Section, Type, Variable};
 use quick_xml::Writer;
@@ -11,7 +12,7 @@ use std::fmt::Write as _;
 const NAMESPACE: &str = "http://www.plcopen.org/xml/tc6_0201";
 const XHTML: &str = "http://www.w3.org/1999/xhtml";
 
-/// Required by the schema, but meaningless: the true date would make every output different.
+/// Fixed date that the schema requires; the true date would make every output different.
 const CREATED: &str = "1970-01-01T00:00:00";
 
 /// An XML document under construction in memory.
@@ -19,7 +20,9 @@ struct Document(Writer<Vec<u8>>);
 
 impl Document {
     fn event(&mut self, event: Event<'_>) {
-        self.0.write_event(event).expect("memory can be written to");
+        self.0
+            .write_event(event)
+            .expect("writing to memory does not fail");
     }
 
     fn empty(&mut self, name: &str, attributes: &[(&str, &str)]) {
@@ -27,7 +30,7 @@ impl Document {
         self.event(Event::Empty(start));
     }
 
-    /// An element with the content written by `inside`.
+    /// Writes an element with the content that `inside` writes.
     fn element(&mut self, name: &str, attributes: &[(&str, &str)], inside: impl FnOnce(&mut Self)) {
         let start = BytesStart::new(name).with_attributes(attributes.iter().copied());
         self.event(Event::Start(start));
@@ -35,7 +38,7 @@ impl Document {
         self.event(Event::End(BytesEnd::new(name)));
     }
 
-    /// Text in the form required by the schema.
+    /// Writes an element with text in the form that the schema requires.
     fn formatted(&mut self, name: &str, text: &str) {
         self.element(name, &[], |d| {
             d.element("xhtml", &[("xmlns", XHTML)], |d| {
@@ -55,7 +58,7 @@ impl Document {
             Type::Bool => self.empty("BOOL", &[]),
             Type::Integer(width) => self.empty(width.keyword(), &[]),
             Type::Enumeration(name) => self.empty("derived", &[("name", name)]),
-            Type::Text(most) => self.empty("string", &[("length", &most.to_string())]),
+            Type::Text(max_chars) => self.empty("string", &[("length", &max_chars.to_string())]),
             Type::Array(first, last, of) => self.element("array", &[], |d| {
                 let (first, last) = (first.to_string(), last.to_string());
                 d.empty("dimension", &[("lower", &first), ("upper", &last)]);
@@ -67,7 +70,7 @@ impl Document {
     fn initial(&mut self, initial: &Initial) {
         let simple = |d: &mut Self, value: &str| d.empty("simpleValue", &[("value", value)]);
         match initial {
-            Initial::Usual => {}
+            Initial::Default => {}
             Initial::Value(value) => self.element("initialValue", &[], |d| simple(d, value)),
             Initial::Values(values) => self.element("initialValue", &[], |d| {
                 d.element("arrayValue", &[], |d| {
@@ -104,8 +107,7 @@ impl Document {
 }
 
 impl Enumeration {
-    /// Description with the meanings of its labels: the format has no place for the meaning of a
-    /// label.
+    /// Description that includes the comments of all labels: the format has no element for them.
     fn description_text(&self) -> String {
         let mut out = self.description.clone();
         for (label, meaning) in self.labels.iter().filter(|(_, m)| !m.is_empty()) {
@@ -119,7 +121,7 @@ impl Enumeration {
 }
 
 impl Section {
-    /// Name of its element, and whether its variables are constants.
+    /// Name of the section's element, and whether its variables are constants.
     fn element(self) -> (&'static str, bool) {
         match self {
             Self::Input => ("inputVars", false),

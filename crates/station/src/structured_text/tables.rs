@@ -1,8 +1,8 @@
-//! A machine as tables, for machines with many states and transitions.
+//! Emits a machine as tables, for machines with many states and transitions.
 //!
-//! A state has transitions, a transition has cubes, a cube has tests; each extends from its first
-//! row to the first row of the next one. The values set by transitions are in a table of distinct
-//! answers.
+//! A state has transitions, a transition has cubes, a cube has tests; the rows of each extend from
+//! its first row to the first row of its successor. A table of distinct answers holds the output
+//! values of transitions.
 
 use super::assumptions::Assumptions;
 use super::interface::Interface;
@@ -37,9 +37,9 @@ struct TableStep<'a> {
     test_high: String,
     refused: &'a str,
     no_step: &'a str,
-    /// Index at which the transition's answer begins.
+    /// Index of the transition's first output value.
     answer: String,
-    /// Statements that set the outputs from there.
+    /// Statements that set the outputs from these values.
     outputs: Vec<String>,
     state: &'a str,
     next_state: String,
@@ -50,24 +50,24 @@ struct TableStep<'a> {
 struct Table(Vec<i64>);
 
 impl Table {
-    fn variable(&self, interface: &mut Interface<'_>, wish: &str, about: &str) -> Variable {
-        table(interface, wish, self.0.clone(), 0, about)
+    fn variable(&self, interface: &mut Interface<'_>, name: &str, about: &str) -> Variable {
+        table(interface, name, self.0.clone(), 0, about)
     }
 }
 
-/// A constant array of the narrowest type. It has at least one element: the standard has no empty
-/// arrays.
+/// Declares a constant array of the narrowest type. It has at least one element, because the
+/// standard has no empty arrays.
 pub(super) fn table(
     interface: &mut Interface<'_>,
-    wish: &str,
+    name: &str,
     values: Vec<i64>,
     first: i64,
     about: &str,
 ) -> Variable {
-    named_table(&interface.fresh(wish), values, first, about)
+    named_table(&interface.fresh(name), values, first, about)
 }
 
-/// Like `table`, with a given name.
+/// Like `table`, with a name that is already unique.
 pub(crate) fn named_table(name: &str, mut values: Vec<i64>, first: i64, about: &str) -> Variable {
     if values.is_empty() {
         values.push(0);
@@ -83,7 +83,7 @@ pub(crate) fn named_table(name: &str, mut values: Vec<i64>, first: i64, about: &
     }
 }
 
-/// The width of a table's elements.
+/// Width of a table's elements.
 pub(crate) fn element(table: &Variable) -> Width {
     match &table.kind {
         Type::Array(_, _, of) => match **of {
@@ -136,20 +136,30 @@ pub(super) fn parts(
         states.variable(
             interface,
             "state_first",
-            "the first transition before step 0, and of every state",
+            "first transition of step 0, then of every state",
         ),
         firsts.variable(
             interface,
             "transition_first",
-            "the first cube of every transition",
+            "first cube of every transition",
         ),
-        answer.variable(interface, "transition_answer", "where its answer begins"),
-        to.variable(interface, "transition_to", "the state it leads to"),
-        cubes.variable(interface, "cube_first", "the first test of every cube"),
-        inputs.variable(interface, "test_input", "which input is tested"),
-        lows.variable(interface, "test_low", "its lowest value"),
-        highs.variable(interface, "test_high", "its highest value"),
-        table(interface, "answers", rows, 0, "the outputs, in order"),
+        answer.variable(
+            interface,
+            "transition_answer",
+            "index of the transition's first output value",
+        ),
+        to.variable(interface, "transition_to", "next state"),
+        cubes.variable(interface, "cube_first", "first test of every cube"),
+        inputs.variable(interface, "test_input", "index of the tested input"),
+        lows.variable(interface, "test_low", "lowest value of the input"),
+        highs.variable(interface, "test_high", "highest value of the input"),
+        table(
+            interface,
+            "answers",
+            rows,
+            0,
+            "values of the outputs, in order",
+        ),
     ];
     let [s, t, a, g, c, i, l, h, o] = &constants;
     let index = constants[..6]
@@ -160,7 +170,7 @@ pub(super) fn parts(
     let (from, value) = (element(l).max(element(h)), codes::width(&interface.inputs));
     let value = value.max(from);
     let mut variable =
-        |wish: &str, width: Width| Variable::new(&interface.fresh(wish), Type::Integer(width), "");
+        |name: &str, width: Width| Variable::new(&interface.fresh(name), Type::Integer(width), "");
     let (at, cube, test) = (
         variable("row", index),
         variable("cube", index),
@@ -173,7 +183,7 @@ pub(super) fn parts(
     let values = Variable::new(
         &interface.fresh("values"),
         Type::Array(0, last, Box::new(Type::Integer(value))),
-        "the inputs as numbers",
+        "inputs as numbers",
     );
 
     let input_values = interface.inputs.iter().enumerate().map(|(place, port)| {
@@ -192,11 +202,11 @@ pub(super) fn parts(
         unreachable!("a state is a number")
     };
     let own = interface.own();
-    // Everything is as wide as the widest of its kind, so that the loops need no conversions.
+    // All indices have the same width, and so do all values, so the loops need few conversions.
     let get = |table: &Variable, place: &str, width: Width| {
         element(table).convert(width, &format!("{}[{place}]", table.name))
     };
-    let behind = |variable: &Variable, places: u8| format!("{} + {places}", variable.name);
+    let offset = |variable: &Variable, places: u8| format!("{} + {places}", variable.name);
     let step = render(
         "structured_text/tables.st",
         TableStep {
@@ -208,12 +218,12 @@ pub(super) fn parts(
             holds: &holds.name,
             number: &number.name,
             values: &values.name,
-            first_transition: get(s, &behind(&state, 1), index),
-            end_of_transitions: get(s, &behind(&state, 2), index),
+            first_transition: get(s, &offset(&state, 1), index),
+            end_of_transitions: get(s, &offset(&state, 2), index),
             first_cube: get(t, &at.name, index),
-            end_of_cubes: get(t, &behind(&at, 1), index),
+            end_of_cubes: get(t, &offset(&at, 1), index),
             first_test: get(c, &cube.name, index),
-            end_of_tests: get(c, &behind(&cube, 1), index),
+            end_of_tests: get(c, &offset(&cube, 1), index),
             test_input: get(i, &test.name, index),
             test_low: get(l, &test.name, value),
             test_high: get(h, &test.name, value),

@@ -5,7 +5,7 @@ use crate::template::render;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Maximum length of a line that holds a variable and its comment; otherwise they take two lines.
+/// Maximum length of a line with a variable and its comment; a longer comment gets its own line.
 const WIDTH: usize = 110;
 
 /// The fields of `block.st`.
@@ -37,7 +37,7 @@ pub(super) fn wrap(text: &str, indent: &str) -> String {
     crate::emit::text::wrap(text, indent)
 }
 
-/// Like `wrap`, for a condition: a test, from its bracket to the next one, stays on one line.
+/// Like `wrap`, for a condition: a test in innermost parentheses stays on one line.
 pub(super) fn wrap_condition(text: &str, indent: &str) -> String {
     const HELD: char = '\u{a0}';
     let mut held = String::new();
@@ -50,7 +50,7 @@ pub(super) fn wrap_condition(text: &str, indent: &str) -> String {
     wrap(&held, indent).replace(HELD, " ")
 }
 
-/// Indents the lines by this number of levels.
+/// Indents all non-empty lines by a number of levels.
 pub(super) fn indented(text: &str, levels: usize) -> String {
     let indent = "    ".repeat(levels);
     text.lines().fold(String::new(), |mut out, line| {
@@ -82,7 +82,7 @@ impl Type {
             Self::Bool => "BOOL".to_owned(),
             Self::Integer(width) => width.keyword().to_owned(),
             Self::Enumeration(name) => name.clone(),
-            Self::Text(most) => format!("STRING[{most}]"),
+            Self::Text(max_chars) => format!("STRING[{max_chars}]"),
             Self::Array(first, last, of) => format!("ARRAY[{first}..{last}] OF {}", of.to_text()),
         }
     }
@@ -115,7 +115,7 @@ impl Variable {
     fn to_text(&self) -> String {
         let mut out = format!("{} : {}", self.name, self.kind.to_text());
         match &self.initial {
-            Initial::Usual => {}
+            Initial::Default => {}
             Initial::Value(value) => {
                 let _ = write!(out, " := {value}");
             }
@@ -159,7 +159,7 @@ impl Block {
         )
     }
 
-    /// The description in wrapped lines.
+    /// The description as wrapped lines.
     pub(super) fn description_text(&self) -> String {
         let lines = self.description.iter();
         lines.fold(String::new(), |mut out, line| {

@@ -1,16 +1,16 @@
 //! Finds C compilers for this computer and for 64-bit Windows.
 //!
-//! For this computer it is the compiler found by the `cc` crate, which respects the environment
-//! variables `CC` and `CFLAGS`. A Windows library is made by the first available compiler of this
-//! list, with the flags from `CFLAGS_x86_64_pc_windows_gnu`:
+//! The compiler for this computer is the one that the `cc` crate finds, which respects the
+//! environment variables `CC` and `CFLAGS`. Windows libraries are built with the first available
+//! compiler of this list, with the flags from `CFLAGS_x86_64_pc_windows_gnu`:
 //!
 //! 1. the value of `CC_x86_64_pc_windows_gnu`;
 //! 2. `x86_64-w64-mingw32-gcc` on the PATH (Debian's `gcc-mingw-w64-x86-64`);
 //! 3. `zig` on the PATH, as `zig cc`;
 //! 4. `python3 -m ziglang`, or `python -m ziglang` (PyPI's `ziglang`).
 //!
-//! Microsoft's compiler is searched only on Windows. Elsewhere the `cc` crate would return some
-//! other compiler instead, so it is not used for that.
+//! Microsoft's compiler is searched only on Windows, and not with the `cc` crate, which would
+//! return another compiler on other systems.
 
 use super::trial::{self, Answer};
 use crate::Error;
@@ -32,7 +32,7 @@ pub enum Platform {
 /// A kind of compiler for 64-bit Windows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum CrossCompiler {
-    /// The one named by the environment.
+    /// The compiler that `CC_x86_64_pc_windows_gnu` names.
     Named,
     /// MinGW's gcc.
     MinGw,
@@ -46,9 +46,9 @@ pub enum CrossCompiler {
 #[derive(Debug, Clone)]
 pub struct Compiler {
     program: PathBuf,
-    /// Arguments before all others.
+    /// Fixed arguments, before all others.
     first: Vec<OsString>,
-    /// Number of those that belong to its name: `cc` of `zig cc`.
+    /// Number of fixed arguments that belong to the compiler's name: `cc` in `zig cc`.
     named: usize,
     environment: Vec<(OsString, OsString)>,
 }
@@ -56,7 +56,7 @@ pub struct Compiler {
 /// The environment variable that names the compiler for Windows.
 const NAMED: &str = "CC_x86_64_pc_windows_gnu";
 
-/// The environment variable with flags for it.
+/// The environment variable with flags for that compiler.
 const NAMED_FLAGS: &str = "CFLAGS_x86_64_pc_windows_gnu";
 
 impl Platform {
@@ -69,7 +69,7 @@ impl Platform {
         }
     }
 
-    /// File name suffix of its libraries, with the dot.
+    /// File name suffix of libraries, with the dot.
     pub fn suffix(self) -> &'static str {
         match self {
             Self::Host => std::env::consts::DLL_SUFFIX,
@@ -117,8 +117,8 @@ impl Compiler {
         }
     }
 
-    /// The compiler for this computer, or the one with the given path or name, which takes the same
-    /// options. `work` is a folder for the files used to identify its kind.
+    /// Finds the compiler for this computer, or the one with the given path or name. It must take
+    /// the options of cc. `work` is a folder for the files that identify its kind.
     pub(super) fn host(wanted: Option<&Path>, work: &Path) -> Result<Self, Error> {
         let missing = |command: String, cause: String| Error::CompilerMissing { command, cause };
         let named = || match (wanted, std::env::var("CC")) {
@@ -128,13 +128,13 @@ impl Compiler {
         };
         let tool = tool(wanted, work).map_err(|e| missing(named(), e))?;
         if tool.is_like_msvc() {
-            let cause = "it takes the options of cl, not those of cc".to_owned();
+            let cause = "it takes the options of cl instead of those of cc".to_owned();
             return Err(missing(tool.path().display().to_string(), cause));
         }
         Ok(Self::of(&tool))
     }
 
-    /// The first available compiler for 64-bit Windows.
+    /// Finds the first available compiler for 64-bit Windows.
     pub fn windows() -> Result<(CrossCompiler, Self), Error> {
         let found = CrossCompiler::ALL
             .into_iter()
@@ -147,7 +147,7 @@ impl Compiler {
         Ok((kind, compiler))
     }
 
-    /// Microsoft's compiler for 64-bit Windows.
+    /// Finds Microsoft's compiler for 64-bit Windows.
     pub fn msvc() -> Result<Self, Error> {
         let tool = cc::windows_registry::find_tool("x86_64-pc-windows-msvc", "cl.exe");
         Ok(Self::of(&tool.ok_or(Error::MsvcMissing)?))
@@ -165,7 +165,7 @@ impl Compiler {
         }
     }
 
-    /// The command with its fixed arguments.
+    /// Returns a command with the fixed arguments and environment, without standard input.
     pub fn command(&self) -> Command {
         let mut command = Command::new(&self.program);
         command.args(&self.first);
@@ -179,7 +179,7 @@ impl Compiler {
         on_path(self.program.as_os_str()).unwrap_or_else(|| self.program.clone())
     }
 
-    /// The command as a person would write it.
+    /// Formats the command for messages: `zig cc`.
     pub fn show(&self) -> String {
         let first = self.first[..self.named].iter().map(|a| a.to_string_lossy());
         let program = self.program.display().to_string();
@@ -187,13 +187,19 @@ impl Compiler {
         words.join(" ")
     }
 
-    /// First line of its version output, or an error that explains why there is none.
+    /// Returns the first line of the compiler's version output.
+    ///
+    /// # Errors
+    /// Returns the reason why there is none.
     pub fn version(&self) -> Result<String, String> {
         let answer = trial::answer(self.command().arg("--version"))?;
         if !answer.status.success() {
-            return Err(format!("it does not say its version ({})", answer.status));
+            return Err(format!(
+                "it does not report its version ({})",
+                answer.status
+            ));
         }
-        Answer::first_line(&answer.stdout).ok_or("it does not say its version".to_owned())
+        Answer::first_line(&answer.stdout).ok_or("it does not report its version".to_owned())
     }
 }
 
@@ -201,7 +207,7 @@ impl CrossCompiler {
     /// All kinds, in order of preference.
     pub const ALL: [Self; 4] = [Self::Named, Self::MinGw, Self::Zig, Self::PythonZig];
 
-    /// Its name in messages.
+    /// Name of the compiler in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Named => "the compiler that CC_x86_64_pc_windows_gnu names",
@@ -211,12 +217,12 @@ impl CrossCompiler {
         }
     }
 
-    /// Whether it is searched without being named.
-    pub fn is_usual(self) -> bool {
+    /// Whether the compiler is searched even if the environment does not name it.
+    pub fn is_searched_by_default(self) -> bool {
         self != Self::Named
     }
 
-    /// Finds the compiler; compiles nothing.
+    /// Finds the compiler, without trying to compile.
     pub fn find(self) -> Option<Compiler> {
         let zig = ["cc", "-target", "x86_64-windows-gnu"];
         match self {
@@ -246,7 +252,7 @@ impl CrossCompiler {
     }
 }
 
-/// The compiler that the `cc` crate finds.
+/// Finds a compiler with the `cc` crate.
 fn tool(wanted: Option<&Path>, work: &Path) -> Result<cc::Tool, String> {
     let host = host();
     let mut build = cc::Build::new();
@@ -286,7 +292,7 @@ fn host() -> String {
     format!("{}-{system}", std::env::consts::ARCH)
 }
 
-/// The program with a name in one of the folders of the PATH, or at a path.
+/// Finds a program by its name in the folders of the PATH, or by its path.
 pub fn on_path(program: &OsStr) -> Option<PathBuf> {
     let is_program = |path: &PathBuf| path.is_file();
     if Path::new(program).components().count() > 1 {

@@ -1,4 +1,4 @@
-//! The record stored beside a library: its owner and its checksum.
+//! The manifest next to a library: its machine and its checksum.
 
 use crate::{Error, Package, disk, emit};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -12,7 +12,7 @@ const SCHEMA: &str = "linewright/library/1";
 #[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize, Deserialize)]
 pub(crate) struct Manifest {
     schema: String,
-    /// The machine that the library is of.
+    /// The name of the library's machine.
     machine: String,
     /// The hash of the machine and its contracts, in hexadecimal digits.
     contract_hash: String,
@@ -28,7 +28,7 @@ pub fn schema(generator: &mut SchemaGenerator) -> Schema {
 }
 
 impl Manifest {
-    /// Creates the manifest of a package's library with these bytes.
+    /// Creates the manifest of a package's library, which has these bytes.
     pub(super) fn new(package: &Package, bytes: &[u8]) -> Self {
         Self {
             schema: SCHEMA.to_owned(),
@@ -68,9 +68,7 @@ impl Manifest {
             )));
         }
         if emit::hex(&Sha256::digest(&bytes)) != manifest.sha256 {
-            return Err(damaged(
-                "its bytes are not those that were built".to_owned(),
-            ));
+            return Err(damaged("its SHA-256 differs from its manifest".to_owned()));
         }
         Ok(())
     }

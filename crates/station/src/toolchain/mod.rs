@@ -1,22 +1,23 @@
 //! Compiles packages into libraries, and reuses earlier results.
 //!
-//! [`compiler`] chooses the compiler; it is started only if something has to be compiled. A
-//! library's name includes a hash of everything that determines its content: the C text, the
-//! runtime, the flags, and the compiler's name. Beside it is a manifest with its length and
-//! SHA-256, without which it is not loaded.
+//! [`compiler`] chooses the compiler, which is started only if a library has to be compiled. A
+//! library's file name includes a hash of everything that determines its content: the C source, the
+//! runtime, the flags, and the compiler's name. A manifest next to the library holds its length and
+//! SHA-256; a library without a manifest is not loaded.
 //!
 //! # Same package, same compiler, same bytes
 //!
-//! The compiler is started in a temporary folder and sees no path: source and library are named
-//! after the machine. The linker for Windows would record the time and the library's own name; the
-//! former is disabled, the latter is fixed.
+//! The compiler is started in a temporary folder with file names only, which are derived from the
+//! machine's name. By default the linker for Windows records the time and the library's own name;
+//! the former is disabled, the latter is fixed.
 //!
 //! # Optimisation
 //!
-//! Shipped libraries are optimized ([`Toolchain::shipping`]); those that the bundled runner builds
-//! for itself are not ([`Toolchain::host`]): only after some hundred thousand steps does a run
-//! recover the cost of optimizing. `-O2` takes twice as long to compile and its steps are no
-//! faster: a step is a chain of short decisions. The figures are in `tests/bench/README.md`.
+//! Shipped libraries are optimized ([`Toolchain::shipping`]). Libraries that the bundled runner
+//! builds for itself are not ([`Toolchain::host`]), because a run recovers the cost of optimizing
+//! only after some hundred thousand steps. `-O2` takes twice as long to compile without making
+//! steps faster, because a step is a chain of short decisions. The figures are in
+//! `tests/bench/README.md`.
 
 pub mod compiler;
 mod manifest;
@@ -53,24 +54,24 @@ const FLAGS: [&str; 4] = [
 const FAST_TO_BUILD: &str = "-O0";
 const FAST_TO_STEP: &str = "-O1";
 
-/// Additional linker flags. An export called by the library itself always resolves to its own.
+/// Additional linker flags. With `-Bsymbolic`, calls within the library resolve to its own exports.
 const HOST_LINKER: &[&str] = if cfg!(target_os = "linux") {
     &["-pthread", "-Wl,-Bsymbolic", "-lm"]
 } else {
     &["-pthread", "-lm"]
 };
 
-/// Linker flags for Windows: no build time in the library, and no other compiler files needed
-/// beside it.
+/// Linker flags for Windows: the library records no build time, and needs no other files of the
+/// compiler.
 const WINDOWS_LINKER: &[&str] = &["-static-libgcc", "-Wl,--no-insert-timestamp"];
 
 /// Flags of Microsoft's compiler and linker. `/Brepro` puts a hash in place of the time.
 const MSVC_FLAGS: &[&str] = &["/nologo", "/O2", "/fp:precise", "/utf-8", "/LD"];
 const MSVC_LINKER: &[&str] = &["/link", "/Brepro"];
 
-/// Commands that make a 64-bit DLL from a package's C file: with MinGW's compiler, and with
-/// Microsoft's.
-pub fn by_hand(source: &str, library: &str) -> [String; 2] {
+/// Returns the commands that build a 64-bit DLL from a package's C file: with MinGW's compiler, and
+/// with Microsoft's.
+pub fn manual_commands(source: &str, library: &str) -> [String; 2] {
     let gcc: Vec<&str> = FLAGS.into_iter().chain([FAST_TO_STEP]).collect();
     [
         format!(
@@ -95,10 +96,11 @@ pub struct Toolchain {
     flags: Vec<String>,
     /// Additional flags at the end.
     linker: &'static [&'static str],
-    /// Name of the compiler, found before anything is built.
+    /// Name of a compiler for Windows; empty for others.
     name: &'static str,
     /// Deadline at which compilers are terminated.
     deadline: Deadline,
+    /// The compiler, or its command and the reason why it cannot be used; set on first use.
     found: OnceLock<Result<Compiler, (String, String)>>,
 }
 
@@ -112,7 +114,10 @@ pub struct BuiltLibrary {
 }
 
 impl BuiltLibrary {
-    /// Checks that the library's bytes are those that were built; otherwise returns an error.
+    /// Compares the library with its manifest.
+    ///
+    /// # Errors
+    /// Returns [`Error::LibraryDamaged`] if they do not match.
     pub fn verify(&self) -> Result<(), Error> {
         Manifest::verify(&self.path)
     }
@@ -145,29 +150,32 @@ impl Toolchain {
         Self::new(platform, &flags)
     }
 
-    /// The compiler named by the environment, or else the platform's `cc`; optimizes for compile
-    /// time. Nothing is searched yet.
+    /// Uses the compiler that the environment names, or else the platform's `cc`, without
+    /// optimization. The compiler is not searched before its first use.
     pub fn host() -> Self {
         Self::like_gcc(Platform::Host, FAST_TO_BUILD)
     }
 
-    /// The same compiler; optimizes for run time.
+    /// Uses the same compiler as [`Self::host`], with optimization.
     pub fn shipping() -> Self {
         Self::like_gcc(Platform::Host, FAST_TO_STEP)
     }
 
-    /// The first available compiler for 64-bit Windows, or an error.
+    /// Uses the first available compiler for 64-bit Windows.
+    ///
+    /// # Errors
+    /// Returns [`Error::CrossCompilerMissing`] if there is none.
     pub fn windows() -> Result<Self, Error> {
         let (kind, compiler) = Compiler::windows()?;
         Ok(Self::cross(kind, compiler))
     }
 
-    /// Uses a compiler for 64-bit Windows that was found.
+    /// Uses this compiler for 64-bit Windows.
     pub fn cross(kind: CrossCompiler, compiler: Compiler) -> Self {
         let mut toolchain = Self::like_gcc(Platform::Windows, FAST_TO_STEP);
         if matches!(kind, CrossCompiler::Zig | CrossCompiler::PythonZig) {
-            // Without these, zig adds traps for undefined behavior, and debug information with
-            // paths. Its linker records no time, and rejects the option to omit it.
+            // By default, zig adds traps for undefined behavior, and debug information with paths.
+            // Its linker records no time, and rejects the option to omit it.
             let quiet = ["-fno-sanitize=undefined", "-g0", "-s"];
             toolchain.flags.extend(quiet.map(str::to_owned));
             toolchain.linker = &[];
@@ -177,7 +185,10 @@ impl Toolchain {
         toolchain
     }
 
-    /// Microsoft's compiler, or an error; no other compiler is used instead.
+    /// Uses Microsoft's compiler.
+    ///
+    /// # Errors
+    /// Returns [`Error::MsvcMissing`] if it is not found.
     pub fn msvc() -> Result<Self, Error> {
         let compiler = Compiler::msvc()?;
         let mut toolchain = Self::new(Platform::Msvc, MSVC_FLAGS);
@@ -193,31 +204,33 @@ impl Toolchain {
         }
     }
 
-    /// Replaces the default compiler flags; those for the linker stay.
+    /// Replaces the default compiler flags; the linker flags stay.
     #[must_use]
     pub fn with_flags(mut self, flags: &[&str]) -> Self {
         self.flags = flags.iter().map(|f| (*f).to_owned()).collect();
         self
     }
 
-    /// Sets the time at which running compilers are terminated; none is started later.
+    /// Sets the deadline at which running compilers are terminated, and after which none is
+    /// started.
     #[must_use]
-    pub fn until(mut self, deadline: Deadline) -> Self {
+    pub fn with_deadline(mut self, deadline: Deadline) -> Self {
         self.deadline = deadline;
         self
     }
 
-    /// Platform of its libraries.
+    /// Target platform of the libraries.
     pub fn platform(&self) -> Platform {
         self.platform
     }
 
-    /// Whether Windows loads its libraries.
+    /// Whether the libraries are for Windows.
     pub fn is_for_windows(&self) -> bool {
         self.platform.suffix() == ".dll"
     }
 
-    /// Path of a package's library, existing or not: `assembly_cell-0123456789abcdef.so`.
+    /// Returns the path of a package's library, which need not exist:
+    /// `assembly_cell-0123456789abcdef.so`.
     pub fn path(&self, package: &Package, folder: &Path) -> PathBuf {
         let mut hash = Sha256::new();
         hash.update(&package.hash);
@@ -242,8 +255,7 @@ impl Toolchain {
     }
 
     /// Ensures that a package's library is in `folder`. Unless `rebuild` is set, an existing
-    /// library is used as it is; its integrity is checked when it is loaded, and by
-    /// [`BuiltLibrary::verify`].
+    /// library is used without checking it; [`BuiltLibrary::verify`] and loading check it.
     pub fn build(
         &self,
         package: &Package,
@@ -258,7 +270,7 @@ impl Toolchain {
         Ok(BuiltLibrary { path, compiled })
     }
 
-    /// Like `build`, for several packages, compiled in parallel.
+    /// Like `build`, for several packages in parallel.
     pub fn build_all(
         &self,
         packages: &[Package],
@@ -272,19 +284,19 @@ impl Toolchain {
     }
 
     fn compile(&self, package: &Package, folder: &Path, path: &Path) -> Result<(), Error> {
-        let given_up = |late| Error::GivenUp {
+        let given_up = |reason| Error::GivenUp {
             machine: package.name.clone(),
-            late,
+            reason,
         };
         self.deadline.check().map_err(given_up)?;
         create_folder(folder)?;
-        // Beside the final place, so that the library can be renamed into it.
+        // In the same folder as the result, so that the library can be moved by renaming.
         let work = WorkFolder::new(folder)?;
         let written = package.write_source(work.path())?;
         let source = written.file_name().unwrap_or_default();
         let compiler = self.compiler(work.path())?;
         let shown = compiler.show();
-        // A library for Windows carries this name inside it.
+        // A library for Windows contains this name.
         let made = format!("{}{}", package.stem, self.platform.suffix());
         let mut command = compiler.command();
         command
@@ -303,7 +315,7 @@ impl Toolchain {
             stderr,
         };
         if !output.status.success() {
-            // Ctrl-C on a terminal ends the compiler as well, perhaps before it is noticed here.
+            // Ctrl-C in a terminal also ends the compiler, possibly before this process notices it.
             self.deadline.check().map_err(given_up)?;
             if trial::was_interrupted(output.status) {
                 return Err(given_up(StopReason::Interrupt));
@@ -314,7 +326,7 @@ impl Toolchain {
         }
         let made = work.path().join(made);
         let bytes = std::fs::read(&made)
-            .map_err(|e| failed(format!("it succeeded but left no library: {e}")))?;
+            .map_err(|e| failed(format!("it succeeded but wrote no library: {e}")))?;
         let manifest = serde_json::to_vec_pretty(&Manifest::new(package, &bytes))
             .map_err(|e| failed(format!("its manifest cannot be written: {e}")))?;
         let unwritable = |cause| Error::Unwritable {
@@ -322,8 +334,8 @@ impl Toolchain {
             cause,
         };
         // A library without a manifest is rebuilt, so a manifest for other bytes is removed first
-        // and the new one is written last. A manifest for the same bytes stays: another process may
-        // just have built the same library and be about to load it.
+        // and the new one is written last. A manifest for the same bytes stays, because another
+        // process may have just built the same library and be about to load it.
         let manifest_path = Manifest::path(path);
         if disk::read(&manifest_path).is_ok_and(|old| old != manifest) {
             std::fs::remove_file(&manifest_path).map_err(unwritable)?;
@@ -349,8 +361,8 @@ impl Toolchain {
         arguments
     }
 
-    /// The compiler, found on first use. `work` is a folder for the files used to identify its
-    /// kind.
+    /// Returns the compiler, which is searched on first use. `work` is a folder for the files that
+    /// identify its kind.
     fn compiler(&self, work: &Path) -> Result<&Compiler, Error> {
         let found = self.found.get_or_init(|| {
             Compiler::host(self.command.as_deref(), work).map_err(|e| match e {

@@ -1,5 +1,5 @@
-//! Surveys this computer: compilers, each tried with a line of C, and the programs used by tests,
-//! with their versions.
+//! Surveys this computer: the compilers, each tested with a line of C, and the programs that tests
+//! use, with their versions.
 
 use super::compiler::on_path;
 use super::trial::{self, Answer};
@@ -11,7 +11,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Locations where Wine is installed without being on the PATH.
+/// Locations at which Wine can be installed without being on the PATH.
 const WINE_PLACES: [&str; 8] = [
     "/usr/lib/wine/wine64",
     "/usr/lib/wine/wine",
@@ -29,11 +29,11 @@ const PACKAGES: [&str; 3] = ["fmpy", "blark", "ziglang"];
 /// A program that was found.
 #[derive(Debug, Clone, PartialEq, Eq, JsonSchema, Serialize)]
 pub struct FoundProgram {
-    /// Command that starts it.
+    /// Command that starts the program.
     pub command: String,
     /// First line of its version output.
     pub version: Option<String>,
-    /// Why a compiler cannot compile anything although it exists.
+    /// Reason why an existing compiler fails to compile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
 }
@@ -54,14 +54,14 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// The compiler used by `--target windows`: the first that exists. It may have a fault.
+    /// The compiler that `--target windows` uses: the first that exists. It can have a fault.
     pub fn windows(&self) -> Option<(CrossCompiler, &FoundProgram)> {
         let mut cross = self.cross.iter();
         cross.find_map(|(kind, found)| Some((*kind, found.as_ref()?)))
     }
 }
 
-/// Looks for everything.
+/// Surveys this computer. Starts all compilers and programs that exist.
 pub fn survey() -> Survey {
     let python = ["python3", "python"]
         .into_iter()
@@ -87,13 +87,13 @@ pub fn survey() -> Survey {
     Survey {
         host: host(),
         cross: cross.collect(),
-        wine: wine().as_deref().map(asked),
-        python: python.as_deref().map(asked),
+        wine: wine().as_deref().map(with_version),
+        python: python.as_deref().map(with_version),
         packages,
     }
 }
 
-/// Wine's 64-bit program, on the PATH or in one of its usual places.
+/// Finds Wine, on the PATH or in one of its usual locations.
 pub fn wine() -> Option<PathBuf> {
     let named = ["wine64", "wine"]
         .into_iter()
@@ -110,19 +110,19 @@ fn host() -> Result<FoundProgram, Error> {
         path: std::env::temp_dir(),
         cause,
     })?;
-    let useless = |command: String, cause: String| Error::CompilerMissing { command, cause };
-    // Its kind is found by a library that would wait for a hanging compiler.
+    let unusable = |command: String, cause: String| Error::CompilerMissing { command, cause };
+    // The `cc` crate would wait forever for a hanging compiler, so test this first.
     let named = std::env::var("CC").unwrap_or_else(|_| "cc".to_owned());
     let program = named.split_whitespace().next().unwrap_or("cc");
     if let Some(program) = on_path(OsStr::new(program)) {
         let answer = trial::answer(Command::new(program).arg("--version"));
-        answer.map_err(|why| useless(named.clone(), why))?;
+        answer.map_err(|why| unusable(named.clone(), why))?;
     }
     let compiler = Compiler::host(None, work.path())?;
     let version = compiler
         .version()
         .and_then(|v| trial::compiles(&compiler, work.path()).map(|()| v))
-        .map_err(|why| useless(compiler.show(), why))?;
+        .map_err(|why| unusable(compiler.show(), why))?;
     Ok(FoundProgram {
         command: compiler.program().display().to_string(),
         version: Some(version),
@@ -130,8 +130,8 @@ fn host() -> Result<FoundProgram, Error> {
     })
 }
 
-/// A program with its version output.
-fn asked(program: &Path) -> FoundProgram {
+/// Asks a program for its version.
+fn with_version(program: &Path) -> FoundProgram {
     let mut command = Command::new(program);
     let answer = trial::answer(command.arg("--version").env("WINEDEBUG", "-all"));
     FoundProgram {
@@ -141,13 +141,14 @@ fn asked(program: &Path) -> FoundProgram {
     }
 }
 
+/// Finds the installed packages among [`PACKAGES`].
 fn packages(python: &Path) -> Vec<&'static str> {
     let script = format!(
         "import importlib.util as u\nprint(' '.join(p for p in '{}'.split() if u.find_spec(p)))",
         PACKAGES.join(" ")
     );
     let answer = trial::answer(Command::new(python).args(["-c", &script]));
-    let said = answer.map(|a| a.stdout).unwrap_or_default();
-    let has = |p: &&str| said.split_whitespace().any(|word| word == *p);
+    let output = answer.map(|a| a.stdout).unwrap_or_default();
+    let has = |p: &&str| output.split_whitespace().any(|word| word == *p);
     PACKAGES.into_iter().filter(has).collect()
 }

@@ -1,4 +1,4 @@
-//! Runs programs with a deadline, and tries compilers with a line of C.
+//! Runs programs with a deadline, and tests compilers with a line of C.
 
 use super::compiler::Compiler;
 use linewright_core::deadline::{Deadline, StopReason};
@@ -7,9 +7,8 @@ use std::path::Path;
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::Duration;
 
-/// Time without an answer after which a program is considered hung. Zig needs time on its first
-/// run.
-const PATIENCE: Duration = Duration::from_mins(1);
+/// Time after which a program that has not ended is considered hung. The first run of Zig is slow.
+const ANSWER_TIMEOUT: Duration = Duration::from_mins(1);
 
 /// Output of a program that has ended.
 pub(super) struct Answer {
@@ -19,18 +18,21 @@ pub(super) struct Answer {
 }
 
 impl Answer {
-    /// The first non-empty line of a text.
+    /// Returns the first non-empty line of a text.
     pub fn first_line(text: &str) -> Option<String> {
         let line = text.lines().find(|l| !l.trim().is_empty())?;
         Some(line.trim().to_owned())
     }
 }
 
-/// Runs a program to its end; an error explains why there is no answer. A program that does not end
-/// is terminated.
+/// Runs a program to its end; terminates it after [`ANSWER_TIMEOUT`].
+///
+/// # Errors
+/// Returns the reason why there is no output.
 pub(super) fn answer(command: &mut Command) -> Result<Answer, String> {
-    let answer = answer_until(command, Deadline::in_time(PATIENCE)).map_err(|e| e.to_string())?;
-    answer.map_err(|_| format!("it did not answer within {} s", PATIENCE.as_secs()))
+    let answer =
+        answer_until(command, Deadline::from_now(ANSWER_TIMEOUT)).map_err(|e| e.to_string())?;
+    answer.map_err(|_| format!("it did not answer within {} s", ANSWER_TIMEOUT.as_secs()))
 }
 
 /// Runs a program to its end, or terminates it at the deadline.
@@ -38,7 +40,7 @@ pub(super) fn answer_until(
     command: &mut Command,
     deadline: Deadline,
 ) -> std::io::Result<Result<Answer, StopReason>> {
-    // Files rather than pipes: a process left running by the program cannot hold them open.
+    // Files instead of pipes: a background process that the program leaves cannot block reading.
     let (mut stdout, mut stderr) = (tempfile::tempfile()?, tempfile::tempfile()?);
     let mut child = command
         .stdin(Stdio::null())
@@ -50,11 +52,11 @@ pub(super) fn answer_until(
         if let Some(status) = child.try_wait()? {
             break status;
         }
-        if let Err(late) = deadline.check() {
-            // It may have ended just now; then there is nothing to terminate.
+        if let Err(reason) = deadline.check() {
+            // Errors are ignored: the program can have ended in the meantime.
             let _ = child.kill();
             let _ = child.wait();
-            return Ok(Err(late));
+            return Ok(Err(reason));
         }
         std::thread::sleep(pause);
         pause = (2 * pause).min(Duration::from_millis(20));
@@ -86,7 +88,10 @@ pub fn was_interrupted(status: ExitStatus) -> bool {
     }
 }
 
-/// Tries to compile a line; an error explains why that fails.
+/// Tests whether a compiler can compile a line of C.
+///
+/// # Errors
+/// Returns the reason why it cannot.
 pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
     let (source, object) = ("trial.c", work.join("trial.o"));
     std::fs::write(work.join(source), "int lw_trial(void) { return 0; }\n")
@@ -101,10 +106,10 @@ pub(super) fn compiles(compiler: &Compiler, work: &Path) -> Result<(), String> {
         return Err(why());
     }
     let length = std::fs::metadata(&object).map_or(0, |m| m.len());
-    // Another compiler may use it next.
+    // The next compiler uses the same file name.
     let _ = std::fs::remove_file(&object);
     if length == 0 {
-        return Err("it made nothing".to_owned());
+        return Err("it wrote no object file".to_owned());
     }
     Ok(())
 }

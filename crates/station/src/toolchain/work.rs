@@ -1,9 +1,9 @@
-//! The folder in which something is compiled: beside the place of the result, and removed
-//! afterwards.
+//! Temporary folders for compilation, in the folder of the result.
 //!
-//! A killed process cannot clean up. So each folder holds a file locked by its process, which the
-//! system unlocks however the process ends; the next build removes adjacent folders whose file is
-//! not locked. A lock is more reliable than a process ID, which may have been reused.
+//! A killed process cannot remove its folder. Each folder therefore contains a file that its
+//! process locks, and that the system unlocks whenever the process ends; the next build removes
+//! folders whose file is not locked. A lock is more reliable than a process ID, which can be
+//! reused.
 
 use super::super::Error;
 use std::fs::{File, TryLockError};
@@ -13,35 +13,35 @@ use std::time::{Duration, SystemTime};
 /// Prefix of the names of these folders.
 const PREFIX: &str = ".build-";
 
-/// The file in it that is locked while the folder is in use.
+/// Name of the file that is locked while its folder is in use.
 const LOCK: &str = "in-use";
 
-/// Age after which a folder without that file is considered abandoned: a younger one may belong to
-/// a process that is just creating the file.
-const FORGOTTEN: Duration = Duration::from_hours(1);
+/// Age after which a folder without that file is considered abandoned. A younger folder can belong
+/// to a process that is just creating the file.
+const ABANDONED_AGE: Duration = Duration::from_hours(1);
 
 /// A folder to compile in; removed when dropped.
 #[derive(Debug)]
 pub struct WorkFolder {
-    /// Unlocked before the folder is removed: Windows does not remove open files.
+    /// Closed before the folder is removed, because Windows does not remove open files.
     lock: Option<File>,
     folder: tempfile::TempDir,
 }
 
 impl WorkFolder {
-    /// Creates a folder in an existing one, and removes those left by killed builds.
-    pub fn new(beside: &Path) -> Result<Self, Error> {
-        remove_stale(beside);
+    /// Creates a work folder in `parent`, and removes those left by killed builds.
+    pub fn new(parent: &Path) -> Result<Self, Error> {
+        remove_stale(parent);
         let unwritable = |cause| Error::Unwritable {
-            path: beside.to_owned(),
+            path: parent.to_owned(),
             cause,
         };
         let folder = tempfile::Builder::new()
             .prefix(PREFIX)
-            .tempdir_in(beside)
+            .tempdir_in(parent)
             .map_err(unwritable)?;
-        // It gets its name only once it is locked: so nobody finds it unlocked and takes the folder
-        // for a stale one.
+        // The file gets its name only after it is locked, so that no other process finds it
+        // unlocked and removes the folder.
         let unnamed = folder.path().join("in-use.new");
         let lock = File::create(&unnamed).map_err(unwritable)?;
         // If files cannot be locked, folders of killed builds stay.
@@ -64,9 +64,9 @@ impl Drop for WorkFolder {
     }
 }
 
-/// Removes folders left by killed builds. Those that cannot be removed stay and do no harm.
-fn remove_stale(beside: &Path) {
-    let entries = std::fs::read_dir(beside).into_iter().flatten().flatten();
+/// Removes work folders left by killed builds. Folders that cannot be removed are left.
+fn remove_stale(parent: &Path) {
+    let entries = std::fs::read_dir(parent).into_iter().flatten().flatten();
     for entry in entries {
         let is_ours = entry.file_name().to_string_lossy().starts_with(PREFIX);
         if is_ours && entry.file_type().is_ok_and(|t| t.is_dir()) {
@@ -74,12 +74,12 @@ fn remove_stale(beside: &Path) {
             match File::options().write(true).open(folder.join(LOCK)) {
                 Ok(file) => match file.try_lock() {
                     Ok(()) => {
-                        // As long as it is locked here, no other build removes it as well.
+                        // The lock keeps other builds from removing the folder at the same time.
                         let _ = std::fs::remove_dir_all(&folder);
                     }
                     Err(TryLockError::WouldBlock | TryLockError::Error(_)) => {}
                 },
-                Err(_) if is_forgotten(&folder) => {
+                Err(_) if is_abandoned(&folder) => {
                     let _ = std::fs::remove_dir_all(&folder);
                 }
                 Err(_) => {}
@@ -88,11 +88,13 @@ fn remove_stale(beside: &Path) {
     }
 }
 
-fn is_forgotten(folder: &Path) -> bool {
+fn is_abandoned(folder: &Path) -> bool {
     let made = std::fs::metadata(folder).and_then(|m| m.modified());
     let now = SystemTime::now();
-    made.is_ok_and(|made| now.duration_since(made).is_ok_and(|age| age > FORGOTTEN))
-        && !folder.join(LOCK).exists()
+    made.is_ok_and(|made| {
+        now.duration_since(made)
+            .is_ok_and(|age| age > ABANDONED_AGE)
+    }) && !folder.join(LOCK).exists()
 }
 
 #[cfg(test)]
@@ -109,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_nobody_uses_is_removed() {
+    fn only_unused_folders_are_removed() {
         let place = tempfile::tempdir().unwrap();
         let at = |name: &str| place.path().join(name);
         let age = |name: &str, hours: u64| {
@@ -120,11 +122,11 @@ mod tests {
         std::fs::create_dir_all(at(".build-killed/obj")).unwrap();
         std::fs::write(at(".build-killed/in-use"), "").unwrap();
         std::fs::write(at(".build-killed/obj/a.c"), "int a;").unwrap();
-        // Two without a lock: one is just being created, the other was abandoned long ago.
+        // Two folders without a lock: one is being created, the other was abandoned long ago.
         std::fs::create_dir(at(".build-young")).unwrap();
         std::fs::create_dir(at(".build-old")).unwrap();
         age(".build-old", 2);
-        // Not one of these folders.
+        // A file and a folder that are not work folders.
         std::fs::write(at(".build-file"), "").unwrap();
         std::fs::create_dir(at("build-other")).unwrap();
         let running = WorkFolder::new(place.path()).unwrap();

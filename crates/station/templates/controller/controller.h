@@ -2,7 +2,7 @@
 @ if moore
  * The outputs of a step do not depend on its inputs.
 @ else
- * The outputs of a step may depend on its inputs.
+ * The outputs of a step can depend on its inputs.
 @ endif
  */
 #ifndef LINEWRIGHT_@{name}_H
@@ -30,15 +30,15 @@ typedef struct @{name}_outputs {
 @ endfor
 } @{name}_outputs;
 
-/* Where the controller is between two steps. */
+/* State of the controller between two steps. */
 typedef struct @{name}_state {
 @ if bits
-    /* The goal that is pursued; -1 before step 0. */
+    /* Index of the pursued goal; -1 before step 0. */
     int32_t goal;
-    /* The bits of the last step's values. */
+    /* Bits of the values in the last step. */
     uint8_t current[@{bits}];
 @ else
-    /* -1 before step 0. */
+    /* Number of the state; -1 before step 0. */
     int32_t state;
 @ endif
 @ if kept
@@ -47,17 +47,17 @@ typedef struct @{name}_state {
 @ endif
 } @{name}_state;
 
-/* What @{name}_step returns. Exactly the inputs that break an assumption are refused as such. */
+/* Results of @{name}_step. */
 enum {
     @{name}_OK = 0,
     @{name}_ASSUMPTION_BROKEN = -1,
     @{name}_OUTSIDE_DOMAIN = -2
 };
 
-/* Before step 0. */
+/* Sets the state to before step 0. Call this function first. */
 void @{name}_reset(@{name}_state *state);
 
-/* One step. A negative result says why it was refused; then state and outputs are as before. */
+/* Makes one step. A negative result is the reason why the step was rejected; state and outputs are then unchanged. */
 int @{name}_step(@{name}_state *state, const @{name}_inputs *inputs, @{name}_outputs *outputs);
 
 #ifdef __cplusplus

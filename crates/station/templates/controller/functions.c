@@ -6,14 +6,14 @@
 
 #include <stddef.h>
 
-/* The signals: signal 2k is a bit of the last step's values, 2k + 1 the same bit in this step. */
+/* The signals: signal 2k is a bit of the values in the last step, signal 2k + 1 the same bit in this step. */
 @ for signal in signals
 /* @{signal.first}..@{signal.end}: @{signal.about} */
 @ endfor
 
-/* A decision. Edge 2n leads to node n - 1, edge 2n + 1 to its negation; 0 is false and 1 is true. */
+/* A node of a decision diagram. Edge 2n leads to node n - 1, edge 2n + 1 to its negation; edge 0 is false and edge 1 is true. */
 typedef struct {
-    uint32_t high, low; /* where it goes on when the signal is 1, and when it is 0 */
+    uint32_t high, low; /* edges if the signal is 1, and if it is 0 */
     uint16_t signal;
 } node;
 
@@ -22,12 +22,12 @@ typedef struct {
     uint16_t signal;
 } output;
 
-/* A way of pursuing a goal: when it is taken, and the first of its outputs. */
+/* A mode of pursuing a goal: the edge of its condition, and the index of its first output. */
 typedef struct {
     uint32_t when, first;
 } mode;
 
-/* A goal: its first mode, and when it is reached. */
+/* A goal: the index of its first mode, and the edge of the condition that it is reached. */
 typedef struct {
     uint32_t mode, reached;
 } goal;
@@ -36,7 +36,7 @@ static const node nodes[] = {
 @{nodes}
 };
 
-/* The outputs of step 0 and of the modes, in the order in which they are computed. */
+/* The outputs of step 0, then those of the modes, in the order of computation. */
 static const output computed[] = {
 @{computed}
 };
@@ -49,7 +49,7 @@ static const goal goals[] = {
 @{goals}
 };
 
-/* What the environment has promised for step 0, and for every later step. */
+/* Assumptions about step 0, and about every later step. */
 static const uint32_t assumed_first[] = {
 @ for rule in assumed_first
     @{rule.edge}, /* @{rule.about} */
@@ -78,7 +78,7 @@ static int holds(uint32_t edge, const uint8_t *signals)
 }
 
 @ if reads
-/* Writes a number to every other signal, the most significant bit first. */
+/* Writes the bits of a number to every other signal, most significant bit first. */
 static void put(uint8_t *signals, size_t bits, uint64_t code)
 {
     while (bits-- > 0) {
@@ -89,7 +89,7 @@ static void put(uint8_t *signals, size_t bits, uint64_t code)
 
 @ endif
 @ if writes
-/* Reads it back. */
+/* Reads a number from every other signal, most significant bit first. */
 static int64_t get(const uint8_t *signals, size_t bits)
 {
     uint64_t code = 0;
@@ -113,8 +113,8 @@ void @{name}_reset(@{name}_state *state)
 int @{name}_step(@{name}_state *state, const @{name}_inputs *inputs, @{name}_outputs *outputs)
 {
     uint8_t signals[@{bits}];
-    const uint32_t *promised = state->goal < 0 ? assumed_first : assumed;
-    size_t promises = state->goal < 0 ? sizeof assumed_first / sizeof *assumed_first : sizeof assumed / sizeof *assumed;
+    const uint32_t *assumptions = state->goal < 0 ? assumed_first : assumed;
+    size_t assumption_count = state->goal < 0 ? sizeof assumed_first / sizeof *assumed_first : sizeof assumed / sizeof *assumed;
     const output *answer = computed;
     size_t i;
 @ for input in inputs
@@ -133,15 +133,15 @@ int @{name}_step(@{name}_state *state, const @{name}_inputs *inputs, @{name}_out
     put(signals + @{input.signal}, @{input.bits}, (uint64_t)((int64_t)inputs->@{input.field} - @{input.low}));
 @ endif
 @ endfor
-    for (i = 0; i < promises; i++) {
-        if (!holds(promised[i], signals)) {
+    for (i = 0; i < assumption_count; i++) {
+        if (!holds(assumptions[i], signals)) {
             return @{name}_ASSUMPTION_BROKEN;
         }
     }
     if (state->goal >= 0) {
         const mode *taken = &modes[goals[state->goal].mode];
         while (!holds(taken->when, signals)) {
-            taken++; /* the last mode of a goal always holds */
+            taken++; /* the condition of a goal's last mode always holds */
         }
         answer = &computed[taken->first];
     }

@@ -6,18 +6,18 @@
 
 #include <stddef.h>
 
-/* An input that lies between two values. */
+/* A test that an input is from `low` to `high`. */
 typedef struct {
     uint32_t input;
     int64_t low, high;
 } test;
 
-/* Rows of the next table, from the first up to the last, which is not included. */
+/* Rows of the next table, from `first` up to but not including `last`. */
 typedef struct {
     uint32_t first, last;
 } range;
 
-/* What is done when one of the cubes holds. */
+/* A transition: if one of its cubes holds, it gives the answer and leads to state `to`. */
 typedef struct {
     uint32_t first, last, answer;
     int32_t to;
@@ -48,7 +48,7 @@ static const transition transitions[] = {
 @ endfor
 };
 
-/* The transitions of step 0, and of every state. */
+/* Transitions of step 0, then those of every state. */
 static const range states[] = {
 @ for state in states
     { @{state.first}, @{state.last} },
@@ -66,14 +66,14 @@ static const int64_t answers[] = {
 
 @ endif
 @ if operators
-/* Operators of contracts that C lacks. No value leaves an int64_t, and no divisor is 0. */
+/* Operators of contracts that C lacks. No result overflows an int64_t, and no divisor is 0. */
 @ endif
 @ for operator in operators
 @{operator}
 
 @ endfor
 @ if assumed_first
-/* What is assumed of step 0. */
+/* Whether step 0 keeps the assumptions. */
 static int assumed_first(const int64_t *values)
 {
 @ for name in assumed_first.unused
@@ -90,7 +90,7 @@ static int assumed_first(const int64_t *values)
 
 @ endif
 @ if assumed
-/* What is assumed of every later step. */
+/* Whether a later step keeps the assumptions. */
 static int assumed(const int64_t *last, const int64_t *values)
 {
 @ for name in assumed.unused

@@ -2,7 +2,7 @@
 #define LW_FMI_IDLE_WATTS @{idle_watts}
 #define LW_FMI_STEP_TEXT @{step_text}
 
-/* The type of every wire, and what it shows before the first step. */
+/* Type of every wire, and its value before the first step. */
 static const lw_fmi_wire lw_fmi_wire_table[] = {
 @ for wire in wires
     { @{wire.kind}, @{wire.before} }, /* @{wire.about} */
@@ -11,7 +11,7 @@ static const lw_fmi_wire lw_fmi_wire_table[] = {
 @ endfor
 };
 
-/* What properties and parameters are where the host says nothing. */
+/* Start values of properties and parameters. */
 static const double lw_fmi_defaults[] = {
 @ for property in properties
     @{property.default}, /* @{property.about} */

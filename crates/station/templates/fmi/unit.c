@@ -1,10 +1,10 @@
 /* The machine @{name}, emitted by linewright from its contracts as a co-simulation unit of FMI @{version}.
  *
- * Compile this file alone, with the others of this folder beside it:
+ * Compile only this file; it includes the other files, which must be in the same folder:
  *
  *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm
  *
- * Linked into a program, @{prefix} begins the names of its functions. */
+ * To link the unit into a program, define @{prefix}, a prefix of the functions' names. */
 #define LW_PRIVATE
 @{unit}
 
@@ -12,7 +12,7 @@
 
 #include "fmi.h"
 
-/* modelDescription.xml describes the unit. */
+/* Unused: modelDescription.xml describes the unit. */
 static const char lw_description[] = "";
 
 #define LW_FMI_TOKEN @{token}

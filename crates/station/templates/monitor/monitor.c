@@ -10,23 +10,23 @@
  */
 #include "@{name}.h"
 
-/* A state is where its row of @{row} begins. What is no state says why a call is refused. */
+/* A state is the index at which its row of @{row} entries begins. Entries from REFUSED on are reasons to refuse a call. */
 #define ROW @{row}u
 #define REFUSED @{refused}u
 #define TOGETHER @{together}u
 #define UNKNOWN @{unknown}u
 
-/* A bit for each skill. */
+/* Mask with one bit for each skill. */
 #define ALL 0x@{all}ULL
 
-@{after_a_skill}
+@{single_comment}
 static const @{kind} single[] = {
 @ for row in single
     @{row},
 @ endfor
 };
 
-/* The answers in words. */
+/* Texts of the answers. */
 static const char *const texts[] = {
     "allowed",
 @ for text in texts
@@ -35,7 +35,7 @@ static const char *const texts[] = {
 };
 
 @ if sets
-/* The sets of skills that may be called at once, in ascending order. */
+/* The sets of skills that can be called at once, in ascending order. */
 static const uint64_t sets[] = {
 @ for set in sets
     0x@{set.mask}ULL, @{set.about}
@@ -43,7 +43,7 @@ static const uint64_t sets[] = {
 };
 #define SETS @{set_count}u
 
-/* After each of them, a row a state. */
+/* Next states after each of these sets: one row per state. */
 static const @{kind} at_once[] = {
 @ for row in at_once
     @{row},
@@ -51,7 +51,7 @@ static const @{kind} at_once[] = {
 };
 
 @ endif
-/* What a state becomes when these skills are called at once. */
+/* Next state, or reason to refuse, if these skills are called at once. */
 static uint32_t after(uint32_t state, uint64_t skills)
 {
 @ if sets
@@ -88,7 +88,7 @@ static uint32_t after(uint32_t state, uint64_t skills)
 @ endif
 }
 
-/* A state as an answer. */
+/* Converts an entry of the tables to an answer. */
 static int answer(uint32_t to)
 {
     return to < REFUSED ? 0 : -1 - (int)(to - REFUSED);

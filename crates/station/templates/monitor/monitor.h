@@ -6,8 +6,8 @@
  *   @{order}
 @ endfor
  *
- * Tell it every call of a skill before the call is made. It is an interlock: a call that is refused must not
- * be made, and changes nothing. A monitor belongs to one thread at a time.
+ * Report every call of a skill to the monitor before the call is made. The monitor is an interlock: a refused
+ * call must not be made, and does not change the monitor. Use a monitor from one thread at a time.
  */
 #ifndef LINEWRIGHT_@{name}_H
 #define LINEWRIGHT_@{name}_H
@@ -19,7 +19,7 @@
 extern "C" {
 #endif
 
-/* The skills. */
+/* Numbers of the skills. */
 enum {
 @ for skill in skills
     @{skill} = @{loop.index0},
@@ -27,10 +27,10 @@ enum {
     @{name}_SKILLS = @{count}
 };
 
-/* Several skills that are called at once: @{name}_MASK(a) | @{name}_MASK(b). */
+/* Mask of a skill. To call several skills at once, combine their masks: @{name}_MASK(a) | @{name}_MASK(b). */
 #define @{name}_MASK(skill) ((uint64_t)1 << (skill))
 
-/* What a call is answered with. What is negative refuses it. */
+/* Answers to a call. A negative answer refuses it. */
 enum {
     @{name}_ALLOWED = 0,
 @ for refusal in refusals
@@ -39,31 +39,31 @@ enum {
 @ endfor
 };
 
-/* Where the monitor is between two calls. */
+/* State of the monitor between two calls. */
 typedef struct @{name} {
     uint32_t state;
 } @{name};
 
-/* Before the first call. To be called before anything else. */
+/* Sets the monitor to its state before the first call. Call this function first. */
 void @{name}_reset(@{name} *monitor);
 
-/* All skills of a mask are called at once. */
+/* Reports that all skills of a mask are called at once. */
 int @{name}_call(@{name} *monitor, uint64_t skills);
 
-/* One skill is called. */
+/* Reports that one skill is called. */
 int @{name}_call_one(@{name} *monitor, unsigned skill);
 
-/* Skills are called one after the other. The result says how many were allowed before the first that was refused; call that one by
- * itself to learn why. */
+/* Reports that skills are called one after the other. Returns the number of skills allowed before the first refusal; report the
+ * refused skill by itself to get the reason. */
 size_t @{name}_run(@{name} *monitor, const uint8_t *skills, size_t count);
 
-/* What @{name}_call would be answered with; nothing changes. */
+/* Returns the answer that @{name}_call would give, without changing the monitor. */
 int @{name}_allows(const @{name} *monitor, uint64_t skills);
 
-/* The skills that may be called next, each alone, as a mask. */
+/* Returns the mask of the skills that are allowed next, each on its own. */
 uint64_t @{name}_allowed(const @{name} *monitor);
 
-/* An answer in words: the rule that refused, with its name. */
+/* Returns the text of an answer: the name and text of the rule that refused the call. */
 const char *@{name}_text(int answer);
 
 #ifdef __cplusplus

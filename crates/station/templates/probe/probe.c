@@ -1,4 +1,4 @@
-/* The probe of Plant Simulation's UF_Value, emitted by linewright. `probe.c` says what it does. */
+/* The probe for Plant Simulation's UF_Value, emitted by linewright. See `probe.c` for a description. */
 #define LW_PROBE_CALLS(CALL)@% for call in calls %@ \
     CALL(@{call.name}, @{call.count}U, @{call.arguments})@% endfor %@
 @ if confirmed

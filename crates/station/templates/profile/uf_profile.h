@@ -1,6 +1,6 @@
 /* The layout of UF_Value: profile @{name}, @{state}.
  * @{found}.
- * Emitted by linewright; another profile is given with `build --profile FILE`. */
+ * Emitted by linewright; choose another profile with `build --profile FILE`. */
 #ifndef LW_UF_PROFILE_H
 #define LW_UF_PROFILE_H
 

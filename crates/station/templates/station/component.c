@@ -1,6 +1,6 @@
 /* ---- @{title} @{dashes} */
 
-/* Its variables, in the order of the contract. */
+/* The component's variables, in the order of its contract. */
 @ if variables
 enum {
 @ for variable in variables
@@ -26,8 +26,8 @@ static const int @{prefix}_output[] = {
 };
 
 @ if decisions
-/* The controller. A split is { variable, way if it is at most the bound, way if it is more, bound }; a way is a split's number, or
- * -1 - n for leaf n. A leaf is { answer, place it leads to }; place 0 is before step 0, place s + 1 is state s. */
+/* The controller. A split is { variable, target if it is at most the bound, target if it is greater, bound }; a target is the number of
+ * a split, or -1 - n for leaf n. A leaf is { answer, next place }; place 0 is before step 0, place s + 1 is state s. */
 static const lw_split @{prefix}_splits[] = {
 @ for split in decisions.splits
     { @{split.variable}, @{split.at_most}, @{split.above}, @{split.bound} }, /* @{split.about} */
@@ -52,12 +52,12 @@ static const lw_number @{prefix}_answers[] = {
 @ endfor
 };
 
-static const int @{prefix}_way[] = {
-@ for way in decisions.ways
+static const int @{prefix}_root[] = {
+@ for root in decisions.roots
 @ if loop.first
-    @{way}, /* before step 0 */
+    @{root}, /* before step 0 */
 @ else
-    @{way}, /* state @{loop.index0 - 1} */
+    @{root}, /* state @{loop.index0 - 1} */
 @ endif
 @ else
     0
@@ -76,8 +76,8 @@ static const int @{prefix}_first_answer[] = {
 @ endif
 @ endif
 @ if functions
-/* The controller as functions of @{functions.signals} signals: walks decide all outputs. Of a goal's modes the first that holds says
- * which. */
+/* The controller as functions of @{functions.signals} signals. Walks compute all outputs; the first mode of a goal whose condition
+ * holds selects the walks. */
 static const lw_node @{prefix}_walk[] = {
 @{functions.walk}
 };
@@ -86,7 +86,7 @@ static const lw_node @{prefix}_nodes[] = {
 @{functions.nodes}
 };
 
-/* Where the walks of step 0 begin, and those of the modes. */
+/* First rows of the walks: those of step 0, then those of the modes. */
 static const uint32_t @{prefix}_walks[] = {
 @{functions.walks}
 };
@@ -99,7 +99,7 @@ static const lw_goal @{prefix}_goals[] = {
 @{functions.goals}
 };
 
-/* Its variables whose domains do not begin at 0: { variable, whether it is an output, lowest value }. */
+/* Variables whose domains do not begin at 0: { variable, whether it is an output, lowest value }. */
 static const lw_shifted @{prefix}_shifted[] = {
 @ for shifted in functions.shifted
     { @{shifted.variable}, @{shifted.output}, @{shifted.lowest} },
@@ -148,7 +148,7 @@ static int @{prefix}_@{side.name}(const int64_t *previous, const int64_t *curren
 
 @ endfor
 @ if justice
-/* What it assumes to happen again and again. */
+/* Assumptions about what happens infinitely often. */
 static void @{prefix}_justice(const int64_t *previous, const int64_t *current, int earlier, int64_t step, int64_t *held)
 {
 @ for name in justice.unused
@@ -164,7 +164,7 @@ static void @{prefix}_justice(const int64_t *previous, const int64_t *current, i
 
 @ endif
 @ if action
-/* Whether it is being executed in this step. */
+/* Whether the action is active in this step. */
 static int @{prefix}_active(const int64_t *values)
 {
 @ for name in action.active.unused
@@ -173,7 +173,7 @@ static int @{prefix}_active(const int64_t *values)
     return @{action.active.value};
 }
 
-/* The time of @{action.time_of}, in seconds. */
+/* Duration of @{action.time_of}, in seconds. */
 static double @{prefix}_seconds(const double *properties, const int64_t *values)
 {
 @ for name in action.seconds.unused
@@ -182,7 +182,7 @@ static double @{prefix}_seconds(const double *properties, const int64_t *values)
     return @{action.seconds.value};
 }
 
-/* The power it draws, in watts. */
+/* Power of the active action, in watts. */
 static double @{prefix}_watts(const double *properties, const int64_t *values)
 {
 @ for name in action.watts.unused

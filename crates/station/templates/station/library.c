@@ -4,7 +4,7 @@
  * @{doc}
 @ endif
  *
- * Compile this file alone, with the files of ffi/ beside it:
+ * Compile only this file; it includes the files of ffi/, which must be in the same folder:
  *
  *     cc -std=c99 -O2 -fPIC -shared -fvisibility=hidden -ffp-contract=off -pthread THIS.c -o THIS.so -lm
  */

@@ -1,5 +1,5 @@
 @ if wires
-/* Where the plant's inputs and the components' outputs are among all values. */
+/* Indices of the plant inputs and the components' outputs among all values. */
 enum {
 @ for wire in wires
     @{wire.name} = @{wire.value}, /* @{wire.about} */
@@ -110,7 +110,7 @@ static int machine_done(const int64_t *values)
     return @{done.value};
 }
 
-/* What an operation leaves in the part. */
+/* Computes the properties after an operation. */
 static void machine_write(const double *properties, const int64_t *values, double *after)
 {
 @ for name in unused_by_writes

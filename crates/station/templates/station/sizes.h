@@ -5,8 +5,8 @@
 #define LW_PROPERTIES @{properties}
 #define LW_OPERATIONS @{operations}
 #define LW_JUSTICE @{justice}
-@ if most_shifted != none
-#define LW_MOST_SHIFTED @{most_shifted}
+@ if max_shifted != none
+#define LW_MAX_SHIFTED @{max_shifted}
 @ endif
 #define LW_NUMBER @{number}
 #define LW_EACH_COMPONENT(DO)@% for component in each_component %@ DO(@{component})@% endfor %@

@@ -1,4 +1,4 @@
-//! Skills and the orders on their calls, as written.
+//! Syntax trees of skills and of the orders of their calls.
 
 use super::{Argument, Name};
 use linewright_core::source::Span;
@@ -38,7 +38,7 @@ pub struct SkillComponent {
     pub initial: Option<Name>,
     /// Skills of the component.
     pub skills: Vec<Skill>,
-    /// Whether a skill could not be parsed; this was reported.
+    /// Whether a skill could not be parsed, which was reported.
     pub broken: bool,
 }
 
@@ -49,7 +49,7 @@ pub struct Skill {
     pub doc: String,
     /// Name of the skill.
     pub name: Name,
-    /// Situation that it leads to, if written.
+    /// Situation that the skill leads to, if written.
     pub effect: Option<Name>,
 }
 
@@ -58,23 +58,23 @@ pub struct Skill {
 pub struct Order {
     /// Doc comment without slashes.
     pub doc: String,
-    /// Name of the order.
+    /// Name of the order, if any.
     pub name: Option<Name>,
-    /// Requirement that it belongs to.
+    /// Requirement that the order belongs to, if any.
     pub requirement: Option<String>,
-    /// Lowest level at which it is kept.
+    /// Lowest level at which the order is enforced, if written.
     pub level: Option<Name>,
-    /// Rule that it states.
+    /// Rule of the order.
     pub rule: OrderRule,
     /// Place of the rule.
     pub body: Span,
-    /// Transitions that a published model deletes for it.
+    /// Transitions that a published model deletes for this order.
     pub deletions: Vec<Deletion>,
     /// Place of the whole order, from its first word.
     pub span: Span,
 }
 
-/// `Left & Down`: skills called at once; usually one.
+/// `Left & Down`: skills that are called in the same step; usually only one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Event {
     /// Skills, in source order.
@@ -88,41 +88,41 @@ impl Event {
     }
 }
 
-/// The rule of an order. A list of events means any of them.
+/// The rule of an order. In each list of events, any of the events is meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum OrderRule {
     /// `never X`
     Never(Vec<Event>),
     /// `after X until Y: never Z`
     After {
-        /// Events that begin it.
+        /// Events after which the rule applies.
         from: Vec<Event>,
-        /// Events that end it; empty if omitted.
+        /// Events that end the rule's application; empty if omitted.
         until: Vec<Event>,
-        /// Events that must not be called in between.
+        /// Events that must not happen in between.
         never: Vec<Event>,
     },
     /// `X before Y`
     Before {
         /// Events that come first.
         first: Vec<Event>,
-        /// Events that wait for them.
+        /// Events that must not happen before one of `first`.
         then: Vec<Event>,
     },
     /// `X only after Y`
     OnlyAfter {
-        /// Events with the requirement.
+        /// Events that are restricted.
         what: Vec<Event>,
-        /// Events that are required.
+        /// Events of which one must come before.
         after: Vec<Event>,
     },
     /// `at most 2 of X between Y and Z`
     AtMost {
-        /// Maximum count, and its place.
+        /// Maximum number of events, and the place of the number.
         count: (u64, Span),
         /// Counted events.
         of: Vec<Event>,
-        /// Events that begin and end the count, if written.
+        /// Events that begin and end the counting, if written.
         between: Option<(Vec<Event>, Vec<Event>)>,
     },
     /// `never X twice in a row`
@@ -142,7 +142,7 @@ pub struct Regex {
     pub span: Span,
 }
 
-/// The kinds of regular expressions.
+/// Kinds of regular expressions.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RegexKind {
     /// `()`: the empty word.
@@ -153,7 +153,7 @@ pub enum RegexKind {
     Any,
     /// `not Left`, `not (Left | Right)`
     AnyBut(Vec<Name>),
-    /// `Left & Down`: in any order, or at once.
+    /// `Left & Down`: in any order or in the same step.
     AnyOrder(Vec<Name>),
     /// `Left Down`: a concatenation of at least two expressions.
     Concat(Vec<Regex>),
@@ -257,14 +257,15 @@ impl Situation {
     }
 }
 
-/// `skills PickAndPlaceUnit at reasonable { Left = ... }` in a machine: when it calls each skill.
+/// `skills PickAndPlaceUnit at reasonable { Left = ... }` in a machine: the conditions under which
+/// the machine calls each skill.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkillCalls {
     /// Name of the set.
     pub set: Name,
-    /// Level of the rules that the machine keeps.
+    /// Level of the rules that the machine keeps, if written.
     pub level: Option<Name>,
-    /// Each skill, and the condition under which it is being called.
+    /// Skills, each with the condition under which it is called.
     pub calls: Vec<Argument>,
     /// Whether some part could not be parsed; this was reported.
     pub broken: bool,

@@ -1,4 +1,4 @@
-//! Contracts: variables, defines, formulas.
+//! Builds contracts: variables, defines, counters and formulas.
 
 use super::super::ast::{Contract, ContractItem, Counter, Name, Ownership};
 use super::super::parser::{Rule, begins_with_operator};
@@ -22,7 +22,8 @@ impl Builder {
                 Rule::type_decl => items.push(ContractItem::Type(self.type_decl(item))),
                 Rule::const_decl => items.push(ContractItem::Const(self.const_decl(item))),
                 _ => {
-                    // Only `always a or`: the text before the `or` is not what was meant.
+                    // In `always a or`, the formula before the `or` is not the one that the author
+                    // meant.
                     if begins_with_operator(item.as_str())
                         && matches!(items.last(), Some(ContractItem::Formula { .. }))
                     {

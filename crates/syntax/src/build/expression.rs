@@ -1,4 +1,4 @@
-//! Types, expressions and formulas.
+//! Builds types, expressions and formulas.
 
 use super::super::ast::{BinaryOp, Domain, DomainKind, Expr, ExprKind, Name, Quantifier, UntilOp};
 use super::super::binds;
@@ -11,7 +11,7 @@ use pest::iterators::Pair;
 
 impl Builder {
     pub(super) fn domain(&mut self, pair: Pair<'_, Rule>) -> Domain {
-        // Expressions in a type are separate trees, even if the type is within an expression.
+        // Expressions in a type are separate trees, even if an expression contains the type.
         let level = std::mem::take(&mut self.level);
         let domain = self.domain_part(pair);
         self.level = level;
@@ -71,9 +71,9 @@ impl Builder {
         }
     }
 
-    /// Builds an expression. If its tree is too deep, reports that and returns `false` instead:
-    /// every later stage walks these trees by recursion, and has the stack for only [`MAX_TREE`]
-    /// levels.
+    /// Builds an expression. If its tree is deeper than [`MAX_TREE`], reports this and returns
+    /// `false` instead, because later stages walk the tree by recursion and have the stack for this
+    /// depth only.
     pub(super) fn expr(&mut self, pair: Pair<'_, Rule>) -> Expr {
         self.level += 1;
         let expr = self.part(pair);
@@ -136,7 +136,7 @@ impl Builder {
         Box::new(self.expr(c.next()))
     }
 
-    /// Builds `a op b op c` with the binding strength of each operator.
+    /// Builds `a op b op c` according to the binding strength of each operator.
     fn operators(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let mut c = Children::of(pair);
         let first = c.next();
@@ -151,7 +151,8 @@ impl Builder {
         self.grouped(first, rest).expr
     }
 
-    /// Groups the operands of tighter operators, and joins the groups by the loosest operators.
+    /// Splits operands into groups at the loosest operators, builds each group, and joins the
+    /// groups.
     fn grouped(&mut self, first: PlacedExpr, rest: Vec<(Infix, PlacedExpr)>) -> PlacedExpr {
         let Some(loosest) = rest.iter().map(|(op, _)| op.binds()).min() else {
             return first;
@@ -173,8 +174,8 @@ impl Builder {
     }
 
     /// Joins operands of equally strong operators: implications group to the right, all others to
-    /// the left. A chain of one associative operator is halved instead, which keeps long
-    /// conjunctions and sums shallow.
+    /// the left. A chain of one associative operator becomes a balanced tree instead, which keeps
+    /// long conjunctions and sums shallow.
     fn joined(&mut self, ops: &[Infix], mut operands: Vec<PlacedExpr>) -> PlacedExpr {
         if let Infix::Binary(op) = ops[0]
             && matches!(
@@ -197,7 +198,9 @@ impl Builder {
         } else {
             let mut ops = ops.iter();
             operands.into_iter().reduce(|a, b| {
-                let op = ops.next().expect("one appears between two operands");
+                let op = ops
+                    .next()
+                    .expect("there is an operator between two operands");
                 op.join(a, b)
             })
         };
@@ -211,8 +214,8 @@ impl Builder {
         PlacedExpr { expr, place }
     }
 
-    /// Rejects chains that cannot be halved if they are longer than any real formula: they make
-    /// deep trees.
+    /// Rejects chains of more than [`MAX_CHAIN`] operands, which would become deep trees. Only for
+    /// operators whose chains cannot be balanced.
     pub(super) fn limit(&mut self, operands: &mut Vec<PlacedExpr>) {
         if let Some(last) = operands.get(MAX_CHAIN) {
             self.findings.push(
@@ -232,9 +235,9 @@ impl Builder {
             Diagnostic::error(
                 codes::SYNTAX,
                 span,
-                format!("more than {MAX_PREFIXES} of these in a row"),
+                format!("there are more than {MAX_PREFIXES} of these in a row"),
             )
-            .with_help("leave out those that cancel each other"),
+            .with_help("remove those that cancel each other"),
         );
     }
 
@@ -306,7 +309,7 @@ impl Builder {
                     Diagnostic::error(
                         codes::SYNTAX,
                         left.expr.span,
-                        "this is too large for the middle of a chain of comparisons",
+                        "this operand is too large for the middle of a chain of comparisons",
                     )
                     .with_help("give it a name with `define`, or write two comparisons with `and`"),
                 );
@@ -431,9 +434,9 @@ impl Builder {
     }
 }
 
-/// Maximum operands per left-grouping chain.
+/// Maximum number of operands in a chain that cannot be balanced.
 pub(crate) const MAX_CHAIN: usize = 200;
-/// Maximum consecutive prefixes of one kind: `not`, signs, indices or primes.
+/// Maximum number of consecutive prefixes (`not`, signs) or suffixes (indices, members, primes).
 const MAX_PREFIXES: usize = 100;
 /// Maximum depth of an expression's tree.
 const MAX_TREE: usize = 256;
@@ -473,8 +476,8 @@ pub(super) fn make(kind: ExprKind, span: Span) -> Expr {
     Expr { kind, span }
 }
 
-/// An expression and its place including the brackets around it; an expression that contains it
-/// extends that far.
+/// An expression, and its place including the brackets around it, which an expression that contains
+/// it also covers.
 #[derive(Clone)]
 pub(super) struct PlacedExpr {
     pub expr: Expr,

@@ -1,4 +1,4 @@
-//! Lines: parts, places, routes.
+//! Builds lines: parts, places and routes.
 
 use super::super::ast::{Line, LineItem, PartCount, StationItem, Supply};
 use super::super::parser::Rule;
@@ -13,17 +13,26 @@ impl Builder {
         let doc = Self::doc(&mut c);
         let name = self.name(&c.next());
         let mut items = Vec::new();
+        let mut unparsed = Vec::new();
         for item in c.rest() {
             self.place(&item);
             let rule = item.as_rule();
             match rule {
-                Rule::bad_line_item => self.bad(&item),
+                Rule::bad_line_item => {
+                    self.bad(&item);
+                    unparsed.push(second_word(item.as_str()));
+                }
                 Rule::const_decl => items.push(LineItem::Const(self.const_decl(item))),
-                Rule::l_station => items.push(self.station(item)),
+                Rule::l_station => items.push(self.station(item, &mut unparsed)),
                 _ => items.push(self.line_item(rule, item)),
             }
         }
-        Line { doc, name, items }
+        Line {
+            doc,
+            name,
+            items,
+            unparsed,
+        }
     }
 
     pub(super) fn counted(&mut self, pair: Pair<'_, Rule>) -> PartCount {
@@ -43,8 +52,12 @@ impl Builder {
         let most = self.count(&c.next());
         if c.pairs.peek().is_none() {
             self.findings.push(
-                Diagnostic::error(codes::SYNTAX, span, "this does not say where")
-                    .with_help(format!("write `, at most {most} in the line`")),
+                Diagnostic::error(
+                    codes::SYNTAX,
+                    span,
+                    "`in the line` is missing after this limit",
+                )
+                .with_help(format!("write `, at most {most} in the line`")),
             );
         }
         most
@@ -170,7 +183,7 @@ impl Builder {
         }
     }
 
-    pub(super) fn station(&mut self, pair: Pair<'_, Rule>) -> LineItem {
+    pub(super) fn station(&mut self, pair: Pair<'_, Rule>, unparsed: &mut Vec<String>) -> LineItem {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
         let name = self.name(&c.next());
@@ -183,6 +196,7 @@ impl Builder {
             let rule = item.as_rule();
             if rule == Rule::bad_station_item {
                 self.bad(&item);
+                unparsed.push(second_word(item.as_str()));
                 continue;
             }
             let mut c = Children::of(item);
@@ -219,4 +233,15 @@ impl Builder {
             items,
         }
     }
+}
+
+/// Returns the second word of a statement: `queue` of `buffer queue capacity`.
+fn second_word(statement: &str) -> String {
+    let mut words = statement.split(|c: char| !c.is_alphanumeric() && c != '_');
+    words
+        .by_ref()
+        .filter(|word| !word.is_empty())
+        .nth(1)
+        .unwrap_or_default()
+        .to_owned()
 }

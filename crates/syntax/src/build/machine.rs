@@ -1,8 +1,6 @@
-//! Machines: properties, components, operations.
+//! Builds machines: properties, components and operations.
 
-use super::super::ast::{
-    Binding, Component, Machine, MachineItem, OperationCall, Place, TypedDecl,
-};
+use super::super::ast::{Binding, Component, Machine, MachineItem, OperationCall, Role, TypedDecl};
 use super::super::parser::Rule;
 use super::{Builder, Children};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -96,7 +94,7 @@ impl Builder {
         }
     }
 
-    /// Builds an operation and its arguments.
+    /// Builds a call of an action or operation, with its arguments.
     pub(super) fn performed(&mut self, pair: Pair<'_, Rule>) -> OperationCall {
         let mut c = Children::of(pair);
         let name = self.name(&c.next());
@@ -107,25 +105,25 @@ impl Builder {
         }
     }
 
-    /// Reports a second `word` in a component, since the tree has room for only one.
-    fn once(&mut self, said: bool, word: &str, item: &Pair<'_, Rule>) {
-        if said {
+    /// Reports a second `word` in a component if it was already given.
+    fn report_second(&mut self, given: bool, word: &str, item: &Pair<'_, Rule>) {
+        if given {
             let message = format!("`{word}` appears twice");
             self.findings.push(
-                Diagnostic::error(codes::NAME_DOUBLE, self.span(item), message)
-                    .with_help("leave one of them out"),
+                Diagnostic::error(codes::NAME_DUPLICATE, self.span(item), message)
+                    .with_help("remove one of them"),
             );
         }
     }
 
-    /// Builds a refined contract and the bindings of its variables to wires.
+    /// Builds `refines Contract { ... }`, with the bindings of the contract's variables.
     fn refines(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
         let contract = self.name(&c.next());
         let arguments = c.take(Rule::arguments);
         let mut refines = Component {
-            place: Place::Action,
+            role: Role::Action,
             name: contract.clone(),
             contract,
             arguments: self.arguments(arguments),
@@ -152,7 +150,7 @@ impl Builder {
     fn binding(&mut self, item: Pair<'_, Rule>) -> Binding {
         let mut c = Children::of(item);
         let name = self.name(&c.next());
-        // Every array has an element 0.
+        // If the index is too large, which was reported, use 0, since every array has this element.
         let index = c.take(Rule::integer).map(|i| self.integer(&i).unwrap_or(0));
         let member = c.take(Rule::path).map(|p| self.name(&p));
         Binding {
@@ -166,10 +164,10 @@ impl Builder {
     pub(super) fn component(&mut self, pair: Pair<'_, Rule>) -> Component {
         let mut c = Children::of(pair);
         Self::doc(&mut c);
-        let place = match c.next().as_str().trim() {
-            "coordinator" => Place::Coordinator,
-            "machine" => Place::Machine,
-            _ => Place::Action,
+        let role = match c.next().as_str().trim() {
+            "coordinator" => Role::Coordinator,
+            "machine" => Role::Machine,
+            _ => Role::Action,
         };
         let name = self.name(&c.next());
         let contract = self.name(&c.next());
@@ -177,7 +175,7 @@ impl Builder {
         let arguments = self.arguments(arguments);
         let when = c.take(Rule::expression).map(|e| self.expr(e));
         let mut component = Component {
-            place,
+            role,
             name,
             contract,
             arguments,
@@ -191,13 +189,13 @@ impl Builder {
             self.place(&item);
             match item.as_rule() {
                 Rule::c_time => {
-                    self.once(component.time.is_some(), "time", &item);
+                    self.report_second(component.time.is_some(), "time", &item);
                     let mut c = Children::of(item);
                     let value = self.expr(c.next());
                     component.time = Some((value, c.take(Rule::per_step).is_some()));
                 }
                 Rule::c_power => {
-                    self.once(component.power.is_some(), "power", &item);
+                    self.report_second(component.power.is_some(), "power", &item);
                     component.power = Some(self.expr(Children::of(item).next()));
                 }
                 Rule::c_binding => {

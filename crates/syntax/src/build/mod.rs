@@ -1,7 +1,7 @@
 //! Conversion of pest's pairs to the syntax tree.
 //!
-//! Every grammar rule has one function here with nearly the same name. The grammar guarantees which
-//! children a pair has; if one is missing nevertheless, [`Children::next`] stops with a message
+//! Each grammar rule has one function here, with nearly the same name. The grammar guarantees which
+//! children a pair has. If one is missing nevertheless, [`Children::next`] panics with a message
 //! that asks for a bug report.
 
 mod contract;
@@ -25,13 +25,13 @@ pub(super) struct Builder {
     pub tree: File,
     pub findings: Vec<Diagnostic>,
     file: FileId,
-    /// Length of the file; a mended copy is longer.
+    /// Length of the file, to which places are limited, since a mended copy can be longer.
     length: usize,
-    /// Number of expressions around the one being built.
+    /// Number of expressions that contain the one being built.
     level: usize,
 }
 
-/// Children of a pair without punctuation.
+/// Children of a pair, without keywords and punctuation.
 struct Children<'a> {
     pairs: std::iter::Peekable<std::vec::IntoIter<Pair<'a, Rule>>>,
 }
@@ -131,7 +131,7 @@ impl Builder {
         }
     }
 
-    /// Returns a pair's place without the trailing blanks and comments that pest includes.
+    /// Returns the place of a pair, without the trailing blanks and comments that pest includes.
     fn span(&self, pair: &Pair<'_, Rule>) -> Span {
         let span = pair.as_span();
         let trimmed = span.as_str().trim_end();
@@ -175,7 +175,7 @@ impl Builder {
         }
     }
 
-    /// Builds a natural number; reports one that is too large and returns `None`.
+    /// Builds a natural number. Reports a number that is too large and returns `None`.
     fn integer(&mut self, pair: &Pair<'_, Rule>) -> Option<i64> {
         let text = pair.as_str().trim();
         match text.parse::<i64>() {
@@ -311,7 +311,7 @@ impl Builder {
     }
 }
 
-/// Returns whether a rule is only a keyword.
+/// Returns whether a rule is a keyword that has no meaning for the tree.
 fn is_keyword(rule: Rule) -> bool {
     matches!(
         rule,

@@ -1,4 +1,4 @@
-//! Past operators and specification patterns.
+//! Builds past operators and specification patterns.
 
 use super::super::ast::{BinaryOp, Expr, ExprKind, PastOp, PatternKind, Scope, UntilOp};
 use super::super::parser::Rule;
@@ -8,7 +8,8 @@ use linewright_core::source::Span;
 use pest::iterators::Pair;
 
 impl Builder {
-    /// Builds an expression that may continue with `precedes ...` or `responds to ...`.
+    /// Builds an expression that can continue with `precedes ...`, `responds to ...` or
+    /// `until ...`.
     pub(super) fn patterned(&mut self, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
@@ -35,8 +36,8 @@ impl Builder {
         make(ExprKind::Pattern(kind.in_scope(bound, scope)), span)
     }
 
-    /// Builds `always`, `eventually` and `never`, which extend as far as possible; those with a
-    /// bound or a scope are patterns.
+    /// Builds `always`, `eventually` and `never`, which extend as far to the right as possible.
+    /// With a bound or a scope they are patterns; `never` always is.
     pub(super) fn wide(&mut self, rule: Rule, pair: Pair<'_, Rule>) -> Expr {
         let span = self.span(&pair);
         let mut c = Children::of(pair);
@@ -107,9 +108,9 @@ pub(super) fn until_op(word: &str) -> UntilOp {
     }
 }
 
-/// Makes `p -> a until b` mean `p -> (a until b)`, as everywhere else, although the grammar parses
-/// `until` as the loosest operator. `place` is the place of the left side with its brackets: a
-/// bracketed expression is not split.
+/// Builds `until` so that `p -> a until b` means `p -> (a until b)`, as is usual, although the
+/// grammar parses `until` as the loosest operator. `place` is the place of the left side including
+/// its brackets, since a bracketed expression must not be split.
 fn until((left, place): (Expr, Span), op: UntilOp, right: Expr, whole: Span) -> Expr {
     match left.kind {
         ExprKind::Binary(BinaryOp::Implies, a, b) if left.span == place => {

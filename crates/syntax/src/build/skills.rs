@@ -1,4 +1,4 @@
-//! Skills, their components, and the orders on their calls.
+//! Builds skills, their components, and the orders of their calls.
 
 use super::super::ast::{
     Argument, Deletion, Event, Name, Order, OrderRule, Regex, RegexKind, Situation, Skill,
@@ -98,7 +98,7 @@ impl Builder {
 
     fn order(&mut self, pair: Pair<'_, Rule>) -> Order {
         let whole = self.span(&pair);
-        // A doc comment is part of the pair, but not of its place.
+        // The pair contains the doc comment, but the place of the order begins at its first word.
         let mut words = pair.clone().into_inner();
         let keyword = words.find(|p| p.as_rule() == Rule::k_order);
         let start = keyword.map_or(whole.start, |k| self.span(&k).start);
@@ -216,7 +216,8 @@ impl Builder {
 
     // ---- regular expressions --------------------------------------------------------------------
 
-    /// Builds `A B | C`. A single part is returned as is, so brackets leave no trace.
+    /// Builds `A B | C`. A single part is returned as is, so that brackets around it are not in the
+    /// tree.
     fn regex(&mut self, pair: Pair<'_, Rule>) -> Regex {
         let span = self.span(&pair);
         let rule = pair.as_rule();
@@ -259,7 +260,7 @@ impl Builder {
         let span = self.span(&pair);
         let kind = match pair.as_rule() {
             Rule::group => match Children::of(pair).pairs.next() {
-                // Includes the brackets, since a repetition begins at them.
+                // The place includes the brackets, since a repetition begins with them.
                 Some(inner) => {
                     let inner = self.regex(inner);
                     return Regex { span, ..inner };

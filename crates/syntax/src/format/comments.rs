@@ -1,10 +1,10 @@
-//! The comments of a file, and the places of its words.
+//! Splits a file into comments and words.
 //!
-//! Strings, comments and words are split as in the grammar: `//` within quotes is no comment, and
-//! neither is the text after one on its line. The printer puts the comments back, since the tree
-//! contains only some doc comments.
+//! Strings, comments and words are split as in the grammar: `//` within quotes does not begin a
+//! comment, and `/*` or a quote within a line comment has no meaning. The printer needs the
+//! comments because the tree contains only some doc comments.
 
-/// The kinds of comments.
+/// Kinds of comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Line,
@@ -20,11 +20,11 @@ pub(super) struct Comment {
     /// Offset of its first byte.
     pub start: usize,
     kind: Kind,
-    /// Whether it is the first thing on its line.
+    /// Whether only blanks precede it on its line.
     pub own_line: bool,
     /// Whether an empty line precedes it.
     pub blank_before: bool,
-    /// Whether it is the last thing on its line.
+    /// Whether only blanks follow it on its line.
     pub newline_after: bool,
 }
 
@@ -121,7 +121,7 @@ pub(super) fn newlines(text: &str) -> usize {
     returns + text.matches('\n').count() - text.matches("\r\n").count()
 }
 
-/// Keywords and symbols of operators, which may be spelled in several ways, and the end of
+/// Keywords of operators that can also be written in another way, and the last word of
 /// `within 5 steps`.
 const SPELLINGS: &[&str] = &[
     "always",
@@ -149,7 +149,7 @@ const SPELLINGS: &[&str] = &[
     "steps",
 ];
 
-/// Returns the words, numbers and strings of a file, without keywords for operators.
+/// Returns the words, numbers and strings of a file, without the words in [`SPELLINGS`].
 pub(super) fn words<'t>(text: &'t str, cut: &Cut) -> Vec<&'t str> {
     cut.tokens
         .iter()
@@ -157,7 +157,7 @@ pub(super) fn words<'t>(text: &'t str, cut: &Cut) -> Vec<&'t str> {
         .filter(|w| w.starts_with(|c| is_word(c) || c == '"'))
         .flat_map(|w| {
             if w.starts_with(|c: char| c.is_ascii_digit()) {
-                // The text after a number need not be separated from it: `1B`.
+                // A word can follow a number directly, as in `1B`.
                 let end = w.find(|c: char| !c.is_ascii_digit()).unwrap_or(w.len());
                 let (number, rest) = w.split_at(end);
                 let rest = (!rest.is_empty()).then_some(rest);

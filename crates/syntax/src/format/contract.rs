@@ -1,4 +1,4 @@
-//! Declarations and contracts.
+//! Prints declarations and contracts.
 
 use super::super::ast::{
     Argument, ConstDecl, Contract, ContractItem, Counter, Define, Expr, ExprKind, Header, Name,
@@ -113,7 +113,8 @@ impl Printer<'_> {
         self.expression(&a.value);
     }
 
-    /// Prints `(cells = 8)`, or nothing if there are no arguments; `before` is the place before it.
+    /// Prints `(cells = 8)`, or nothing if there are no arguments. `before` is the place of the
+    /// text before the bracket.
     pub(super) fn arguments(&mut self, before: Span, arguments: &[Argument]) {
         if !arguments.is_empty() {
             let span = |a: &Argument| a.name.span.to(a.value.span);
@@ -196,7 +197,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints a keyword and an expression, which may be on its own line.
+    /// Prints a keyword and an expression, on a new line if necessary.
     pub(super) fn clause(&mut self, word: &str, before: Span, e: &Expr) {
         let forced = self.broken(before, e.span);
         self.nest = 1;
@@ -206,7 +207,8 @@ impl Printer<'_> {
         self.nest = 0;
     }
 
-    /// Returns whether a value is a list that begins and ends on separate lines.
+    /// Returns whether a value is a list or a record after whose opening bracket the author ended
+    /// the line.
     pub(super) fn opens_wide(&self, e: &Expr) -> bool {
         let open = Span {
             end: e.span.start,

@@ -1,9 +1,9 @@
-//! Expressions, formulas and types.
+//! Prints expressions, formulas and types.
 //!
 //! Brackets are printed where the grammar needs them for the same tree, and where mixed operators
 //! are easily misread: around `and` within `or`, around the operand of `not` and `always` if it has
-//! operators, and around an `if` within an `if`. Expressions that the builder halved
-//! (`a and b and c`) or copied (`a < b < c`) are reassembled before printing.
+//! operators, and around an `if` within an `if`. Chains that the builder balanced (`a and b and c`)
+//! or expanded (`a < b < c`) are reassembled before printing.
 
 use super::super::ast::{
     BinaryOp, Domain, DomainKind, Expr, ExprKind, Pattern, PatternKind, Quantifier, Scope,
@@ -13,22 +13,24 @@ use super::parts::{Parts, binding, parts, wide};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// Tighter than any expression: an operand that must bind like this is always bracketed.
+/// Binding strength above that of every expression: an operand that must have it is always
+/// bracketed.
 const APART: u8 = u8::MAX;
 
-/// The context after an expression that is printed without brackets.
+/// Text after an expression that is printed without brackets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Continuation {
     /// A closing bracket, a keyword of a statement, or nothing.
     Nothing,
-    /// An operator or a scope, which a prefix word that extends far to the right would absorb.
+    /// An operator or a scope, which would become part of the operand of a prefix word such as
+    /// `always`.
     Operator,
-    /// `within 5 steps`, which `once` would absorb, too.
+    /// `within 5 steps`, which would also become part of `once`.
     Within,
 }
 
 impl Printer<'_> {
-    /// Prints an expression with nothing after it that it could absorb.
+    /// Prints an expression that is not followed by text that could become part of it.
     pub fn expression(&mut self, e: &Expr) {
         self.operand(e, binds::PATTERN, Continuation::Nothing);
     }
@@ -53,8 +55,8 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints the operand of a prefix word, in brackets if it has operators, since these are easily
-    /// misread.
+    /// Prints the operand of a prefix word, in brackets if it has operators, since it would be
+    /// easily misread without.
     fn argument_of_word(&mut self, e: &Expr, behind: Continuation) {
         let brackets = match &e.kind {
             ExprKind::If(..) => true,
@@ -83,7 +85,7 @@ impl Printer<'_> {
                         }
                         let ends = i + 1 == operands.len();
                         let behind = if ends { behind } else { Continuation::Operator };
-                        // Easily misread: `a - -b`, and where an `if` among operators ends.
+                        // Easily misread: `a - -b`, and the end of an `if` among operators.
                         let apart = match operand.kind {
                             ExprKind::Neg(_) => whole >= binds::ADDITIVE && i > 0,
                             ExprKind::If(..) => true,
@@ -220,7 +222,7 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints the base of an index or a member.
+    /// Prints the expression before an index or a member.
     fn base(&mut self, base: &Expr, paths_apart: bool) {
         let plain = match &base.kind {
             ExprKind::Index(..) | ExprKind::Field(..) | ExprKind::Call(..) | ExprKind::List(_) => {
@@ -237,7 +239,7 @@ impl Printer<'_> {
         let text = self.written(span)?;
         let end = text.find(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
         let text = &text[..end.unwrap_or(text.len())];
-        // The unit may follow directly: `1e3mm`.
+        // The unit can follow the number directly, as in `1e3mm`.
         let end = text
             .char_indices()
             .rev()
@@ -398,8 +400,8 @@ impl Printer<'_> {
         }
     }
 
-    /// Prints `0..n-1`. With `unit`, a unit follows that must not be read as part of the last
-    /// number.
+    /// Prints `0..n-1`. If `unit` is true, a unit follows, which must not become the unit of the
+    /// last number.
     fn limits(&mut self, low: &Expr, high: &Expr, unit: bool) {
         self.limit(low, false);
         self.put("..");
@@ -430,7 +432,7 @@ impl Printer<'_> {
     }
 }
 
-/// Returns whether an expression may begin with the brace of a record.
+/// Returns whether the text of an expression begins with the brace of a record.
 fn begins_with_brace(e: &Expr) -> bool {
     match &e.kind {
         ExprKind::Record(_) => true,

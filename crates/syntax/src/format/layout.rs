@@ -1,48 +1,48 @@
 //! Layout: converts pieces of text and possible line breaks to lines.
 //!
-//! A statement is a list of pieces. A [`Piece::Break`] is either a blank or a line end. It is a
-//! line end where the author had one, and where the text up to the next break of the same or an
-//! outer level would not fit. So the outermost operator breaks first, and within one operator lines
-//! are filled (Oppen, Prettyprinting, 1980: inconsistent breaking). The author's line ends are
-//! kept, so formatted text keeps all its breaks, and formatting it again changes nothing.
+//! A statement is a list of pieces. A [`Piece::Break`] becomes either a blank or a line end. It
+//! becomes a line end if the author ended the line there, or if the text up to the next break of
+//! the same or an outer level would not fit. So the outermost operator breaks first, and lines
+//! within one operator are filled (Oppen, Prettyprinting, 1980: inconsistent breaking). Since the
+//! author's line ends are kept, formatting a formatted text again changes nothing.
 
 use super::comments::Comment;
 
-/// Maximum line width in columns, wherever a break is possible.
+/// Maximum line width in columns, unless there is no possible break.
 pub(super) const WIDTH: usize = 135;
 /// Number of blanks per level of indentation.
 const INDENT: usize = 4;
 
-/// A part of a statement.
+/// A piece of a statement.
 #[derive(Debug, Clone)]
 pub(super) enum Piece {
     /// Text without breaks.
     Text(String),
-    /// Beginning of an operand of this level.
+    /// The beginning of an operand at this level.
     Mark { level: usize },
-    /// A blank or nothing, or a line end.
+    /// A possible line end; otherwise a blank or nothing.
     Break {
         level: usize,
         indent: usize,
         blank: bool,
         forced: bool,
     },
-    /// Beginning of an `if ... else if` with this many pieces. Its arms are all on one line, or
-    /// broken as by the author, or each on a separate line.
+    /// The beginning of an `if ... else if` of `length` pieces. Its arms are all on one line, or
+    /// broken as the author did, or each on a separate line.
     Ladder { level: usize, length: usize },
     /// A comment within a statement.
     Comment { comment: Comment, indent: usize },
 }
 
-/// Line end to write before the next text.
+/// Line end that is written before the next text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pending {
     Nothing,
     Line { indent: usize, empty: bool },
 }
 
-/// The text written so far. Line ends are written late, so that a comment can still be inserted
-/// before them.
+/// The text written so far. A line end is only written with the next text, so that a comment can
+/// still be inserted before it.
 pub(super) struct Writer {
     text: String,
     pending: Pending,
@@ -101,8 +101,8 @@ impl Writer {
         self.closed = false;
     }
 
-    /// Writes a comment at the end of the current line, even if a new one is pending.
-    pub fn behind(&mut self, comment: &Comment) {
+    /// Writes a comment at the end of the current line, even if a line end is pending.
+    pub fn append_comment(&mut self, comment: &Comment) {
         if self.closed {
             self.text(&comment.text);
         } else {
@@ -131,8 +131,8 @@ impl Writer {
 }
 
 /// Returns the width of pieces on one line; `None` if they cannot be on one line or are wider than
-/// `most`.
-pub(super) fn flat(pieces: &[Piece], most: usize) -> Option<usize> {
+/// `max_width`.
+pub(super) fn flat(pieces: &[Piece], max_width: usize) -> Option<usize> {
     let mut width = 0;
     for piece in pieces {
         width += match piece {
@@ -145,7 +145,7 @@ pub(super) fn flat(pieces: &[Piece], most: usize) -> Option<usize> {
             Piece::Comment { comment, .. } => comment.text.chars().count() + 1,
             Piece::Mark { .. } | Piece::Ladder { .. } => 0,
         };
-        if width > most {
+        if width > max_width {
             return None;
         }
     }
@@ -162,15 +162,15 @@ fn segment(pieces: &[Piece], level: usize) -> &[Piece] {
 
 /// Writes a statement.
 pub(super) fn render(mut pieces: Vec<Piece>, out: &mut Writer) {
-    // For each level, the row where its last operand began.
+    // For each level, the row in which the last operand began.
     let mut rows: Vec<usize> = Vec::new();
     for i in 0..pieces.len() {
         let room = WIDTH.saturating_sub(out.column());
         match pieces[i].clone() {
             Piece::Text(text) => out.text(&text),
-            Piece::Mark { level } => began(&mut rows, level, out.row),
+            Piece::Mark { level } => set_row(&mut rows, level, out.row),
             Piece::Ladder { level, length } => {
-                began(&mut rows, level, out.row);
+                set_row(&mut rows, level, out.row);
                 arms(&mut pieces[i + 1..], level, length, room);
             }
             Piece::Break {
@@ -187,7 +187,7 @@ pub(super) fn render(mut pieces: Vec<Piece>, out: &mut Writer) {
                 } else if blank {
                     out.text(" ");
                 }
-                began(&mut rows, level, out.row);
+                set_row(&mut rows, level, out.row);
             }
             Piece::Comment { comment, indent } if comment.line() => {
                 if comment.own_line {
@@ -195,7 +195,7 @@ pub(super) fn render(mut pieces: Vec<Piece>, out: &mut Writer) {
                     out.text(&comment.text);
                     out.closed = true;
                 } else {
-                    out.behind(&comment);
+                    out.append_comment(&comment);
                 }
                 if out.pending == Pending::Nothing {
                     out.line(indent, false);
@@ -209,14 +209,15 @@ pub(super) fn render(mut pieces: Vec<Piece>, out: &mut Writer) {
     }
 }
 
-fn began(rows: &mut Vec<usize>, level: usize, row: usize) {
+fn set_row(rows: &mut Vec<usize>, level: usize, row: usize) {
     if rows.len() <= level {
         rows.resize(level + 1, usize::MAX);
     }
     rows[level] = row;
 }
 
-/// Breaks before every `else` if the arms do not fit on one line and the author broke before none.
+/// Breaks the line before every `else` if the arms do not fit on one line and the author did not
+/// break it before any.
 fn arms(pieces: &mut [Piece], level: usize, length: usize, room: usize) {
     let behind = pieces[length..]
         .iter()

@@ -1,4 +1,4 @@
-//! Lines.
+//! Prints lines.
 
 use super::super::ast::{Line, LineItem, PartCount, StationItem, Supply};
 use super::printer::Printer;
@@ -135,7 +135,7 @@ impl Printer<'_> {
                     .words_between(last.end, place.end)
                     .any(|w| w == "otherwise")
                 {
-                    // Optional and without effect; the tree does not record it.
+                    // This word is optional and has no effect, so it is not in the tree.
                     self.put(" otherwise");
                 }
             }

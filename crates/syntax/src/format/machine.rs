@@ -1,10 +1,10 @@
-//! Machines.
+//! Prints machines.
 
-use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Place, TypedDecl};
+use super::super::ast::{Binding, Component, Expr, Machine, MachineItem, Role, TypedDecl};
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// An item of a component; they are printed in source order.
+/// An item of a component. Items are printed in source order.
 enum Part<'c> {
     Time(&'c Expr, bool),
     Power(&'c Expr),
@@ -116,10 +116,10 @@ impl Printer<'_> {
     }
 
     fn component(&mut self, place: Span, c: &Component) {
-        self.put(match c.place {
-            Place::Coordinator => "coordinator ",
-            Place::Action => "action ",
-            Place::Machine => "machine ",
+        self.put(match c.role {
+            Role::Coordinator => "coordinator ",
+            Role::Action => "action ",
+            Role::Machine => "machine ",
         });
         self.name(&c.name);
         self.put(": ");

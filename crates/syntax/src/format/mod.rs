@@ -1,8 +1,8 @@
 //! Formatter: converts a syntax tree back to text.
 //!
-//! The output is generated from the tree, so it has the same meaning by construction. The tree's
-//! source text contributes the comments, the empty lines between declarations, and the author's
-//! line ends. To overwrite a file, use the result of [`checked`], which verifies all of this.
+//! The output is generated from the tree, so it has the same meaning by construction. The comments,
+//! the empty lines between declarations, and the author's line ends are taken from the source text.
+//! To overwrite a file, use the result of [`format_checked`], which verifies this.
 
 mod comments;
 mod contract;
@@ -19,11 +19,11 @@ use super::parser::parse;
 use linewright_core::source::FileId;
 use printer::Printer;
 
-/// Formats a file's tree with the comments of `text`, from which the tree was parsed without
-/// findings. Keeps the line ends of `text` and a byte-order mark.
+/// Formats a file's tree with the comments of `text`, from which the tree must have been parsed
+/// without findings. Keeps the kind of line ends of `text` and a byte-order mark.
 ///
-/// Without a text (`""`), the tree is printed as is: with the doc comments it contains, no others,
-/// and an empty line between contracts.
+/// Without a source text (`""`), the output has the doc comments that the tree contains, no other
+/// comments, and an empty line between contracts.
 pub fn format(file: &File, text: &str) -> String {
     let mut printer = Printer::new(file, text);
     let mut before = None;
@@ -62,8 +62,8 @@ pub fn format(file: &File, text: &str) -> String {
     formatted
 }
 
-/// Formats an expression in one line, as it would be in a file.
-pub fn expression(e: &Expr) -> String {
+/// Formats an expression on one line.
+pub fn format_expression(e: &Expr) -> String {
     let file = File::default();
     let mut printer = Printer::new(&file, "");
     printer.begin(false);
@@ -74,36 +74,38 @@ pub fn expression(e: &Expr) -> String {
     words.join(" ").replace("( ", "(").replace(" )", ")")
 }
 
-/// Maximum number of times a text is reformatted until it is stable.
-const MOST_ROUNDS: usize = 8;
+/// Maximum number of times that a text is formatted until it is stable.
+const MAX_ROUNDS: usize = 8;
 
-/// Error in a formatted text: a bug in this program, not in the file.
+/// Error in a formatted text, caused by a bug in this program and not by the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Fault {
+pub enum FormatError {
     /// The text parses to a different tree.
-    #[error("the formatted text would mean something else")]
+    #[error("the formatted text would have a different meaning")]
     Tree,
     /// A comment is missing or in a different order.
     #[error("a comment would be lost")]
     Comments,
-    /// A word that is not in the tree is missing.
+    /// A word is missing that is not in the tree.
     #[error("a word would be lost")]
     Words,
     /// Formatting the result again changes it.
-    #[error("formatting it again would change it again")]
+    #[error("formatting the result again would change it")]
     Unstable,
 }
 
-/// Like [`format()`], but verifies the result before it is written to the file: it must parse to
-/// the same tree, have the same comments and words in the same order, and not change when formatted
-/// again.
-pub fn checked(file: &File, text: &str) -> Result<String, Fault> {
+/// Like [`format()`], but verifies the result: it must parse to the same tree, have the same
+/// comments and words in the same order, and not change when formatted again.
+///
+/// # Errors
+/// If the result fails one of these checks.
+pub fn format_checked(file: &File, text: &str) -> Result<String, FormatError> {
     let mut formatted = format(file, text);
     let (mut again, mut findings) = parse(FileId::default(), &formatted);
     // A comment that moves past a bracket can cause a new line break. Existing breaks are kept, so
     // this terminates.
     let mut settled = false;
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let next = format(&again, &formatted);
         settled = next == formatted;
         if settled || !findings.is_empty() {
@@ -113,20 +115,20 @@ pub fn checked(file: &File, text: &str) -> Result<String, Fault> {
         (again, findings) = parse(FileId::default(), &formatted);
     }
     if !findings.is_empty() || again.clone().without_spans() != file.clone().without_spans() {
-        return Err(Fault::Tree);
+        return Err(FormatError::Tree);
     }
     let (before, after) = (comments::cut(text), comments::cut(&formatted));
     let texts = |cut: &comments::Cut| -> Vec<String> {
         cut.comments.iter().map(|c| c.text.clone()).collect()
     };
     if texts(&before) != texts(&after) {
-        return Err(Fault::Comments);
+        return Err(FormatError::Comments);
     }
     if comments::words(text, &before) != comments::words(&formatted, &after) {
-        return Err(Fault::Words);
+        return Err(FormatError::Words);
     }
     if !settled {
-        return Err(Fault::Unstable);
+        return Err(FormatError::Unstable);
     }
     Ok(formatted)
 }

@@ -1,27 +1,27 @@
-//! Expressions taken apart for printing: reassembles what the builder halved (`a and b and c`) or
-//! copied (`a < b < c`), and gives the binding strengths.
+//! Decomposes expressions for printing: reassembles chains that the builder balanced
+//! (`a and b and c`) or expanded (`a < b < c`), and determines binding strengths.
 
 use super::super::ast::{BinaryOp, Expr, ExprKind, Pattern, PatternKind};
 use super::super::binds;
 use super::super::build::{MAX_CHAIN, small_enough_for_the_middle};
 
-/// An expression taken apart.
+/// A decomposed expression.
 pub(super) enum Parts<'e> {
-    /// Operands, the operators between them, the binding strength of the whole, and the minimum
-    /// strength of its operands.
+    /// A chain: operands, operators between them, binding strength of the chain, and minimum
+    /// binding strength of its operands.
     Chain(Vec<&'e Expr>, Vec<&'static str>, u8, u8),
     /// Any other expression, with its binding strength.
     Single(u8),
 }
 
-/// Collects the operands of a chain of an operator that the builder halves, if the tree is the one
-/// that the builder would make of them.
+/// Collects the operands of a chain that the builder balanced. Returns whether the tree is the one
+/// that the builder would make of `count` operands.
 fn halved<'e>(op: BinaryOp, e: &'e Expr, count: usize, operands: &mut Vec<&'e Expr>) -> bool {
     if count == 1 {
         operands.push(e);
         return true;
     }
-    // The left half has the largest power of two below the count.
+    // The number of operands on the left is the largest power of two below the count.
     let left = count.next_power_of_two() / 2;
     match sides(e, op) {
         Some((a, b)) => halved(op, a, left, operands) && halved(op, b, count - left, operands),
@@ -29,7 +29,8 @@ fn halved<'e>(op: BinaryOp, e: &'e Expr, count: usize, operands: &mut Vec<&'e Ex
     }
 }
 
-/// Returns the operands of `a op b`. A chain of comparisons does not count as `and`.
+/// Returns the operands of `a op b`; `None` if the expression is not of this form. A chain of
+/// comparisons does not count as `and`.
 fn sides(e: &Expr, op: BinaryOp) -> Option<(&Expr, &Expr)> {
     match &e.kind {
         ExprKind::Binary(o, a, b) if *o == op && (op != BinaryOp::And || links(e).is_none()) => {
@@ -44,7 +45,7 @@ fn leaves(op: BinaryOp, e: &Expr) -> usize {
     sides(e, op).map_or(1, |(a, b)| leaves(op, a) + leaves(op, b))
 }
 
-/// Returns the comparisons of `a < b < c`, which the builder turns into `a < b and b < c`.
+/// Returns the comparisons of `a < b < c`, which the builder expands to `a < b and b < c`.
 fn links(e: &Expr) -> Option<Vec<&Expr>> {
     fn collect<'e>(e: &'e Expr, list: &mut Vec<&'e Expr>) -> bool {
         match &e.kind {
@@ -116,7 +117,7 @@ fn chain_of(op: BinaryOp, e: &Expr, whole: u8, operand: u8) -> Parts<'_> {
 
 fn arithmetic<'e>(e: &'e Expr, ops: &[BinaryOp], whole: u8) -> Parts<'e> {
     let (operands, between) = to_the_left(e, ops);
-    // A chain of one associative operator is halved.
+    // The builder balances a chain of one associative operator.
     if between.iter().all(|op| *op == ops[0]) {
         return chain_of(ops[0], e, whole, whole + 1);
     }

@@ -1,11 +1,11 @@
-//! State of the printer: the statement being printed, and the comments not yet put back.
+//! The printer's state: the statement being printed, and the comments not yet printed.
 
 use super::super::ast::{Expr, File, Name};
 use super::comments::{Comment, Cut, Token, cut, newlines};
 use super::layout::{Piece, Writer, flat, render};
 use linewright_core::source::Span;
 
-/// What precedes a statement.
+/// Text before a statement.
 #[derive(Clone, Copy, PartialEq)]
 enum After {
     /// A line end.
@@ -64,13 +64,14 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// Returns the text after all statements are printed.
+    /// Prints the remaining comments and returns the text.
     pub fn finish(mut self) -> String {
         self.leading(usize::MAX);
         self.out.finish()
     }
 
-    /// Returns whether there is no source text, and so no comments and no breaks.
+    /// Returns whether there is no source text, and therefore no comments and no line ends of the
+    /// author.
     pub fn bare(&self) -> bool {
         self.text.is_empty()
     }
@@ -111,14 +112,15 @@ impl<'t> Printer<'t> {
             .comments
             .next_if(|c| !c.own_line && !c.doc() && c.start < end)
         {
-            self.out.behind(&c);
+            self.out.append_comment(&c);
             if c.line() {
                 break;
             }
         }
     }
 
-    /// Prints a doc comment, given without slashes, if there is no source text.
+    /// Prints a doc comment, given without slashes. Only if there is no source text; otherwise it
+    /// is printed as a comment of the source.
     pub fn doc(&mut self, doc: &str) {
         if self.bare() && !doc.is_empty() {
             for line in doc.split('\n') {
@@ -128,7 +130,7 @@ impl<'t> Printer<'t> {
         }
     }
 
-    /// Prints a block of statements in braces. A single statement may stay on the same line, if the
+    /// Prints a block of statements in braces. A single statement stays on the same line if the
     /// author wrote it there and `short` allows it.
     pub fn block<T>(
         &mut self,
@@ -222,7 +224,8 @@ impl<'t> Printer<'t> {
 
     // ---- comments -------------------------------------------------------------------------------
 
-    /// Puts back the comments before a statement, and returns what precedes it now.
+    /// Prints the comments before a statement, and returns the kind of text that now precedes the
+    /// statement.
     fn leading(&mut self, before: usize) -> After {
         let mut after = After::Line;
         while let Some(c) = self.comments.next_if(|c| c.start < before) {
@@ -245,7 +248,7 @@ impl<'t> Printer<'t> {
         after
     }
 
-    /// Puts back the comments before a place within a statement.
+    /// Prints the comments before a place within a statement.
     pub fn before(&mut self, span: Span) {
         let indent = self.base + self.nest.max(1);
         while let Some(comment) = self.comments.next_if(|c| c.start < span.start as usize) {
@@ -270,7 +273,8 @@ impl<'t> Printer<'t> {
         self.put(&name.text);
     }
 
-    /// Prints a break: a blank or nothing if the line does not end, a line end if `forced`.
+    /// Prints a possible line end: a line end if `forced`, otherwise a blank or nothing if the line
+    /// does not have to end.
     pub fn gap(&mut self, level: usize, blank: bool, forced: bool) {
         self.pieces.push(Piece::Break {
             level,
@@ -281,8 +285,8 @@ impl<'t> Printer<'t> {
         self.at_break = true;
     }
 
-    /// Prints pieces at one level of breaks; `print` receives the level. Its additional indentation
-    /// ends with it.
+    /// Prints pieces with a new level of breaks, which `print` receives. Additional indentation
+    /// ends with the level.
     pub fn level(&mut self, print: impl FnOnce(&mut Self, usize)) {
         let (level, nest) = (self.level, self.nest);
         self.pieces.push(Piece::Mark { level });
@@ -291,7 +295,7 @@ impl<'t> Printer<'t> {
         (self.level, self.nest) = (level, nest);
     }
 
-    /// Indents the following lines once more, unless this begins at a break.
+    /// Indents the following lines by one more level, unless `at_break` is true.
     pub fn nest(&mut self, at_break: bool) {
         self.nest += usize::from(!at_break);
     }
@@ -301,13 +305,13 @@ impl<'t> Printer<'t> {
         self.at_break
     }
 
-    /// Records the beginning of an `if ... else if`; [`Self::ladder_ends`] records its end.
+    /// Marks the beginning of an `if ... else if`; [`Self::ladder_ends`] marks the end.
     pub fn ladder_begins(&mut self, level: usize) -> usize {
         self.pieces.push(Piece::Ladder { level, length: 0 });
         self.pieces.len()
     }
 
-    /// Records the end, see [`Self::ladder_begins`].
+    /// Marks the end of an `if ... else if`. `begun` is the result of [`Self::ladder_begins`].
     pub fn ladder_ends(&mut self, begun: usize) {
         let count = self.pieces.len() - begun;
         if let Some(Piece::Ladder { length, .. }) = self.pieces.get_mut(begun - 1) {
@@ -331,7 +335,7 @@ impl<'t> Printer<'t> {
         ends > 0 && ends > within(&self.long)
     }
 
-    /// Returns the author's text of a place, if there is a source text.
+    /// Returns the source text of a place, if there is a source text.
     pub fn written(&self, span: Span) -> Option<&'t str> {
         self.text
             .get(span.start as usize..span.end as usize)

@@ -1,8 +1,8 @@
-//! Skills and their orders.
+//! Prints skills and their orders.
 //!
-//! Each skill is on a separate line, without a comma after it; a component with one skill may be on
-//! one line. Regular expressions have brackets where the grammar needs them, and around `A & B`
-//! among other operands, since its extent is easily misread.
+//! Each skill is on a separate line without a comma; a component with only one skill can be on one
+//! line. Regular expressions have brackets where the grammar needs them, and around `A & B` among
+//! other operands, since its extent would be easily misread.
 
 use super::super::ast::{
     Deletion, Event, Name, Order, OrderRule, Regex, RegexKind, Situation, SkillCalls,
@@ -11,16 +11,16 @@ use super::super::ast::{
 use super::printer::Printer;
 use linewright_core::source::Span;
 
-/// Context of a regular expression.
+/// Context in which a regular expression is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum RegexContext {
-    /// Brackets, so it needs none itself.
+    /// Within brackets.
     Brackets,
     /// `|`
     Either,
     /// A concatenation.
     Concat,
-    /// `*` and similar.
+    /// Before `*` or another repetition.
     Repeat,
 }
 
@@ -162,7 +162,7 @@ impl Printer<'_> {
 
     // ---- regular expressions --------------------------------------------------------------------
 
-    /// Prints `sequence (...)*`: always in brackets, so that its end is clear.
+    /// Prints `sequence (...)*`, always with brackets, so that the end is clear.
     fn sequence_of(&mut self, regex: &Regex) {
         self.put("sequence ");
         match &regex.kind {
@@ -191,7 +191,7 @@ impl Printer<'_> {
         use RegexKind::{Any, AnyBut, AnyOrder, Concat, Either, Empty, Repeat, Skill};
         let brackets = match &regex.kind {
             Skill(_) | Any => false,
-            // It consists only of its brackets.
+            // The empty word is printed as `()`.
             Empty => around != RegexContext::Brackets,
             AnyBut(_) | Repeat(..) => around == RegexContext::Repeat,
             Concat(_) | AnyOrder(_) => around >= RegexContext::Concat,

@@ -1,11 +1,11 @@
-//! Messages about skills and orders that do not parse.
+//! Messages about skills and orders that cannot be parsed.
 
 use super::super::words::is_reserved_among_skills;
 use super::{Rule, after_comments, word_at};
 use linewright_core::diagnostics::{Diagnostic, codes, nearest};
 use linewright_core::source::{FileId, Span};
 
-/// Words that may follow the name of a skill or of an order.
+/// Words that can follow the name of a skill or of an order.
 const FOLLOWING: [&str; 11] = [
     "before",
     "only",
@@ -20,14 +20,14 @@ const FOLLOWING: [&str; 11] = [
     "component",
 ];
 
-/// Explains what is wrong with a piece of a component that is no skill, or with a skill binding
-/// without a name in a machine.
+/// Returns the finding for a piece of a component that is not a skill, or for a skill call in a
+/// machine that has no name.
 pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> Option<Diagnostic> {
     if !matches!(context, Rule::bad_skill | Rule::bad_skill_call) {
         return None;
     }
     let code = after_comments(text);
-    // `Left -> then`: the skill itself was read.
+    // In `Left -> then`, the skill itself was already parsed.
     let target = code.strip_prefix("->").map(after_comments);
     let code = target
         .filter(|t| is_reserved_among_skills(&word_at(t)))
@@ -46,12 +46,12 @@ pub(super) fn explain(file: FileId, start: usize, text: &str, context: Rule) -> 
         return None;
     }
     Some(finding.with_help(
-        "a skill is written with the situation that it leads to: `Left -> left`; skills are separated by commas or new lines",
+        "write a skill with the situation that it leads to, `Left -> left`, and separate skills by commas or new lines",
     ))
 }
 
-/// Returns what to do instead of a word that cannot follow events or operands of a regular
-/// expression, or that is no name. The text before and after it gives the context.
+/// Returns help for a word that cannot follow events or operands of a regular expression, or that
+/// cannot be a name. `before` and `after` are the text around the word.
 pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule]) -> Option<String> {
     if expected.contains(&Rule::k_order)
         && let Some(near) = nearest(word, ["component", "order"].into_iter())
@@ -60,24 +60,22 @@ pub(super) fn hint(word: &str, (before, after): (&str, &str), expected: &[Rule])
     }
     let in_regex = expected.contains(&Rule::element);
     let list = expected.contains(&Rule::comma);
-    let behind_operand = [Rule::ampersand, Rule::bar]
+    let after_operand = [Rule::ampersand, Rule::bar]
         .iter()
         .any(|r| expected.contains(r));
     let hint = match word {
-        "or" | "|" | "and" if list && behind_operand => {
-            "a list of which any is meant is written with commas, `Left, Right`; what is called at once with `&`, `Left & Right`"
+        "or" | "|" | "and" if list && after_operand => {
+            "write alternatives with commas, `Left, Right`, and skills that are called in the same step with `&`, `Left & Right`"
         }
-        "and" | "," if expected.contains(&Rule::arrow) && behind_operand => {
-            "situations of several components are written with `&`: `left & down -> right`"
+        "and" | "," if expected.contains(&Rule::arrow) && after_operand => {
+            "combine situations of several components with `&`: `left & down -> right`"
         }
-        "or" if in_regex && behind_operand => {
-            "between alternatives there is a `|`: `(Left | Right)`"
-        }
-        "and" | "then" if in_regex && behind_operand => {
-            "skills that follow each other are written side by side, `(Left Right)`; between skills that are called at once there is an `&`"
+        "or" if in_regex && after_operand => "separate alternatives by `|`: `(Left | Right)`",
+        "and" | "then" if in_regex && after_operand => {
+            "write skills that follow each other side by side, `(Left Right)`, and join skills that are called in the same step by `&`"
         }
         "*" | "+" | "?" | "{" if expected.contains(&Rule::ampersand) && !list => {
-            "put brackets around what is repeated: `(Left & Down)*`"
+            "put brackets around the repeated expression: `(Left & Down)*`"
         }
         _ if !is_reserved_among_skills(word) || !(in_regex || expected.contains(&Rule::word)) => {
             return None;
@@ -93,17 +91,17 @@ fn no_name(word: &str) -> String {
     // All keywords are lower-case.
     let (first, rest) = word.split_at(1);
     format!(
-        "expected a name; `{word}` is a word of the language and cannot be a name: write `{}{rest}` or `{word}_`",
+        "expected a name; `{word}` is a keyword and cannot be a name: write `{}{rest}` or `{word}_`",
         first.to_ascii_uppercase()
     )
 }
 
 fn no_level(word: &str) -> String {
-    format!("expected a level, such as `at reasonable`; `{word}` is a word of the language")
+    format!("expected a level, such as `at reasonable`; `{word}` is a keyword")
 }
 
-/// Returns whether the text after a word is what follows a name: in `order home never Left` a sign
-/// is missing before the word.
+/// Returns whether a word was meant as a name, given the text after it: a symbol, or a word that
+/// can follow a name. In `order home never Left`, by contrast, a symbol is missing before `never`.
 fn is_meant_as_name(after: &str) -> bool {
     let next = word_at(after_comments(after));
     !next.starts_with(|c: char| c.is_alphanumeric() || c == '_')
@@ -113,13 +111,13 @@ fn is_meant_as_name(after: &str) -> bool {
 fn last_word(text: &str) -> &str {
     let text = text.trim_end();
     let start = text.rfind(|c: char| !c.is_alphanumeric() && c != '_');
-    // The sign may have several bytes.
+    // The symbol can have several bytes.
     start.map_or(text, |s| {
         text[s..].trim_start_matches(|c: char| !c.is_alphanumeric() && c != '_')
     })
 }
 
-/// Returns the phrase for a rule.
+/// Returns the phrase for a rule in a list of expected tokens.
 pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
     Some(match rule {
         Rule::word | Rule::order_name | Rule::event | Rule::events => "a name",
@@ -139,7 +137,7 @@ pub(super) fn phrase(rule: Rule) -> Option<&'static str> {
     })
 }
 
-/// Returns a word, or symbols that belong together.
+/// Returns the word or the sequence of symbols at the beginning of a text.
 fn sign_at(text: &str) -> String {
     let sign: String = text
         .chars()

@@ -1,4 +1,4 @@
-//! Skills and their orders without places.
+//! Removal of places from skills and their orders.
 
 use super::super::ast::{
     Deletion, Event, Order, OrderRule, Regex, RegexKind, SkillCalls, SkillItem, SkillSet,

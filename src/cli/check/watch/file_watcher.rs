@@ -1,12 +1,11 @@
 //! Detects changes to the relevant files.
 //!
-//! There are two sources, since neither is sufficient. The system reports immediately that
-//! something happened in a folder, but not always (network drives, folders that disappear and
-//! return), and also when nothing relevant did. The files themselves show what has changed: their
-//! contents are compared with those of the last scan, which also runs every second if the system
-//! reports nothing.
+//! There are two sources, since neither is sufficient. The system reports events in a folder
+//! immediately, but misses some (network drives, folders that disappear and return), and also
+//! reports irrelevant ones. A scan shows what has changed: it compares the contents of the files
+//! with those of the last scan. It runs after events, and every second if the system reports none.
 
-use super::SLOWEST;
+use super::POLL_INTERVAL;
 use crate::engine::files::{self, StandardLibrary};
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher as _};
 use schemars::JsonSchema;
@@ -18,22 +17,22 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant, SystemTime};
 
-/// Interval between checks for termination while nothing happens.
+/// Interval between checks for termination while there are no events.
 const TICK: Duration = Duration::from_millis(50);
 
 /// Time without a system event after which files are scanned.
-const REST: Duration = Duration::from_secs(1);
+const SCAN_INTERVAL: Duration = Duration::from_secs(1);
 
-/// A file that was just written may still be written: scans wait until nothing has happened for
-/// this time.
-const QUIET: Duration = Duration::from_millis(40);
+/// Scans wait until there was no event for this time, since a file can still be in the middle of
+/// being written.
+const QUIET_TIME: Duration = Duration::from_millis(40);
 
-/// Maximum time that scans wait.
-const PATIENCE: Duration = Duration::from_millis(200);
+/// Maximum time for which a scan waits for events to end.
+const MAX_WAIT: Duration = Duration::from_millis(200);
 
-/// A file read this soon after it was changed is read again, since its modification time may not
-/// distinguish two changes.
-const COARSE: Duration = Duration::from_secs(2);
+/// A file that was read within this time after its modification is read again: modification times
+/// can be too coarse to distinguish two changes.
+const TIME_RESOLUTION: Duration = Duration::from_secs(2);
 
 /// Kind of change of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, JsonSchema, Serialize)]
@@ -70,68 +69,71 @@ impl fmt::Display for Change {
 /// State of a file at the last scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct FileState {
+    /// Modification time.
     changed: Option<SystemTime>,
+    /// Size in bytes.
     bytes: u64,
     /// Whether time and size suffice to detect a change.
     settled: bool,
+    /// Hash of the text.
     text: u64,
 }
 
-/// Change events from the system.
-struct Word {
+/// Receives change events from the system.
+struct EventSource {
     watcher: RecommendedWatcher,
-    events: Receiver<notify::Result<Event>>,
+    receiver: Receiver<notify::Result<Event>>,
     folders: BTreeMap<PathBuf, RecursiveMode>,
 }
 
-/// There will be no more events.
-struct Silent;
+/// The source has ended: no more events follow.
+struct SourceEnded;
 
-/// Everything that is watched.
+/// Watches the files of a check.
 pub(super) struct FileWatcher {
     paths: Vec<String>,
     standard: StandardLibrary,
-    /// Relevant files apart from those that the paths name: imports, existing or not.
-    others: BTreeSet<PathBuf>,
-    /// All relevant files that exist.
+    /// Watched files besides those that the paths name: imports, whether they exist or not.
+    imports: BTreeSet<PathBuf>,
+    /// States of the watched files that existed at the last scan.
     seen: BTreeMap<PathBuf, FileState>,
-    /// `None` if the system reports no events.
-    word: Option<Word>,
+    /// `None` where the operating system cannot report file changes.
+    events: Option<EventSource>,
 }
 
 impl FileWatcher {
-    /// Watches everything that these command-line paths name.
+    /// Watches the files and folders that these command-line paths name.
     pub(super) fn new(paths: &[String], standard: StandardLibrary) -> Self {
         let (sender, events) = channel();
         let watcher = notify::recommended_watcher(move |event| {
-            // Fails if the receiver is gone.
+            // Fails if the receiver no longer exists.
             let _ = sender.send(event);
         });
-        let word = watcher.ok().map(|watcher| Word {
+        let events = watcher.ok().map(|watcher| EventSource {
             watcher,
-            events,
+            receiver: events,
             folders: BTreeMap::new(),
         });
         Self {
             paths: paths.to_vec(),
             standard,
-            others: BTreeSet::new(),
+            imports: BTreeSet::new(),
             seen: BTreeMap::new(),
-            word,
+            events,
         }
     }
 
-    /// From now on also watches these files, and no others apart from those that the paths name.
-    /// Each comes with the text that a check has read, `None` if there was none: changes during the
-    /// check are reported by the next scan. The state of the last scan is kept.
-    pub(super) fn also(&mut self, others: &[(PathBuf, Option<&str>)]) {
-        let (_, named) = files::places(&self.paths, &self.standard);
+    /// Replaces the files that are watched besides those that the paths name. Each file comes with
+    /// the text that a check has read, or `None` if the file did not exist, so that the next scan
+    /// reports changes during the check. Known states are kept.
+    pub(super) fn set_imports(&mut self, imports: &[(PathBuf, Option<&str>)]) {
+        let (_, named) = files::watched_paths(&self.paths, &self.standard);
         let named: BTreeSet<PathBuf> = named.iter().map(plain).collect();
-        let paths = others.iter().map(|(path, _)| plain(path)).collect();
-        let dropped = std::mem::replace(&mut self.others, paths);
+        let paths = imports.iter().map(|(path, _)| plain(path)).collect();
+        let dropped = std::mem::replace(&mut self.imports, paths);
         self.seen
-            .retain(|p, _| !dropped.contains(p) || self.others.contains(p) || named.contains(p));
-        for (path, text) in others {
+            .retain(|p, _| !dropped.contains(p) || self.imports.contains(p) || named.contains(p));
+        for (path, text) in imports {
             if let Some(text) = text {
                 let read = FileState::read(text.as_bytes());
                 self.seen.entry(plain(path)).or_insert(read);
@@ -139,13 +141,13 @@ impl FileWatcher {
         }
     }
 
-    /// Scans all files, and returns what has changed since the last scan.
-    pub(super) fn look(&mut self) -> Vec<Change> {
-        let (folders, files) = files::places(&self.paths, &self.standard);
+    /// Scans all watched files, and returns the changes since the last scan.
+    pub(super) fn scan(&mut self) -> Vec<Change> {
+        let (folders, files) = files::watched_paths(&self.paths, &self.standard);
         let mut files: BTreeSet<PathBuf> = files.iter().map(plain).collect();
-        files.extend(self.others.iter().cloned());
-        if let Some(word) = &mut self.word {
-            word.listen(&folders, &files);
+        files.extend(self.imports.iter().cloned());
+        if let Some(events) = &mut self.events {
+            events.listen(&folders, &files);
         }
         let mut seen = BTreeMap::new();
         let mut changes = Vec::new();
@@ -163,34 +165,38 @@ impl FileWatcher {
                 seen.insert(path, now);
             }
         }
-        // Files that no path names any more.
+        // The remaining files are no longer among the watched ones.
         let gone = std::mem::replace(&mut self.seen, seen);
         changes.extend(gone.keys().map(|path| change(path, FileChange::Gone)));
         changes
     }
 
-    /// Waits for a change; `None` when it is to end.
+    /// Waits for changes; returns `None` as soon as `ended` holds.
     pub(super) fn wait(&mut self, ended: impl Fn() -> bool) -> Option<Vec<Change>> {
-        let mut looked = Instant::now();
+        let mut last_scan = Instant::now();
         // The first scan finds changes made during the check.
         let mut due = true;
         loop {
             if ended() {
                 return None;
             }
-            let rest = if self.word.is_some() { REST } else { SLOWEST };
-            if due || looked.elapsed() >= rest {
-                let changes = self.look();
+            let interval = if self.events.is_some() {
+                SCAN_INTERVAL
+            } else {
+                POLL_INTERVAL
+            };
+            if due || last_scan.elapsed() >= interval {
+                let changes = self.scan();
                 if !changes.is_empty() {
                     return Some(changes);
                 }
-                looked = Instant::now();
+                last_scan = Instant::now();
             }
             due = false;
-            if let Some(word) = &mut self.word {
-                match word.next() {
+            if let Some(events) = &mut self.events {
+                match events.next() {
                     Ok(found) => due = found,
-                    Err(Silent) => self.word = None,
+                    Err(SourceEnded) => self.events = None,
                 }
             } else {
                 std::thread::sleep(TICK);
@@ -199,25 +205,26 @@ impl FileWatcher {
     }
 }
 
-impl Word {
-    /// Whether something happens within a tick; if so, waits for the end of it.
-    fn next(&mut self) -> Result<bool, Silent> {
-        match self.events.recv_timeout(TICK) {
-            Ok(event) => self.note(event),
+impl EventSource {
+    /// Waits one tick for an event. If there is one, returns true after the events have ended, or
+    /// after [`MAX_WAIT`].
+    fn next(&mut self) -> Result<bool, SourceEnded> {
+        match self.receiver.recv_timeout(TICK) {
+            Ok(event) => self.process(event),
             Err(RecvTimeoutError::Timeout) => return Ok(false),
-            Err(RecvTimeoutError::Disconnected) => return Err(Silent),
+            Err(RecvTimeoutError::Disconnected) => return Err(SourceEnded),
         }
         let start = Instant::now();
-        while start.elapsed() < PATIENCE
-            && let Ok(event) = self.events.recv_timeout(QUIET)
+        while start.elapsed() < MAX_WAIT
+            && let Ok(event) = self.receiver.recv_timeout(QUIET_TIME)
         {
-            self.note(event);
+            self.process(event);
         }
         Ok(true)
     }
 
-    /// A removed folder is watched again when it returns.
-    fn note(&mut self, event: notify::Result<Event>) {
+    /// Forgets a folder that was removed, so that it is watched again when it returns.
+    fn process(&mut self, event: notify::Result<Event>) {
         if let Ok(event) = event
             && matches!(event.kind, EventKind::Remove(_) | EventKind::Modify(_))
         {
@@ -238,12 +245,12 @@ impl Word {
             .iter()
             .filter(|f| !folders.iter().any(|d| f.starts_with(d)))
         {
-            wanted.insert(standing(file.parent()), RecursiveMode::NonRecursive);
+            wanted.insert(nearest_existing(file.parent()), RecursiveMode::NonRecursive);
         }
         for folder in folders {
-            // Also its parent, since it may disappear and return.
+            // Its parent is also watched, since the folder can disappear and return.
             wanted
-                .entry(standing(folder.parent()))
+                .entry(nearest_existing(folder.parent()))
                 .or_insert(RecursiveMode::NonRecursive);
             wanted.insert(folder.clone(), RecursiveMode::Recursive);
         }
@@ -251,7 +258,7 @@ impl Word {
             wanted.insert(PathBuf::from("."), RecursiveMode::NonRecursive);
         }
         for folder in self.folders.keys().filter(|f| !wanted.contains_key(*f)) {
-            // Fails if it is already gone.
+            // Fails if the folder no longer exists.
             let _ = self.watcher.unwatch(folder);
         }
         self.folders.retain(|folder, _| wanted.contains_key(folder));
@@ -264,7 +271,8 @@ impl Word {
 }
 
 impl FileState {
-    /// Current state of a file, read only if that can show a change; `None` if it cannot be read.
+    /// Current state of a file; `None` if it cannot be read. The text is read only if time and size
+    /// do not rule out a change.
     fn of(path: &Path, before: Option<Self>) -> Option<Self> {
         let data = std::fs::metadata(path)
             .ok()
@@ -281,12 +289,12 @@ impl FileState {
         Some(Self {
             changed,
             bytes,
-            settled: age.is_some_and(|age| age > COARSE),
+            settled: age.is_some_and(|age| age > TIME_RESOLUTION),
             ..Self::read(&text)
         })
     }
 
-    /// A file known only by its text.
+    /// State of a file of which only the text is known.
     fn read(text: &[u8]) -> Self {
         let mut hasher = DefaultHasher::new();
         text.hash(&mut hasher);
@@ -299,14 +307,14 @@ impl FileState {
     }
 }
 
-/// `./a.lw` and `a.lw` are the same file.
+/// Removes a leading `./`, so that `./a.lw` and `a.lw` are the same file.
 fn plain(path: impl AsRef<Path>) -> PathBuf {
     let path = path.as_ref();
     path.strip_prefix(".").unwrap_or(path).to_owned()
 }
 
 /// The folder, or its closest existing parent.
-fn standing(folder: Option<&Path>) -> PathBuf {
+fn nearest_existing(folder: Option<&Path>) -> PathBuf {
     let mut folder = folder.unwrap_or(Path::new(""));
     while !folder.as_os_str().is_empty() && !folder.is_dir() {
         folder = folder.parent().unwrap_or(Path::new(""));
@@ -337,11 +345,11 @@ mod tests {
                 c.what,
             )
         };
-        watcher.look().into_iter().map(name).collect()
+        watcher.scan().into_iter().map(name).collect()
     }
 
     #[test]
-    fn looks_tell_what_happened_to_files_in_a_folder_and_to_imports() {
+    fn scans_report_changes_of_files_in_a_folder_and_of_imports() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         std::fs::create_dir(at("in")).unwrap();
@@ -351,7 +359,7 @@ mod tests {
         assert_eq!(found(&mut watcher), [("a.lw".to_owned(), FileChange::New)]);
         assert_eq!(found(&mut watcher), []);
 
-        // Rewriting the same text is no change, nor is another kind of file.
+        // Rewriting the same text is not a change; other kinds of files are not watched.
         std::fs::write(at("in/a.lw"), "one").unwrap();
         std::fs::write(at("in/notes.txt"), "notes").unwrap();
         assert_eq!(found(&mut watcher), []);
@@ -365,9 +373,9 @@ mod tests {
             ]
         );
 
-        // Imports, one of which does not exist yet. What a check has read is known.
+        // Imports, one of which does not exist yet, with the texts that a check has read.
         std::fs::write(at("other.lw"), "other").unwrap();
-        watcher.also(&[(at("other.lw"), Some("other")), (at("missing.lw"), None)]);
+        watcher.set_imports(&[(at("other.lw"), Some("other")), (at("missing.lw"), None)]);
         assert_eq!(found(&mut watcher), []);
         std::fs::write(at("other.lw"), "changed").unwrap();
         std::fs::write(at("missing.lw"), "here").unwrap();
@@ -383,9 +391,9 @@ mod tests {
             ]
         );
 
-        // They appear and change during the check that would have read them.
+        // Imports appear and change during the check that reads them.
         std::fs::write(at("late.lw"), "late").unwrap();
-        watcher.also(&[(at("late.lw"), None), (at("fast.lw"), Some("first"))]);
+        watcher.set_imports(&[(at("late.lw"), None), (at("fast.lw"), Some("first"))]);
         std::fs::write(at("fast.lw"), "second").unwrap();
         assert_eq!(
             found(&mut watcher),

@@ -1,9 +1,9 @@
-//! Programs as tables written by spreadsheets.
+//! Reads programs from tables written by spreadsheets.
 //!
-//! Without a header the skills of a row are called at once. If the first row is a header with a
-//! column `skill`, only that column counts; with a column `step`, consecutive rows with the same
-//! entry are one call. Sorting or copying rows can break that order unnoticed, so a step that
-//! occurs again, or goes back, is a finding and no new call.
+//! Without a header, the skills of a row are called at once. If the first row is a header with a
+//! column `skill`, only that column is read; with a column `step`, consecutive rows with the same
+//! entry are one call. Sorting or copying rows can break this order unnoticed, so it is an error if
+//! a step occurs again or is lower than the one before it.
 
 use super::{CallMistake, Program, call};
 use crate::diagnostics::{Code, Diagnostic, codes};
@@ -35,7 +35,7 @@ struct Last {
     step: Step,
     /// Skills called so far.
     calls: u64,
-    /// Index of its call, unless none of its rows could be read.
+    /// Index of its call; `None` if none of its rows could be read so far.
     place: Option<usize>,
 }
 
@@ -46,12 +46,12 @@ struct Reader<'a> {
     delimiter: char,
     columns: Option<Columns>,
     last: Option<Last>,
-    /// Place where each step began.
-    begun: BTreeMap<Step, Span>,
+    /// Place of the first row of each step.
+    first_rows: BTreeMap<Step, Span>,
     /// Number of columns in the header.
     width: usize,
     /// Whether numbers in place of skills were already reported.
-    numbered: bool,
+    has_reported_numbers: bool,
 }
 
 impl Program {
@@ -75,16 +75,16 @@ impl Program {
             delimiter,
             columns: None,
             last: None,
-            begun: BTreeMap::new(),
+            first_rows: BTreeMap::new(),
             width: 0,
-            numbered: false,
+            has_reported_numbers: false,
         };
-        let mut begun = false;
+        let mut is_first = true;
         let mut last = Span::new(file, 0, first.len());
         for row in rows.records() {
             let Ok(row) = row else {
                 let span = Span::new(file, 0, first.len());
-                let help = "save it as CSV in UTF-8, or as text with one call a line";
+                let help = "save it as CSV in UTF-8, or as text with one call per line";
                 reader.finding(codes::SYNTAX, span, "this is not CSV in UTF-8", help);
                 return;
             };
@@ -97,27 +97,22 @@ impl Program {
             if row.iter().all(str::is_empty) {
                 continue;
             }
-            if !begun {
+            if is_first {
                 reader.columns = header(&row, skills);
                 if reader.columns.is_some() {
-                    reader.headed(&row, span);
+                    reader.read_header(&row, span);
                 }
             }
-            // A header is no call.
-            if begun || reader.columns.is_none() {
-                reader.row(&row, span, !begun);
+            // A header is not a call.
+            if !is_first || reader.columns.is_none() {
+                reader.row(&row, span, is_first);
             }
-            begun = true;
+            is_first = false;
             last = span;
         }
         if text.matches('"').count() % 2 == 1 {
-            let help = "close it, or leave it out: names of skills need no quotes";
-            reader.finding(
-                codes::SYNTAX,
-                last,
-                "a quote is opened and not closed",
-                help,
-            );
+            let help = "close it, or remove it: names of skills need no quotes";
+            reader.finding(codes::SYNTAX, last, "unclosed quote", help);
         }
     }
 }
@@ -129,7 +124,7 @@ fn header(row: &csv::StringRecord, skills: &Skills) -> Option<Columns> {
         cells.position(|c| names.iter().any(|n| c.eq_ignore_ascii_case(n)))
     };
     let calls = named(&CALLS)?;
-    // If a skill has that name, the row is no header.
+    // If there is a skill with that name, the row is not a header.
     let is_skill = skills.skills.iter().any(|s| s.name == row[calls]);
     (!is_skill).then(|| Columns {
         calls,
@@ -138,15 +133,15 @@ fn header(row: &csv::StringRecord, skills: &Skills) -> Option<Columns> {
 }
 
 impl Reader<'_> {
-    /// Reads a row under a header.
-    fn headed(&mut self, row: &csv::StringRecord, span: Span) {
+    /// Reads the header: its number of columns, and findings about ambiguous titles.
+    fn read_header(&mut self, row: &csv::StringRecord, span: Span) {
         self.width = row.len();
         for titles in [&CALLS[..], &[STEP]] {
             let is_one = |c: &&str| titles.iter().any(|t| c.eq_ignore_ascii_case(t));
             let found: Vec<&str> = row.iter().filter(is_one).collect();
             if let [one, other, ..] = found.as_slice() {
-                let message = format!("the columns `{one}` and `{other}` say the same");
-                let help = "leave one of them: skills that are called at once are in one cell, `A & B`, or in rows of the same step";
+                let message = format!("the columns `{one}` and `{other}` have the same meaning");
+                let help = "keep one of them: write skills that are called at once in one cell, `A & B`, or in rows of the same step";
                 self.finding(codes::SYNTAX, span, &message, help);
             }
         }
@@ -159,9 +154,9 @@ impl Reader<'_> {
             return;
         };
         if let Some(more) = row.iter().skip(self.width).find(|c| !c.is_empty()) {
-            let message = format!("`{more}` is in no column of the header");
+            let message = format!("`{more}` has no column in the header");
             let help = format!(
-                "write one row a skill, or `&` between skills that are called at once; the signs between columns are `{}`",
+                "write one row per skill, or `&` between skills that are called at once; columns are separated by `{}`",
                 self.delimiter.escape_default()
             );
             self.finding(codes::SYNTAX, span, &message, &help);
@@ -169,7 +164,7 @@ impl Reader<'_> {
         let text = cell(calls);
         if text.is_empty() {
             let help = format!(
-                "name a skill in the column `skill`, or leave the row out; the signs between columns are `{}`",
+                "name a skill in the column `skill`, or remove the row; columns are separated by `{}`",
                 self.delimiter.escape_default()
             );
             self.finding(codes::SYNTAX, span, "this row names no skill", &help);
@@ -185,22 +180,22 @@ impl Reader<'_> {
                 self.finding(
                     codes::SYNTAX,
                     span,
-                    "it is not said which step this belongs to",
+                    "this row has no step",
                     "write a step in every row: the same one for skills that are called at once",
                 );
-                // All errors are reported nevertheless.
+                // Other errors in the row are also reported.
                 self.call(text, span);
             }
-            Some(step) => self.of_step(Step::of(step), text, span),
+            Some(step) => self.row_of_step(Step::of(step), text, span),
         }
     }
 
-    fn of_step(&mut self, step: Step, text: &str, span: Span) {
+    fn row_of_step(&mut self, step: Step, text: &str, span: Span) {
         let before = self.last.take();
         let mut last = match before {
             Some(last) if last.step == step => last,
             before => {
-                self.begin(&step, before.as_ref(), span);
+                self.begin_step(&step, before.as_ref(), span);
                 Last {
                     step,
                     calls: 0,
@@ -220,7 +215,7 @@ impl Reader<'_> {
                     codes::SKILL,
                     span,
                     &message,
-                    "a skill is called once at a time: give this row a step of its own, and those behind it later ones",
+                    "a skill can be called only once at a time: give this row a new step number, and the rows after it higher ones",
                 );
             }
             last.calls |= call.0;
@@ -236,27 +231,28 @@ impl Reader<'_> {
         self.last = Some(last);
     }
 
-    /// Starts a step: it must be new, and greater if it is a number.
-    fn begin(&mut self, step: &Step, before: Option<&Last>, span: Span) {
-        if let Some(first) = self.begun.get(step) {
-            let message = format!("step {} comes again", step.text());
+    /// Starts a step. Reports a step that has occurred before, or a number that is not higher than
+    /// the previous one.
+    fn begin_step(&mut self, step: &Step, before: Option<&Last>, span: Span) {
+        if let Some(first) = self.first_rows.get(step) {
+            let message = format!("step {} appears again", step.text());
             let finding = Diagnostic::error(codes::SYNTAX, span, message)
-                .with_label(*first, "it was here before")
-                .with_help("rows of one call belong together: move this row there, or give it and those behind it steps of their own");
+                .with_label(*first, "first used here")
+                .with_help("the rows of one call must be consecutive: move this row there, or give it and the rows after it new step numbers");
             self.program.findings.push(finding);
             return;
         }
-        self.begun.insert(step.clone(), span);
+        self.first_rows.insert(step.clone(), span);
         let Some(before) = before else { return };
         let (how, help) = if step.is_same_number(&before.step) {
             (
                 "is not written as",
-                "write both alike where they are one step, and otherwise another number",
+                "write both in the same way if they are one step; otherwise, give them different numbers",
             )
         } else if step.is_before(&before.step) {
             (
-                "comes behind",
-                "calls are made in the order of the rows: sort the rows by step, or number the steps as the rows stand",
+                "comes after",
+                "calls are made in the order of the rows: sort the rows by step, or number the steps in row order",
             )
         } else {
             return;
@@ -265,22 +261,22 @@ impl Reader<'_> {
         self.finding(codes::SYNTAX, span, &message, help);
     }
 
-    /// Reads a row that consists of skills called at once.
+    /// Reads a row of a table without a header: its skills are called at once.
     fn without_header(&mut self, row: &csv::StringRecord, span: Span, first: bool) {
         // No skill begins with a digit.
         let is_number = |cell: &&str| cell.starts_with(|c: char| c.is_ascii_digit());
         let cells = || row.iter().filter(|c| !c.is_empty());
         let header = format!("`step{}skill`", self.delimiter);
         if let Some(number) = cells().find(is_number) {
-            if !self.numbered {
+            if !self.has_reported_numbers {
                 let message = format!("there is no skill `{number}`");
                 let help = format!(
-                    "where there are other columns besides the skills, the first line is a header: {header}, with `skill` over the skills, and `step` over what tells which rows are one call"
+                    "if there are columns other than skills, the first line must be a header: {header}, with `skill` above the skills, and `step` above the numbers that group rows into calls"
                 );
                 self.finding(codes::NAME_UNKNOWN, span, &message, &help);
             }
-            // Reported once, since it is the same in every row.
-            self.numbered = true;
+            // Reported only once, since the cause is the same in every row.
+            self.has_reported_numbers = true;
         }
         let text = cells().filter(|c| !is_number(c)).collect::<Vec<_>>();
         if text.is_empty() {
@@ -291,14 +287,12 @@ impl Reader<'_> {
             Err(wrong) => {
                 let known = text.iter().any(|t| call(t, self.skills).is_ok());
                 let help = if first && !(known && wrong.is_guess) {
-                    // It may be intended as a header.
+                    // The row can be intended as a header.
                     let list = match wrong.code {
                         codes::SYNTAX => String::new(),
                         _ => format!("{}; ", wrong.help),
                     };
-                    format!(
-                        "{list}a first line that is a header has a column `skill`, such as {header}"
-                    )
+                    format!("{list}a header has a column `skill`, such as {header}")
                 } else {
                     wrong.help
                 };
@@ -358,7 +352,8 @@ impl Step {
         number(self).is_some_and(|own| number(other) == Some(own))
     }
 
-    /// Only the integer part is compared: 1.10 may be meant to come before or after 1.9.
+    /// Whether the integer part is lower. Decimals are not compared, since 1.10 can be intended to
+    /// come before or after 1.9.
     fn is_before(&self, other: &Self) -> bool {
         let whole = |step: &Self| match step {
             Self::Number(number) => Some(*number),

@@ -98,11 +98,11 @@ static void check_text_without_an_instance(const library *lib)
     holds(text, "the handle must be an integer", "lw_last_error after an instance was ended");
     same_code(LW_ERROR_HANDLE, lib->destroy(handle), "lw_destroy of an instance that has ended");
     lib->last_error(0, text, sizeof text);
-    holds(text, "the handle was never given", "lw_last_error after lw_destroy was refused");
+    holds(text, "the handle was never issued", "lw_last_error after lw_destroy was refused");
     same(LW_ERROR_ARGUMENT, call_integer(lib->reset_value, &wrong, "reset"), "reset with a real number");
     same_code(LW_ERROR_HANDLE, lib->reset(handle), "lw_reset of an instance that has ended");
     lib->last_error(0, text, sizeof text);
-    holds(text, "the handle was never given", "lw_last_error after lw_reset was refused");
+    holds(text, "the handle was never issued", "lw_last_error after lw_reset was refused");
 }
 
 /* Handles that are none: never given, of another library, of an instance that has ended. */
@@ -173,9 +173,9 @@ void check_room(const library *lib)
     for (int round = 0; round < 2; round++) {
         same_code(LW_ERROR_MEMORY, lib->create(), "lw_create with all places taken");
         lib->last_error(0, text, sizeof text);
-        holds(text, "there is no free place", "lw_create with all places taken");
+        holds(text, "all slots for instances are in use", "lw_create with all places taken");
         same(LW_ERROR_MEMORY, call_integer(lib->instantiate_value, NULL, "instantiate"), "instantiate");
-        holds(call_string(lib->last_error_value, NULL, "last_error"), "there is no free place", "last_error");
+        holds(call_string(lib->last_error_value, NULL, "last_error"), "all slots for instances are in use", "last_error");
         /* One place in the middle is free again. */
         end(lib, handles[500]);
         handles[500] = instance(lib);
@@ -253,7 +253,7 @@ void use_up_generations(const library *lib)
     }
     same((int64_t)MOST_INSTANCES * GENERATIONS, (int64_t)count, "instances until all generations are used");
     lib->last_error(0, text, sizeof text);
-    holds(text, "there is no free place", "lw_create with all generations used");
+    holds(text, "all slots for instances are in use", "lw_create with all generations used");
     for (size_t i = 0; i < count; i += count / 97 + 1) {
         refuse_handle(lib, handles[i], "a handle whose instance has ended");
     }

@@ -46,8 +46,8 @@ static void untouched(const scene *scene, const char *what)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-#define PLANT_TEXT "the plant's values are missing"
-#define ROOM_TEXT "the room for outputs"
+#define PLANT_TEXT "the plant values are missing"
+#define ROOM_TEXT "the size of the output array"
 
 static void bad_step(const scene *scene, const int64_t *plant, int64_t plant_count, int64_t *outputs,
                      int64_t output_count, const char *part)
@@ -121,7 +121,7 @@ static void bad_operation(scene *s, int32_t operation, double *properties, int64
 
 static void operation_with_wrong_counts(scene *s)
 {
-    const char *part = "the values are missing";
+    const char *part = "the property values are missing";
     bad_operation(s, 0, s->properties, (int64_t)the_plan.properties + 1, LW_ERROR_ARGUMENT, part);
     bad_operation(s, 0, s->properties, (int64_t)the_plan.properties - 1, LW_ERROR_ARGUMENT, part);
     if (the_plan.properties > 0) {
@@ -421,7 +421,7 @@ int refuse_handle(const library *lib, lw_handle handle, const char *what)
               lib->step(handle, plant, (size_t)the_plan.plant, outputs, (size_t)the_plan.outputs), what);
     same_code(LW_ERROR_HANDLE, lib->simulate(handle, 0, properties, (size_t)the_plan.properties, NULL), what);
     lib->last_error(handle, text, sizeof text);
-    holds(text, "the handle was never given", what);
+    holds(text, "the handle was never issued", what);
     same(0, lib->last_rule(handle, text, sizeof text), what);
     arg[0] = value_integer(handle);
     arg[1] = value_integer(0);
@@ -432,7 +432,7 @@ int refuse_handle(const library *lib, lw_handle handle, const char *what)
     same(LW_ERROR_HANDLE, call_integer(lib->get_real_value, arg, what), what);
     same(LW_ERROR_HANDLE, call_integer(lib->get_integer_value, arg, what), what);
     same(LW_ERROR_HANDLE, call_integer(lib->get_string_value, arg, what), what);
-    holds(call_string(lib->last_error_value, arg, what), "the handle was never given", what);
+    holds(call_string(lib->last_error_value, arg, what), "the handle was never issued", what);
     return 13;
 }
 

@@ -109,7 +109,7 @@ static void together(int thread)
 
 /* ---- No instance ------------------------------------------------------------------------------------------------- */
 
-/* What is said of calls without a valid handle belongs to all threads, so it may be about another one's call; but it stays as it was returned
+/* What is said of calls without a valid handle belongs to all threads, so it may be about another one's call; but it stays unchanged
  * as long as it is read. */
 static void without_an_instance(int thread)
 {
@@ -127,7 +127,7 @@ static void without_an_instance(int thread)
         }
         text = call_string(lib->last_error_value, &arg, "last_error");
         if (strcmp(text, "the handle must be an integer") != 0) {
-            holds(text, "never given by this library", "last_error without an instance");
+            holds(text, "never issued by this library", "last_error without an instance");
         }
         length = lib->last_error(-1, copy, sizeof copy);
         same((int64_t)strlen(copy), length, "the length of a copied text");

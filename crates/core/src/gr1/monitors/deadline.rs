@@ -1,18 +1,19 @@
 //! Deadlines: every request within a scope is answered in its step or one of the n steps after it,
 //! and before the scope closes.
 //!
-//! One counter is enough for all requests, since an answer answers all of them: it stores the age
-//! of the oldest open request. Age 0 is not stored, because a request of this step is seen in this
-//! step. Scopes that count only if they close need one more value, for a missed deadline. A request
-//! that is open when the scope closes has broken the pattern for good.
+//! One counter is enough for all requests, since one answer completes all of them: it stores the
+//! age of the oldest open request, and 0 if no request is open. A request of this step need not be
+//! stored, because it can be read directly. Scopes that count only if they close need one more
+//! value, for a missed deadline. If a request is open when the scope closes, the pattern is
+//! violated permanently.
 
 use super::scope::{invariant, is};
-use super::{BinaryOp, Domain, Expr, ITSELF, Monitors, Obligation, Origin, Scope, choose};
+use super::{BinaryOp, Domain, Expr, Monitors, Obligation, Origin, SELF_VALUE, Scope, choose};
 
 pub(super) struct Deadline<'a> {
-    /// Request; false outside the scope.
+    /// Condition that makes a request; false outside the scope.
     pub trigger: Expr,
-    /// Answer.
+    /// Condition that answers all open requests.
     pub answer: &'a Expr,
     /// Maximum number of steps from request to answer.
     pub steps: u32,
@@ -29,17 +30,17 @@ impl Deadline<'_> {
     ) -> Vec<Obligation> {
         let (steps, initial) = (i64::from(self.steps), i64::from(self.from_start));
         if steps == 0 {
-            let mistake = self.trigger.clone().and(self.answer.clone().not());
-            return scope.never(monitors, &mistake, origin);
+            let violation = self.trigger.clone().and(self.answer.clone().not());
+            return scope.never(monitors, &violation, origin);
         }
         let remembers = scope.counts_if_closed();
         let high = steps + i64::from(remembers);
 
-        let age = Expr::now(ITSELF);
+        let age = Expr::now(SELF_VALUE);
         let older = Expr::binary(BinaryOp::Add, age.clone(), Expr::Const(1));
         let older = Expr::binary(BinaryOp::Min, older, Expr::Const(high));
-        let asked = choose(self.trigger.clone(), Expr::Const(1), Expr::Const(0));
-        let unanswered = choose(is(&age, 0), asked, older);
+        let requested = choose(self.trigger.clone(), Expr::Const(1), Expr::Const(0));
+        let unanswered = choose(is(&age, 0), requested, older);
         let mut update = choose(self.answer.clone(), Expr::Const(0), unanswered);
         if remembers {
             update = choose(is(&age, high), age, update);

@@ -1,5 +1,5 @@
 //! Existence: p holds in some step; with a bound of n steps, in the step that opens the scope or
-//! one of the n after it.
+//! one of the n steps after it.
 //!
 //! | scope | meaning |
 //! |---|---|
@@ -10,8 +10,8 @@
 //! | after q until r | `G ((q & !r) -> (!r U (p & !r)))` |
 //!
 //! Dwyer's formula for after q is `G !q or F (q & F p)`, which is equivalent. With a bound, `F` and
-//! `U` become `F<=n` and `U<=n`: the step meant is at most n steps away. The same applies to `W`
-//! behind the condition `F r` (`F r -> (!r U<=n (p & !r))`). After q, the first q counts.
+//! `U` become `F<=n` and `U<=n`: p holds at most n steps later. Before r, `W` becomes `U<=n` under
+//! the condition `F r`: `F r -> (!r U<=n (p & !r))`. After q, steps are counted from the first q.
 
 use super::deadline::Deadline;
 use super::{Expr, Kind, Monitors, Obligation, Origin, Scope};
@@ -23,7 +23,7 @@ pub(super) fn lower(
     origin: &Origin,
 ) -> Vec<Obligation> {
     let waiting = scope.waiting(monitors, p, origin);
-    scope.some_day(&waiting)
+    scope.eventually_done(&waiting)
 }
 
 pub(super) fn within(
@@ -36,7 +36,7 @@ pub(super) fn within(
     if (scope, steps) == (&Scope::Globally, 0) {
         return vec![Obligation::new(Kind::Initial, p)];
     }
-    // An obligation from the beginning is a request in the step before step 0.
+    // If the scope is open from the beginning, the request is made in the step before step 0.
     let (trigger, steps, from_start) = match scope.opening(monitors, origin) {
         Some(opening) => (opening, steps, false),
         None => (Expr::FALSE, steps.saturating_add(1), true),

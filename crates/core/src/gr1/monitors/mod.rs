@@ -1,18 +1,20 @@
 //! Past operators, counters and specification patterns, lowered to GR(1) with monitor variables.
 //!
-//! GR(1) itself only has this step and the next one. The past that a formula refers to is kept in
-//! extra variables of the machine: *monitors*. The idea is old (Pnueli, The Temporal Semantics of
-//! Concurrent Programs, 1981, for past operators; Maoz and Ringert, GR(1) Synthesis for LTL
-//! Specification Patterns, ESEC/FSE 2015, for patterns). New here: every pattern is written in past
-//! operators alone, with a [`Scope`] that defines when it is open. So 25 combinations are five
-//! scopes and five patterns, and equal parts of different formulas share one monitor.
+//! A GR(1) formula relates only the current step and the next one. What a formula says about the
+//! past is stored in additional variables of the machine, called *monitors*. The idea is old
+//! (Pnueli, The Temporal Semantics of Concurrent Programs, 1981, for past operators; Maoz and
+//! Ringert, GR(1) Synthesis for LTL Specification Patterns, ESEC/FSE 2015, for patterns). What is
+//! new here: every pattern is written with past operators only, and a [`Scope`] defines when it is
+//! open. So the 25 combinations need only five scopes and five patterns, and equal parts of
+//! different formulas share one monitor.
 //!
 //! # What a monitor is
 //!
-//! Its value in step *t* is about the steps before *t*. It has an initial value and an *update*: an
-//! expression over current values that gives its value in the next step. So it never depends on the
-//! inputs of the step in which it is read, works for Mealy and Moore machines alike, and leaves the
-//! machine no choice: monitors do not change who wins a game.
+//! The value of a monitor in step *t* depends on the steps before *t* only. A monitor has an
+//! initial value and an *update*: an expression over current values that gives its value in the
+//! next step. So it never depends on the inputs of the step in which it is read, and works for
+//! Mealy and Moore machines alike. The machine has no choice of its value, so monitors do not
+//! change who wins a game.
 //!
 //! Before step 0 nothing was true: `previous` and `once` begin as false, `historically` as true.
 //!
@@ -32,17 +34,18 @@
 //! | precedence | 1 | 2 | 2 | 2 | 1 |
 //! | response | 1 | 2 | 2 | 2 | 2 |
 //!
-//! No deterministic monitor has fewer: where there are two bits, three pasts must be distinguished.
-//! All formulas with the same scope share the bits for whether it is open, and all formulas with
-//! `once p` share that bit. A response or existence within *n* steps needs a counter up to *n*, or
-//! up to *n* + 1 where a scope counts only if it closes (one more for an existence due from the
-//! beginning), and the bit for the scope where a response needs one above.
+//! No deterministic monitor has fewer bits: where the table says 2, three different pasts must be
+//! distinguished. All formulas with the same scope share the bits that store whether it is open,
+//! and all formulas with `once p` share its bit. A response or existence within *n* steps needs a
+//! counter up to *n*, or up to *n* + 1 in a scope that counts only if it closes (one more for an
+//! existence in a scope that is open from the beginning). A response also needs the bit of the
+//! scope if it needs one in the table.
 //!
 //! # Assumptions
 //!
-//! An assumption must not constrain the machine's variables in the step that it is about, and
-//! monitors are the machine's. So an invariant that reads monitors is [unrolled](Monitors::unroll)
-//! before it is assumed.
+//! An assumed initial condition or invariant must not mention the machine's variables, and monitors
+//! are variables of the machine. So an invariant that reads monitors is
+//! [unrolled](Monitors::unroll) before it is assumed.
 
 mod absence;
 mod counter;
@@ -65,11 +68,11 @@ use super::{BinaryOp, Domain, Expr, Formula, Owner, Side, Specification, Time, V
 use crate::source::Span;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// Placeholder for a monitor's own value in a definition that has no variable yet.
-const ITSELF: VarId = VarId(u32::MAX);
+/// Placeholder for the value of a monitor in its own update, as long as it has no variable.
+const SELF_VALUE: VarId = VarId(u32::MAX);
 
-/// The formula that a monitor is made for. Its text is shown in place of the monitor's own
-/// formulas.
+/// The formula that a monitor is created for. Its text is displayed instead of the formulas that
+/// define the monitor.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Origin {
     /// Name of the assumption or guarantee.
@@ -78,7 +81,7 @@ pub struct Origin {
     pub requirement: Option<String>,
     /// Place in the source.
     pub span: Span,
-    /// Subformula that the monitor is made for, in one line: `once (a and b)`.
+    /// Subformula that the monitor tracks, in one line: `once (a and b)`.
     pub text: String,
 }
 
@@ -91,20 +94,20 @@ pub struct Monitor {
     pub variable: Variable,
     /// Value in step 0.
     pub initial: i64,
-    /// Value in the next step, over current values; never outside its domain.
+    /// Value in the next step, as an expression over current values; never outside the domain.
     pub update: Expr,
-    /// Formula it was first made for.
+    /// Formula that the monitor was first created for.
     pub origin: Origin,
 }
 
 impl Monitor {
-    /// Returns the guarantee for step 0.
-    pub fn start(&self) -> Formula {
+    /// Returns the guarantee for step 0: the monitor has its initial value.
+    pub fn initial_formula(&self) -> Formula {
         self.formula(Expr::now(self.id).equals(Expr::Const(self.initial)))
     }
 
-    /// Returns the guarantee for every step to the next.
-    pub fn step(&self) -> Formula {
+    /// Returns the safety guarantee: the next value is that of the update.
+    pub fn update_formula(&self) -> Formula {
         self.formula(Expr::next(self.id).equals(self.update.clone()))
     }
 
@@ -136,9 +139,9 @@ pub enum Kind {
 /// One of the formulas a pattern is reduced to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Obligation {
-    /// When it has to hold.
+    /// When the condition has to hold.
     pub kind: Kind,
-    /// Condition that has to hold. Patterns give current values only.
+    /// Condition that has to hold. Obligations of patterns read current values only.
     pub expr: Expr,
 }
 
@@ -172,13 +175,15 @@ impl Obligation {
 /// Condition on the steps of a scope. Operands are boolean expressions over current values.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Pattern {
-    /// It never holds.
+    /// The condition never holds.
     Absence(Expr),
-    /// It holds in some step; with a bound, at most that many steps after the scope opens.
+    /// The condition holds in some step; with a bound, at most that many steps after the scope
+    /// opens.
     Existence(Expr, Option<u32>),
-    /// It holds in every step.
+    /// The condition holds in every step.
     Universality(Expr),
-    /// No `then` before the first `first`; both in one step are in order.
+    /// `then` does not hold before `first` has held; both may hold for the first time in the same
+    /// step.
     Precedence {
         /// Condition that has to come first.
         first: Expr,
@@ -199,27 +204,28 @@ pub enum Pattern {
 
 /// A past formula that is tracked by a monitor.
 #[derive(Debug, Clone)]
-struct Remembered {
+struct TrackedFormula {
     /// Value in the previous step: the monitor itself.
     before: Expr,
     /// Value in this step.
     now: Expr,
 }
 
-/// Creates monitors and keeps those already created. Equal operators over equal operands share one
-/// monitor; names depend only on the order of the calls.
+/// Creates and owns monitors. Equal operators with equal operands share one monitor. Names depend
+/// only on the order of the calls.
 ///
-/// All operands are expressions over current values, including those of earlier monitors. The
-/// caller must check that, since it can report to the user; here it is asserted in debug builds
-/// only.
+/// All operands must be expressions over current values, which can include values of earlier
+/// monitors. The caller must check this, since only the caller can report it to the user; here it
+/// is only asserted, in debug builds.
 #[derive(Debug, Clone)]
 pub struct Monitors {
     first: u32,
     taken: BTreeSet<String>,
     /// Last number used for each name stem.
     numbers: BTreeMap<&'static str, u32>,
-    made: Vec<Monitor>,
-    /// Monitors by domain, initial value and update, in which [`ITSELF`] stands for the monitor.
+    monitors: Vec<Monitor>,
+    /// Monitors by domain, initial value and update, in which [`SELF_VALUE`] stands for the
+    /// monitor.
     known: HashMap<(Domain, i64, Expr), VarId>,
     /// Boolean monitors that start as false, by update: each is the value of that expression one
     /// step ago.
@@ -227,41 +233,42 @@ pub struct Monitors {
 }
 
 impl Monitors {
-    /// Creates an empty set. The first monitor will be the variable `first`; no monitor gets a name
-    /// in `taken`.
+    /// Creates an empty set. The first monitor will have the id `first`, the next ones the ids
+    /// after it; no monitor gets a name in `taken`.
     pub fn new(first: VarId, taken: impl IntoIterator<Item = String>) -> Self {
         Self {
             first: first.0,
             taken: taken.into_iter().collect(),
             numbers: BTreeMap::new(),
-            made: Vec::new(),
+            monitors: Vec::new(),
             known: HashMap::new(),
             delays: HashMap::new(),
         }
     }
 
-    /// Renames the monitor that `value` reads.
-    pub fn call(&mut self, value: &Expr, name: &str) {
+    /// Renames a monitor, given the expression that reads it. Does nothing if `value` is not the
+    /// current value of a monitor.
+    pub fn rename(&mut self, value: &Expr, name: &str) {
         if let Expr::Var(id, Time::Now) = value
             && let Some(place) = id.0.checked_sub(self.first)
-            && let Some(monitor) = self.made.get_mut(place as usize)
+            && let Some(monitor) = self.monitors.get_mut(place as usize)
         {
             name.clone_into(&mut monitor.variable.name);
         }
     }
 
-    /// Returns all monitors in the order of their ids, which begin with the first free one.
-    pub fn made(&self) -> &[Monitor] {
-        &self.made
+    /// Returns all monitors in the order of their ids.
+    pub fn all(&self) -> &[Monitor] {
+        &self.monitors
     }
 
-    /// Returns the monitor of a variable.
+    /// Returns the monitor with this id; `None` if the variable is not a monitor.
     pub fn get(&self, id: VarId) -> Option<&Monitor> {
         let place = id.0.checked_sub(self.first)?;
-        self.made.get(place as usize)
+        self.monitors.get(place as usize)
     }
 
-    /// Returns whether one of the variables is a monitor.
+    /// Returns whether an expression reads a monitor.
     pub fn occur_in(&self, expr: &Expr) -> bool {
         let mut found = false;
         expr.for_each_var(&mut |v, _| found |= self.get(v).is_some());
@@ -270,17 +277,17 @@ impl Monitors {
 
     /// Returns the variables that a specification has to append, in order.
     pub fn variables(&self) -> impl Iterator<Item = &Variable> {
-        self.made.iter().map(|m| &m.variable)
+        self.monitors.iter().map(|m| &m.variable)
     }
 
     /// Adds the guarantees that define the monitors.
     pub fn define(&self, guarantees: &mut Side) {
         guarantees
             .initial
-            .extend(self.made.iter().map(Monitor::start));
+            .extend(self.monitors.iter().map(Monitor::initial_formula));
         guarantees
             .safety
-            .extend(self.made.iter().map(Monitor::step));
+            .extend(self.monitors.iter().map(Monitor::update_formula));
     }
 
     /// Appends the monitors to a specification: variables and guarantees. The specification's
@@ -291,8 +298,8 @@ impl Monitors {
         self.define(&mut specification.guarantees);
     }
 
-    /// Returns the formulas that hold exactly if the pattern holds in the scope. Each file of this
-    /// folder named after a pattern gives its formula in temporal logic.
+    /// Returns obligations that hold exactly if the pattern holds in the scope. The file named
+    /// after each pattern gives its meaning in temporal logic.
     pub fn pattern(
         &mut self,
         pattern: &Pattern,
@@ -320,42 +327,43 @@ impl Monitors {
         }
     }
 
-    /// Creates the boolean monitor that starts as `initially` and whose update is `now` applied to
-    /// its own value.
-    fn remember(
+    /// Creates, or reuses, the boolean monitor that is `initially` in step 0 and whose update is
+    /// `now` applied to its own value.
+    fn track(
         &mut self,
         stem: &'static str,
         initially: bool,
         now: impl Fn(Expr) -> Expr,
         origin: &Origin,
-    ) -> Remembered {
-        let (initial, definition) = (i64::from(initially), now(Expr::now(ITSELF)).simplify());
+    ) -> TrackedFormula {
+        let (initial, definition) = (i64::from(initially), now(Expr::now(SELF_VALUE)).simplify());
         let before = self.make(stem, Domain::Bool, initial, &definition, origin);
-        let now = put(&definition, &before);
-        Remembered { before, now }
+        let now = replace_self(&definition, &before);
+        TrackedFormula { before, now }
     }
 
-    /// Returns the value in this step of the formula tracked by [`remember`](Self::remember). No
-    /// monitor is created if the past does not matter.
-    fn follow(
+    /// Like [`track`](Self::track), but returns only the formula's value in this step. No monitor
+    /// is created if that value does not depend on the past.
+    fn track_now(
         &mut self,
         stem: &'static str,
         initially: bool,
         now: impl Fn(Expr) -> Expr,
         origin: &Origin,
     ) -> Expr {
-        let definition = now(Expr::now(ITSELF)).simplify();
+        let definition = now(Expr::now(SELF_VALUE)).simplify();
         let mut past = false;
-        definition.for_each_var(&mut |v, _| past |= v == ITSELF);
+        definition.for_each_var(&mut |v, _| past |= v == SELF_VALUE);
         if past {
-            self.remember(stem, initially, now, origin).now
+            self.track(stem, initially, now, origin).now
         } else {
             definition
         }
     }
 
-    /// Returns the variable with this domain, initial value and update, in which [`ITSELF`] is the
-    /// variable. Creates one if there is none, unless its value never changes.
+    /// Returns the value of the monitor with this domain, initial value and update, in which
+    /// [`SELF_VALUE`] stands for the monitor. Creates the monitor if it does not exist; returns a
+    /// constant instead if its value would never change.
     fn make(
         &mut self,
         stem: &'static str,
@@ -366,26 +374,26 @@ impl Monitors {
     ) -> Expr {
         debug_assert!(
             !definition.mentions_next(),
-            "a monitor of next values: {definition:?}"
+            "the update of a monitor has next values: {definition:?}"
         );
         debug_assert!(domain.contains(initial));
         let constant = Expr::Const(initial);
-        if put(definition, &constant) == constant {
+        if replace_self(definition, &constant) == constant {
             return constant;
         }
         let key = (domain, initial, definition.clone());
         if let Some(id) = self.known.get(&key) {
             return Expr::now(*id);
         }
-        let id = VarId(self.first + self.made.len() as u32);
-        let update = put(definition, &Expr::now(id));
+        let id = VarId(self.first + self.monitors.len() as u32);
+        let update = replace_self(definition, &Expr::now(id));
         let domain = key.0.clone();
         self.known.insert(key, id);
         if domain == Domain::Bool && initial == 0 {
             self.delays.entry(update.clone()).or_insert(id);
         }
         let name = self.name(stem);
-        self.made.push(Monitor {
+        self.monitors.push(Monitor {
             id,
             variable: Variable {
                 name,
@@ -402,7 +410,7 @@ impl Monitors {
         Expr::now(id)
     }
 
-    /// Returns a free name: `stem_1`, `stem_2`, ... without those taken.
+    /// Returns the next free name of `stem_1`, `stem_2`, ...
     fn name(&mut self, stem: &'static str) -> String {
         let number = self.numbers.entry(stem).or_insert(0);
         loop {
@@ -415,10 +423,10 @@ impl Monitors {
     }
 }
 
-/// Replaces [`ITSELF`] in a definition by a monitor's value.
-fn put(definition: &Expr, value: &Expr) -> Expr {
+/// Replaces [`SELF_VALUE`] in a definition by a monitor's value.
+fn replace_self(definition: &Expr, value: &Expr) -> Expr {
     let replaced = definition.substitute(&mut |v, time| {
-        if v == ITSELF {
+        if v == SELF_VALUE {
             value.clone()
         } else {
             Expr::Var(v, time)

@@ -1,19 +1,19 @@
-//! `once p`: p holds in this step or held in some step before.
+//! `once p`: p holds in this step or held in some earlier step.
 //!
-//! The monitor stores whether p held before. With a bound of n steps it counts down instead: n
-//! after a step with p, then one less in every step. A shift register would need n bits; the
-//! counter has those of 0..n, which are never more.
+//! The monitor stores whether p held before. With a bound of n steps it counts down instead: it is
+//! n after a step in which p held, then one less in every step. A shift register would need n bits;
+//! the counter 0..n never needs more.
 
-use super::{ITSELF, Monitors, Origin, choose};
+use super::{Monitors, Origin, SELF_VALUE, choose};
 use crate::gr1::{BinaryOp, Domain, Expr};
 
 impl Monitors {
-    /// Returns whether `p` holds now or held before.
+    /// Returns whether `p` holds now or held in an earlier step.
     pub fn once(&mut self, p: &Expr, origin: &Origin) -> Expr {
-        self.follow("once", false, |before| p.clone().or(before), origin)
+        self.track_now("once", false, |before| p.clone().or(before), origin)
     }
 
-    /// Returns whether `p` holds now or held in one of the `steps` steps before.
+    /// Returns whether `p` holds now or held in one of the previous `steps` steps.
     pub fn once_within(&mut self, p: &Expr, steps: u32, origin: &Origin) -> Expr {
         let p = p.simplify();
         match (steps, &p) {
@@ -29,8 +29,8 @@ impl Monitors {
         }
     }
 
-    /// Returns for how many steps, including this one, `p` will have held within `steps` steps if
-    /// it never holds again.
+    /// Returns for how many more steps, this step included, "`p` held in one of the previous
+    /// `steps` steps" stays true if `p` never holds again.
     pub(super) fn steps_left(
         &mut self,
         stem: &'static str,
@@ -39,7 +39,7 @@ impl Monitors {
         origin: &Origin,
     ) -> Expr {
         let high = i64::from(steps);
-        let less = Expr::binary(BinaryOp::Sub, Expr::now(ITSELF), Expr::Const(1));
+        let less = Expr::binary(BinaryOp::Sub, Expr::now(SELF_VALUE), Expr::Const(1));
         let left = Expr::binary(BinaryOp::Max, less, Expr::Const(0));
         let update = choose(p.clone(), Expr::Const(high), left);
         self.make(stem, Domain::Range { low: 0, high }, 0, &update, origin)

@@ -9,11 +9,11 @@
 //! | between q and r | `G ((q & !r & F r) -> (!p U (s or r)))` |
 //! | after q until r | `G ((q & !r) -> (!p W (s or r)))` |
 //!
-//! After q, Dwyer's formula is `G !q or F (q & (!p W s))`: some q, not the first, has to be
-//! followed by a good rest. That differs from his description of the scope, and no GR(1) formula
-//! can express it: where q always and s never holds, it is `F G !p`, which no deterministic monitor
-//! with justice recognises. We take the first q. Our formula implies Dwyer's, and is equivalent
-//! where q holds only once.
+//! After q, Dwyer's formula is `G !q or F (q & (!p W s))`: precedence has to hold after some q, not
+//! necessarily the first. That differs from his description of the scope, and no GR(1) formula can
+//! express it: if q always holds and s never does, it is `F G !p`, which no deterministic monitor
+//! with justice recognises. We take the first q. Our formula implies Dwyer's, and is equivalent to
+//! it if q holds only once.
 
 use super::{Expr, Monitors, Obligation, Origin, Scope};
 

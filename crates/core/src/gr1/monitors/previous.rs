@@ -1,7 +1,7 @@
 //! `previous p`: p held in the previous step; false in step 0.
 //!
-//! The monitor's update is p itself. If a monitor already stores the last value of p, as that of
-//! `once q` does for `previous (once q)`, it is reused.
+//! The monitor's update is p itself. If another monitor already stores the last value of p, it is
+//! reused: `previous (once q)` is the monitor of `once q`.
 
 use super::{Monitors, Origin};
 use crate::gr1::{Domain, Expr};
@@ -12,15 +12,12 @@ impl Monitors {
         let p = p.simplify();
         match self.delays.get(&p) {
             Some(id) => Expr::now(*id),
-            None => {
-                self.remember("previous", false, |_| p.clone(), origin)
-                    .before
-            }
+            None => self.track("previous", false, |_| p.clone(), origin).before,
         }
     }
 
-    /// Returns the value of `x` in the previous step; `initial` in step 0. `initial` and all values
-    /// of `x` are in `domain`.
+    /// Returns the value of `x` in the previous step; `initial` in step 0. `domain` must contain
+    /// `initial` and all values of `x`.
     pub fn previous_value(
         &mut self,
         x: &Expr,

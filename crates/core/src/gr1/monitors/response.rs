@@ -1,5 +1,5 @@
-//! Response: every p is answered by an s, in its step or later; with a bound of n steps, in its
-//! step or one of the n after it.
+//! Response: every p is answered by an s, in the same step or later; with a bound of n steps, in
+//! the same step or one of the n steps after it.
 //!
 //! | scope | meaning |
 //! |---|---|
@@ -9,8 +9,8 @@
 //! | between q and r | `G ((q & !r & F r) -> ((p -> (!r U (s & !r))) U r))` |
 //! | after q until r | `G ((q & !r) -> ((p -> (!r U (s & !r))) W r))` |
 //!
-//! With a bound, `F s` becomes `F<=n s`, and `!r U (s & !r)` becomes `!r U<=n (s & !r)`: the step
-//! meant is at most n steps away. An s in the step of r comes too late, as it does without a bound.
+//! With a bound, `F s` becomes `F<=n s`, and `!r U (s & !r)` becomes `!r U<=n (s & !r)`: s holds at
+//! most n steps later. With or without a bound, an s in the step of r is too late.
 
 use super::deadline::Deadline;
 use super::{Expr, Monitors, Obligation, Origin, Scope};
@@ -23,12 +23,12 @@ pub(super) fn lower(
     origin: &Origin,
 ) -> Vec<Obligation> {
     let inside = scope.inside(monitors, origin);
-    let asked = inside.and(trigger.clone());
-    // A request that is open when the scope closes has broken the pattern for good, so nothing is
-    // cleared then.
-    let open = |before: Expr| answer.clone().not().and(asked.clone().or(before));
-    let open = monitors.remember("unanswered", false, open, origin);
-    scope.some_day(&open)
+    let requested = inside.and(trigger.clone());
+    // The monitor is not reset when the scope closes: if a request is open then, the pattern is
+    // violated permanently.
+    let open = |before: Expr| answer.clone().not().and(requested.clone().or(before));
+    let open = monitors.track("unanswered", false, open, origin);
+    scope.eventually_done(&open)
 }
 
 pub(super) fn within(

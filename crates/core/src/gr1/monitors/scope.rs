@@ -2,25 +2,25 @@
 //! Finite-State Verification, ICSE 1999).
 //!
 //! A scope defines in which steps a pattern has to hold. All scopes are closed on the left and open
-//! on the right: the step of q belongs to the scope, the step of r does not; q and r in one step
-//! open nothing.
+//! on the right: the step of q belongs to the scope, the step of r does not. If q and r hold in the
+//! same step, no scope opens.
 //!
-//! | scope | open in the steps | what is not done when the run goes on for ever |
+//! | scope | open in the steps | if the scope never closes |
 //! |---|---|---|
-//! | globally | all | breaks the pattern |
-//! | before r | before the first r | is no matter: a scope that never closes does not count |
-//! | after q | from the first q on | breaks the pattern |
-//! | between q and r | from a q to the next r | is no matter, likewise |
-//! | after q until r | from a q to the next r, or for ever | breaks the pattern |
+//! | globally | all | the pattern has to hold |
+//! | before r | before the first r | there is no obligation |
+//! | after q | from the first q on | the pattern has to hold |
+//! | between q and r | from a q to the next r | there is no obligation |
+//! | after q until r | from a q to the next r, or for ever | the pattern has to hold |
 //!
-//! Dwyer's formulas for the last two are about *every* q: what has to happen in the scope has to
-//! happen after the last q in it.
+//! Dwyer's formulas for the last two scopes constrain *every* q: what has to happen in the scope
+//! has to happen after the last q in it.
 //!
 //! With the five functions below, a pattern is one formula for all scopes. The only real difference
-//! is whether a scope that never closes counts. If not, a mistake is remembered until r comes
-//! ([`Scope::never`]).
+//! is whether a scope counts if it never closes. If it does not, a violation is stored until r
+//! holds ([`Scope::never`]).
 
-use super::{BinaryOp, Expr, Kind, Monitors, Obligation, Origin, Remembered};
+use super::{BinaryOp, Expr, Kind, Monitors, Obligation, Origin, TrackedFormula};
 
 /// Steps in which a pattern has to hold. Operands are boolean expressions over current values.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -31,10 +31,10 @@ pub enum Scope {
     Before(Expr),
     /// From the first step in which the condition holds.
     After(Expr),
-    /// From every step in which the first holds to the next in which the second holds, if there is
-    /// one.
+    /// From every step in which the first condition holds to the next step in which the second
+    /// holds, if there is one.
     Between(Expr, Expr),
-    /// Like [`Between`](Self::Between), also if the second never holds again.
+    /// Like [`Between`](Self::Between), but also if the second condition never holds again.
     AfterUntil(Expr, Expr),
 }
 
@@ -45,12 +45,12 @@ impl Scope {
             Self::Globally => Expr::TRUE,
             Self::Before(r) => {
                 let open = |before| r.clone().not().and(before);
-                monitors.follow("before", true, open, origin)
+                monitors.track_now("before", true, open, origin)
             }
             Self::After(q) => monitors.once(q, origin),
             Self::Between(q, r) | Self::AfterUntil(q, r) => {
                 let open = |before| r.clone().not().and(q.clone().or(before));
-                monitors.follow("inside", false, open, origin)
+                monitors.track_now("inside", false, open, origin)
             }
         }
     }
@@ -63,7 +63,7 @@ impl Scope {
         }
     }
 
-    /// Returns whether only scopes that eventually close count.
+    /// Returns whether the scope counts only if it eventually closes.
     pub(super) fn counts_if_closed(&self) -> bool {
         matches!(self, Self::Before(_) | Self::Between(..))
     }
@@ -82,13 +82,13 @@ impl Scope {
         }
     }
 
-    /// Tracks whether the scope is open and `done` has not held since it was (last) opened.
+    /// Tracks whether the scope is open and `done` has not held since the scope was last opened.
     pub(super) fn waiting(
         &self,
         monitors: &mut Monitors,
         done: &Expr,
         origin: &Origin,
-    ) -> Remembered {
+    ) -> TrackedFormula {
         let stop = match self.end() {
             Some(r) => done.clone().or(r.clone()),
             None => done.clone(),
@@ -101,31 +101,31 @@ impl Scope {
             };
             stop.clone().not().and(open)
         };
-        monitors.remember("waiting", opening.is_none(), waits, origin)
+        monitors.track("waiting", opening.is_none(), waits, origin)
     }
 
-    /// Returns the obligation that `mistake`, which is false outside the scope, never happens in a
-    /// scope that counts. Nothing has to be cleared at r: if anything is remembered then, the
-    /// pattern is broken for good.
+    /// Returns the obligation that `violation`, which is false outside the scope, never holds in a
+    /// scope that counts. The monitor is not reset at r: if a violation is stored then, the pattern
+    /// is violated permanently.
     pub(super) fn never(
         &self,
         monitors: &mut Monitors,
-        mistake: &Expr,
+        violation: &Expr,
         origin: &Origin,
     ) -> Vec<Obligation> {
         match self.end() {
             Some(r) if self.counts_if_closed() => {
-                let broken = |before: Expr| mistake.clone().or(before);
-                let broken = monitors.remember("broken", false, broken, origin);
+                let broken = |before: Expr| violation.clone().or(before);
+                let broken = monitors.track("broken", false, broken, origin);
                 invariant(&r.clone().implies(broken.before.not()))
             }
-            _ => invariant(&mistake.clone().not()),
+            _ => invariant(&violation.clone().not()),
         }
     }
 
-    /// Returns the obligation that what is `open` is done before the scope closes, and eventually
-    /// in a scope that counts and never closes.
-    pub(super) fn some_day(&self, open: &Remembered) -> Vec<Obligation> {
+    /// Returns the obligation that `open` becomes false before the scope closes, or eventually in a
+    /// scope that never closes but counts.
+    pub(super) fn eventually_done(&self, open: &TrackedFormula) -> Vec<Obligation> {
         let mut found = match self.end() {
             Some(r) => invariant(&r.clone().implies(open.before.clone().not())),
             None => Vec::new(),

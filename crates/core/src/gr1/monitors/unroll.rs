@@ -1,15 +1,15 @@
-//! Formulas that read monitors, rewritten for places where monitors are not allowed.
+//! Rewriting of formulas that read monitors, for use as assumptions.
 //!
-//! A monitor is the machine's variable. An assumption about this step may mention inputs only, and
-//! one about the next step next values of inputs only. But a monitor's value in step 0 is known,
-//! and its next value is an expression over current values. So an invariant over inputs and
-//! monitors is equivalent to an initial condition and a safety formula that mention no monitor
-//! where none is allowed.
+//! A monitor is a variable of the machine. Initial conditions and invariants that are assumed may
+//! mention inputs only, and assumed safety may mention next values of inputs only. But a monitor's
+//! value in step 0 is known, and its next value is an expression over current values. So an
+//! invariant over inputs and monitors is equivalent to an initial condition without monitors and a
+//! safety formula without next values of monitors.
 
 use super::{Kind, Monitors, Obligation};
 use crate::gr1::{Expr, Time};
 
-/// An invariant, split into a formula for step 0 and one from every step to the next.
+/// An invariant, split into an initial condition and a safety formula.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnrolledInvariant {
     /// Holds in step 0; mentions no monitor.
@@ -20,16 +20,16 @@ pub struct UnrolledInvariant {
 }
 
 impl Monitors {
-    /// Splits an expression over current values that has to hold in every step.
+    /// Splits an invariant, which must be an expression over current values.
     pub fn unroll(&self, invariant: &Expr) -> UnrolledInvariant {
-        debug_assert!(!invariant.mentions_next(), "an invariant of next values");
+        debug_assert!(!invariant.mentions_next(), "the invariant has next values");
         UnrolledInvariant {
             initial: self.at_start(invariant),
             safety: self.one_step_later(invariant),
         }
     }
 
-    /// Returns an expression over current values as it is in step 0.
+    /// Replaces monitors in an expression over current values by their initial values.
     pub fn at_start(&self, expr: &Expr) -> Expr {
         let replaced = expr.substitute(&mut |v, time| match (self.get(v), time) {
             (Some(monitor), Time::Now) => Expr::Const(monitor.initial),
@@ -40,7 +40,7 @@ impl Monitors {
 
     /// Returns the value that an expression over current values will have in the next step.
     pub fn one_step_later(&self, expr: &Expr) -> Expr {
-        debug_assert!(!expr.mentions_next(), "two steps later");
+        debug_assert!(!expr.mentions_next(), "the expression has next values");
         let primed = expr.substitute(&mut |v, _| Expr::next(v));
         self.without_next_monitors(&primed)
     }
@@ -54,10 +54,10 @@ impl Monitors {
         replaced.simplify()
     }
 
-    /// Converts an obligation for use as an assumption: formulas that read a monitor are split,
-    /// those that are always true are dropped. The caller must check for outputs that an assumption
-    /// may not mention.
-    pub fn assumed(&self, obligation: &Obligation) -> Vec<Obligation> {
+    /// Converts an obligation to obligations that can be assumed: invariants that read a monitor
+    /// are split, and formulas that are always true are dropped. The caller must check that the
+    /// formulas mention no outputs that an assumption may not mention.
+    pub fn as_assumptions(&self, obligation: &Obligation) -> Vec<Obligation> {
         let Obligation { kind, expr } = obligation;
         let parts = match kind {
             Kind::Initial => vec![(Kind::Initial, self.at_start(expr))],

@@ -1,4 +1,4 @@
-//! Reads counters: `counter NAME(0..9) { NAME = 0; inc: p; reset: q; overflow: keep; }`.
+//! Parses counters: `counter NAME(0..9) { NAME = 0; inc: p; reset: q; overflow: keep; }`.
 
 use super::words::Word;
 use super::{Parsed, Parser};
@@ -26,7 +26,7 @@ impl Parser<'_> {
         };
         while !self.take("}") {
             if self.token().0 == Word::End {
-                return self.unexpected("`}`", "the braces are not closed");
+                return self.unexpected("`}`", "close the braces");
             }
             let section = if self.is_ahead(1, ":") {
                 self.word()
@@ -58,7 +58,7 @@ impl Parser<'_> {
                             "false" => Overflow::Refuse,
                             "modulo" => Overflow::Modulo,
                             _ => {
-                                return self.unexpected("`keep`, `false` or `modulo`", "`keep` stays at the end of the range, `modulo` goes on at the other end, `false` forbids to leave it");
+                                return self.unexpected("`keep`, `false` or `modulo`", "`keep` stays at the end of the range, `modulo` continues at the other end, `false` forbids leaving the range");
                             }
                         };
                         self.next();

@@ -1,5 +1,5 @@
-//! Reads what begins with a keyword of its own: variables, types, imports, weights ...; longer ones
-//! have their own files.
+//! Parses declarations: variables, types, imports, weights, ...; the longer ones have their own
+//! modules.
 
 use super::words::Word;
 use super::{DECLARATIONS, Parsed, Parser, is_keyword, owner};
@@ -116,7 +116,7 @@ impl Parser<'_> {
         !word.is_empty() && !is_keyword(word)
     }
 
-    /// `Int(0..3) x`
+    /// Parses a type and a name: `Int(0..3) x`.
     pub fn variable(&mut self) -> Parsed<Parameter> {
         let of = self.type_name()?;
         let name = self.name("a variable's name")?;

@@ -1,4 +1,4 @@
-//! Reads defines, predicates and patterns.
+//! Parses defines, predicates and patterns.
 
 use super::{Parsed, Parser};
 use crate::spectra::syntax::{Define, Elements, Parameter, Pattern, Predicate};
@@ -19,7 +19,7 @@ impl Parser<'_> {
 
     pub fn elements(&mut self) -> Parsed<Elements> {
         let start = self.start();
-        self.expect("{", "an array's elements are written in braces: `{a, b}`")?;
+        self.expect("{", "write an array's elements in braces: `{a, b}`")?;
         self.deeper()?;
         let mut found = Vec::new();
         loop {
@@ -33,7 +33,7 @@ impl Parser<'_> {
             }
         }
         self.depth -= 1;
-        self.expect("}", "an array's elements are written in braces: `{a, b}`")?;
+        self.expect("}", "write an array's elements in braces: `{a, b}`")?;
         Ok(Elements::Many(found, self.since(start)))
     }
 
@@ -48,7 +48,7 @@ impl Parser<'_> {
             };
             self.expect(
                 ")",
-                "parameters are written in parentheses: `predicate p(boolean a):`",
+                "write parameters in parentheses: `predicate p(boolean a):`",
             )?;
             found
         } else {
@@ -91,10 +91,10 @@ impl Parser<'_> {
                     break;
                 }
             }
-            self.expect(")", "parameters are written in parentheses: `pattern p(a, b) {`")?;
+            self.expect(")", "write parameters in parentheses: `pattern p(a, b) {`")?;
         }
         let mut variables = Vec::new();
-        self.expect("{", "a pattern's formulas are written in braces")?;
+        self.expect("{", "write a pattern's formulas in braces")?;
         while self.take_word("var") {
             variables.push(self.variable()?);
             self.end()?;

@@ -1,7 +1,8 @@
-//! Reads formulas. Operators by rank, the loosest first:
+//! Parses formulas. Operators by precedence, the loosest first:
 //!
 //! ```text
-//! in {..}   -> implies   <-> iff   | or xor   & and   = != < > <= >=   mod %   + -   * /   S SINCE T TRIGGERED   PREV ONCE ...
+//! in {..}   -> implies   <-> iff   | or xor   & and   = != < > <= >=   mod %   + -   * /
+//! S SINCE T TRIGGERED   PREV ONCE ...
 //! ```
 
 use super::words::Word;
@@ -9,7 +10,7 @@ use super::{Parsed, Parser};
 use crate::spectra::syntax::{Item, Name, Node, Past, Shape, SinceOp};
 use linewright_core::gr1::BinaryOp;
 
-/// What can be said of a whole array.
+/// Functions of a whole array.
 const FUNCTIONS: [&str; 6] = ["all", "any", "prod", "sum", "min", "max"];
 
 const IMPLIES: u8 = 1;
@@ -25,12 +26,12 @@ enum Infix {
 }
 
 impl Parser<'_> {
-    /// A formula with everything that may appear in it.
+    /// Parses a formula of any form.
     pub fn formula(&mut self) -> Parsed<Node> {
         self.deeper()?;
         let start = self.start();
         let mut node = self.operators(0)?;
-        // Looser than all others.
+        // `in` binds most loosely.
         let negated = self.word() == "not" && self.word_ahead(1) == "in";
         if negated || self.word() == "in" {
             self.next();
@@ -114,11 +115,11 @@ impl Parser<'_> {
         })
     }
 
-    /// Operators that bind as tightly as `least` or tighter, and their operands.
+    /// Parses operators of at least the precedence `least`, and their operands.
     pub fn operators(&mut self, least: u8) -> Parsed<Node> {
         let start = self.start();
         let mut left = self.unary()?;
-        // The rank of the operators that `left` is made of, if they were written here.
+        // The precedence of the last operator in `left`; `None` for a single operand.
         let mut made = None;
         while let Some((rank, operator)) = self.infix().filter(|(rank, _)| *rank >= least) {
             if made == Some(rank) && matches!(rank, RELATION | REMAINDER) {
@@ -213,17 +214,17 @@ impl Parser<'_> {
                 self.next();
                 self.expect("(", "write `next(x)`")?;
                 let inner = self.formula()?;
-                self.expect(")", "the parenthesis is not closed")?;
+                self.expect(")", "close the parenthesis")?;
                 Shape::Next(Box::new(inner))
             }
             "regexp" => {
                 self.next();
                 self.expect("(", "write `regexp(r)`")?;
                 let regexp = self.regexp()?;
-                self.expect(")", "the parenthesis is not closed")?;
+                self.expect(")", "close the parenthesis")?;
                 Shape::Matches(regexp)
             }
-            // Older versions of the language knew no quantifiers: there these words are names of
+            // Older versions of the language had no quantifiers, so these words can name
             // predicates.
             "forall" | "exists" if !self.is_ahead(1, "(") => {
                 self.next();
@@ -244,13 +245,13 @@ impl Parser<'_> {
             "" if self.token().0 == Word::Number => Shape::Number(self.number()?),
             "" if self.take("(") => {
                 let inner = self.formula()?;
-                self.expect(")", "the parenthesis is not closed")?;
+                self.expect(")", "close the parenthesis")?;
                 return Ok(inner);
             }
             "" => {
                 return self.unexpected(
                     "a formula",
-                    "formulas are made of variables, constants, `! & | -> <->`, comparisons, `+ - * / mod`, `next(x)` and `PREV ONCE HISTORICALLY SINCE TRIGGERED`",
+                    "write formulas with variables, constants, `! & | -> <->`, comparisons, `+ - * / mod`, `next(x)` and `PREV ONCE HISTORICALLY SINCE TRIGGERED`",
                 );
             }
             _ => self.named()?,
@@ -272,13 +273,13 @@ impl Parser<'_> {
                     break;
                 }
             }
-            self.expect(")", "the parenthesis is not closed")?;
+            self.expect(")", "close the parenthesis")?;
             return Ok(Shape::Call(name, arguments));
         }
         let mut indices = Vec::new();
         while self.take("[") {
             indices.push(self.formula()?);
-            self.expect("]", "the bracket is not closed")?;
+            self.expect("]", "close the bracket")?;
         }
         if self.is(".") && FUNCTIONS.contains(&self.word_ahead(1)) {
             self.next();
@@ -299,8 +300,8 @@ impl Parser<'_> {
             Ok(value) if value < 1 << 40 => Ok(value),
             _ => self.report(
                 range,
-                "this number is too large to be counted with",
-                "numbers are smaller than 2^40",
+                "this number is too large",
+                "use numbers smaller than 2^40",
             ),
         }
     }

@@ -1,8 +1,8 @@
-//! Reads words into declarations. A mistake is reported, and reading goes on behind the next `;` or
-//! at the next declaration.
+//! Parses a file into declarations. After an error, parsing continues after the next `;` or at the
+//! next declaration.
 //!
-//! By hand rather than with pest: each declaration is read on its own, so that all mistakes of a
-//! file are found at once, and the nesting is counted while it is read.
+//! The parser is written by hand rather than with pest, so that it finds the errors of all
+//! declarations at once and can limit the nesting.
 
 mod counter;
 mod declarations;
@@ -22,10 +22,10 @@ use std::ops::Range;
 pub(super) use words::one_line;
 use words::{Token, Word, words};
 
-/// Formulas may nest so deeply.
+/// Maximum nesting depth of formulas.
 pub(super) const MAX_NESTING: u32 = 400;
 
-/// A mistake was reported.
+/// Marker for an error that is already in the findings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Reported;
 
@@ -40,9 +40,9 @@ pub(super) struct Parser<'t> {
     pub findings: Vec<Diagnostic>,
 }
 
-const DECLARATIONS: &str = "a file begins with `spec NAME` and goes on with types, variables (`env`, `sys`, `aux`), `define`, `predicate`, `pattern`, `monitor`, `counter`, `regexp`, `asm` and `gar`";
+const DECLARATIONS: &str = "begin the file with `spec NAME`; then write types, variables (`env`, `sys`, `aux`), `define`, `predicate`, `pattern`, `monitor`, `counter`, `regexp`, `asm` and `gar`";
 
-/// The words that begin a declaration.
+/// Whether a word begins a declaration.
 fn begins_declaration(word: &str) -> bool {
     owner(word).is_some()
         || matches!(
@@ -65,7 +65,7 @@ fn begins_declaration(word: &str) -> bool {
         )
 }
 
-/// Whose variable a word declares, and whether it is an auxiliary one.
+/// The owner of the variable that a word declares, and whether the variable is auxiliary.
 fn owner(word: &str) -> Option<(Owner, bool)> {
     match word {
         "output" | "out" | "sysvar" | "sys" => Some((Owner::System, false)),
@@ -85,7 +85,7 @@ fn when(word: &str) -> Option<TemporalForm> {
     }
 }
 
-/// Words that are no names.
+/// Whether a word is reserved.
 pub(crate) fn is_keyword(word: &str) -> bool {
     begins_declaration(word)
         || when(word).is_some()
@@ -104,7 +104,7 @@ pub(crate) fn is_keyword(word: &str) -> bool {
         || matches!(word, "var" | "GE" | "GEF")
 }
 
-/// Reads a text: the specification's name, and what it declares.
+/// Parses a text into its declarations and the findings.
 pub(super) fn parse(file: FileId, text: &str) -> (Vec<Declaration>, Vec<Diagnostic>) {
     let mut parser = Parser {
         text,
@@ -131,7 +131,7 @@ impl<'t> Parser<'t> {
         self.tokens[(self.at + by).min(self.tokens.len() - 1)].clone()
     }
 
-    /// The word at hand as it is written; nothing for what is no name.
+    /// The text of the current token if it is a name or keyword, otherwise an empty text.
     pub fn word(&self) -> &'t str {
         match self.token() {
             (Word::Name, range) => &self.text[range],
@@ -180,12 +180,12 @@ impl<'t> Parser<'t> {
         Span::new(self.file, range.start, range.end)
     }
 
-    /// Where the word at hand begins.
+    /// Byte offset of the current token.
     pub fn start(&self) -> usize {
         self.token().1.start
     }
 
-    /// From `start` to the end of the last word read.
+    /// The location from `start` to the end of the last consumed token.
     pub fn since(&self, start: usize) -> Span {
         let end = self.tokens[self.at.saturating_sub(1)].1.end;
         self.span(start..end.max(start))
@@ -203,14 +203,14 @@ impl<'t> Parser<'t> {
         Err(Reported)
     }
 
-    /// The word at hand is not what was expected.
+    /// Reports that the current token is not the expected one.
     pub fn unexpected<T>(&mut self, expected: &str, help: &str) -> Parsed<T> {
         let (word, range) = self.token();
-        // In regular expressions this sign is read where it may appear.
+        // The valid uses of this sign, in regular expressions, are parsed elsewhere.
         if word == Word::Sign("?") {
             return self.report(
                 range,
-                "Spectra has no choice `c ? a : b`",
+                "Spectra has no conditional operator `c ? a : b`",
                 "write `(c -> a) & (!c -> b)`; for a number, `(c -> x = 1) & (!c -> x = 2)`",
             );
         }
@@ -232,7 +232,7 @@ impl<'t> Parser<'t> {
         self.name_or(what, &[])
     }
 
-    /// A name that parentheses may follow; there, quantifiers cannot be meant.
+    /// Parses a name that parentheses can follow; before `(`, `forall` and `exists` are names too.
     fn name_of_definition(&mut self, what: &str) -> Parsed<Name> {
         let quantifiers: &[&str] = if self.is_ahead(1, "(") {
             &["forall", "exists"]
@@ -242,16 +242,16 @@ impl<'t> Parser<'t> {
         self.name_or(what, quantifiers)
     }
 
-    /// A name; some keywords may be one here.
+    /// Parses a name; the `allowed` keywords count as names.
     fn name_or(&mut self, what: &str, allowed: &[&str]) -> Parsed<Name> {
         let word = self.word();
         if word.is_empty() {
-            return self.unexpected(what, "names are made of letters, digits and `_`");
+            return self.unexpected(what, "use letters, digits and `_` in a name");
         }
         if is_keyword(word) && !allowed.contains(&word) {
             return self.unexpected(
                 what,
-                "this word belongs to the language; write another name, or `^` before it",
+                "this is a keyword; use another name, or write `^` before it",
             );
         }
         let range = self.next();
@@ -272,8 +272,8 @@ impl<'t> Parser<'t> {
                 if named {
                     let _ = self.report::<()>(
                         range,
-                        "there is a specification already",
-                        "a file has one `spec NAME`, behind its imports",
+                        "the file already has a `spec`",
+                        "write `spec NAME` once, after the imports",
                     );
                 }
                 named = true;
@@ -300,13 +300,13 @@ impl<'t> Parser<'t> {
             let _ = self.report::<()>(
                 place,
                 "the specification has no name",
-                "write `spec NAME` here, behind the imports and before the first declaration",
+                "write `spec NAME` here, after the imports and before the first declaration",
             );
         }
         found
     }
 
-    /// Skips the rest of a declaration that begins at `from` and could not be read.
+    /// Skips the rest of an invalid declaration that begins at the token `from`.
     fn resume(&mut self, from: usize) {
         if self.at == from {
             self.next();
@@ -316,7 +316,7 @@ impl<'t> Parser<'t> {
                 Word::End => return,
                 Word::Sign(";") => {
                     self.next();
-                    // What is left of braces, and of the declarations in them.
+                    // Skip to the end of braces too, including the formulas in them.
                     if !self.is("}") && !self.inside(from) {
                         return;
                     }
@@ -333,7 +333,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Whether braces that were opened since a word are still open.
+    /// Whether braces that were opened since the token `from` are still open.
     fn inside(&self, from: usize) -> bool {
         let mut open = 0_i64;
         for (word, _) in &self.tokens[from..self.at] {
@@ -354,14 +354,14 @@ impl<'t> Parser<'t> {
             let word = quoted(&self.text[before.clone()]);
             return self.report(
                 before,
-                format!("`;` is missing behind `{word}`"),
+                format!("`;` is missing after `{word}`"),
                 "declarations end with `;`",
             );
         }
         self.expect(";", "declarations end with `;`")
     }
 
-    /// Counts the nesting.
+    /// Increments the nesting depth; reports one that is too large.
     pub fn deeper(&mut self) -> Parsed<()> {
         self.depth += 1;
         if self.depth > MAX_NESTING {
@@ -369,8 +369,8 @@ impl<'t> Parser<'t> {
             self.depth = 0;
             return self.report(
                 range,
-                format!("this nests more than {MAX_NESTING} deep"),
-                "give parts of it names with `define`",
+                format!("this nests more than {MAX_NESTING} levels deep"),
+                "name parts of it with `define`",
             );
         }
         Ok(())

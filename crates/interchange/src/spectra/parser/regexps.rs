@@ -1,10 +1,11 @@
-//! Reads regular expressions over steps.
+//! Parses regular expressions over steps.
 
 use super::{Parsed, Parser};
 use crate::spectra::syntax::{Node, Regexp, RegexpShape, Shape};
 
 impl Parser<'_> {
-    /// Sequences, `&` and `|` bind alike, from left to right, as in the language's grammar.
+    /// Parses a regular expression. As in the language's grammar, sequences, `&` and `|` have equal
+    /// precedence and group from the left.
     pub fn regexp(&mut self) -> Parsed<Regexp> {
         self.deeper()?;
         let start = self.start();
@@ -99,7 +100,7 @@ impl Parser<'_> {
             }
             "" if self.take("[") => {
                 let node = self.formula()?;
-                self.expect("]", "a step's condition is written in brackets: `[p]`")?;
+                self.expect("]", "write a step's condition in brackets: `[p]`")?;
                 RegexpShape::Step(Box::new(node))
             }
             "" if self.take("(") => {
@@ -107,14 +108,14 @@ impl Parser<'_> {
                     RegexpShape::Empty
                 } else {
                     let inner = self.regexp()?;
-                    self.expect(")", "the parenthesis is not closed")?;
+                    self.expect(")", "close the parenthesis")?;
                     return Ok(inner);
                 }
             }
             "" => {
                 return self.unexpected(
                     "a regular expression",
-                    "they are made of `[p]`, `true`, `false`, `()`, names and `* + ? {n} {n,m} & | ~`",
+                    "use `[p]`, `true`, `false`, `()`, names and `* + ? {n} {n,m} & | ~`",
                 );
             }
             _ => RegexpShape::Named(self.name("a regular expression")?.text),

@@ -1,4 +1,4 @@
-//! Reads assumptions and guarantees, and the formulas of monitors and patterns.
+//! Parses assumptions and guarantees, and the formulas of monitors and patterns.
 
 use super::words::Word;
 use super::{Parsed, Parser, when};
@@ -16,10 +16,10 @@ impl Parser<'_> {
                 parameters = self.parameters()?;
                 self.expect(
                     "}",
-                    "parameters are written in braces: `gar name{Int(0..3) i}: ...`",
+                    "write parameters in braces: `gar name{Int(0..3) i}: ...`",
                 )?;
             }
-            self.expect(":", "a name is followed by `:`")?;
+            self.expect(":", "write `:` after the name")?;
         }
         let start = self.start();
         let body = match self.word() {
@@ -56,7 +56,7 @@ impl Parser<'_> {
     }
 
     pub fn clauses(&mut self, what: &str) -> Parsed<Vec<Clause>> {
-        self.expect("{", &format!("a {what}'s formulas are written in braces"))?;
+        self.expect("{", &format!("write a {what}'s formulas in braces"))?;
         self.clauses_inside()
     }
 
@@ -64,7 +64,7 @@ impl Parser<'_> {
         let mut found = Vec::new();
         while !self.take("}") {
             if self.token().0 == Word::End {
-                return self.unexpected("`}`", "the braces are not closed");
+                return self.unexpected("`}`", "close the braces");
             }
             found.push(self.clause()?);
             self.end()?;

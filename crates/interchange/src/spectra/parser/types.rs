@@ -1,4 +1,4 @@
-//! Reads types, ranges and sizes.
+//! Parses types, ranges and sizes.
 
 use super::formulas::REMAINDER;
 use super::words::Word;
@@ -6,22 +6,22 @@ use super::{Parsed, Parser};
 use crate::spectra::syntax::{Base, Name, Node, TypeName};
 
 impl Parser<'_> {
-    /// The sizes of an array: `[2][n]`.
+    /// Parses the sizes of an array: `[2][n]`.
     pub fn sizes(&mut self) -> Parsed<Vec<Node>> {
         let mut found = Vec::new();
         while self.take("[") {
             found.push(self.size()?);
-            self.expect("]", "the bracket is not closed")?;
+            self.expect("]", "close the bracket")?;
         }
         Ok(found)
     }
 
-    /// A number, a define or a calculation: what sizes are made of.
+    /// Parses an arithmetic expression, without comparisons and logical operators.
     pub fn size(&mut self) -> Parsed<Node> {
         self.operators(REMAINDER)
     }
 
-    /// `0..3`
+    /// Parses a range: `0..3`.
     pub fn range(&mut self) -> Parsed<(Node, Node)> {
         let low = self.size()?;
         self.expect("..", "write a range as `0..3`")?;
@@ -69,7 +69,7 @@ impl Parser<'_> {
         })
     }
 
-    /// A value of an enumeration: a name or a number.
+    /// Parses a value of an enumeration: a name or a number.
     fn label(&mut self) -> Parsed<Name> {
         if self.token().0 == Word::Number {
             let range = self.next();

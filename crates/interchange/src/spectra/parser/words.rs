@@ -1,8 +1,8 @@
-//! The words of a Spectra file.
+//! Splits a Spectra file into tokens.
 
 use std::ops::Range;
 
-/// What a word is.
+/// A token kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Word {
     /// A name or a keyword.
@@ -13,22 +13,22 @@ pub(super) enum Word {
     Quoted,
     /// An operator or a bracket.
     Sign(&'static str),
-    /// What the language has no use for.
+    /// A character outside the language.
     Stray,
     /// The end of the file.
     End,
 }
 
-/// A word and its place.
+/// A token kind and its byte range.
 pub(super) type Token = (Word, Range<usize>);
 
-/// Longer signs come before their beginnings.
+/// Operators and brackets, each before its own prefixes.
 const SIGNS: [&str; 30] = [
     "<->", "|=>", ":=", "..", "->", "!=", "<=", ">=", "<", ">", "=", "(", ")", "{", "}", "[", "]",
     ",", ";", ":", ".", "&", "|", "!", "+", "-", "*", "/", "%", "~",
 ];
 
-/// The words of a text without its comments: `-- ...`, `// ...`, `/* ... */`. The last one is
+/// The tokens of a text without its comments `-- ...`, `// ...`, `/* ... */`; the last token is
 /// [`Word::End`].
 pub(super) fn words(text: &str) -> Vec<Token> {
     let mut found = Vec::new();
@@ -53,7 +53,7 @@ pub(super) fn words(text: &str) -> Vec<Token> {
                 Word::Name,
                 run(rest, |c| c.is_ascii_alphanumeric() || c == b'_'),
             ),
-            // Xtext lets a keyword be a name behind this sign.
+            // Xtext allows a keyword as a name after this sign.
             b'^' if rest[1..].starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') => (
                 Word::Name,
                 1 + run(&rest[1..], |c| c.is_ascii_alphanumeric() || c == b'_'),
@@ -81,7 +81,7 @@ fn run(text: &str, of: impl Fn(u8) -> bool) -> usize {
     end.unwrap_or(text.len())
 }
 
-/// A piece of a text in one line, without comments.
+/// The text in one line, without comments.
 pub(in crate::spectra) fn one_line(text: &str) -> String {
     let mut line = String::new();
     let mut last = 0;

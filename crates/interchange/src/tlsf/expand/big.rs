@@ -1,4 +1,4 @@
-//! Big operators: what they run over, and what their rounds come to.
+//! Evaluates big operators: their ranges, iterations and results.
 
 use super::super::ast::{BigOperator, Binary, Kind, Tree};
 use super::super::ltl::Place;
@@ -9,9 +9,9 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 impl<'f> Expander<'f, '_> {
-    /// The values of a body for every choice of what its operator runs over. The recursion is as
-    /// deep as there are ranges.
-    pub(super) fn rounds(
+    /// Evaluates the body for each combination of the ranges' elements. The recursion depth is the
+    /// number of ranges.
+    pub(super) fn iterate(
         &mut self,
         ranges: &'f [Tree],
         body: &'f Tree,
@@ -35,12 +35,12 @@ impl<'f> Expander<'f, '_> {
                 value,
                 outer: scope,
             };
-            self.rounds(rest, body, Some(&bound), inner, values)?;
+            self.iterate(rest, body, Some(&bound), inner, values)?;
         }
         Ok(())
     }
 
-    /// `0 <= i < n` or `i IN S`
+    /// The variable and the elements of a range `0 <= i < n` or `i IN S`.
     pub(super) fn range(
         &mut self,
         tree: &'f Tree,
@@ -75,12 +75,12 @@ impl<'f> Expander<'f, '_> {
             codes::SYNTAX,
             &tree.range,
             site,
-            "this is nothing to run over",
+            "this is not a range to iterate over",
             "write `&&[0 <= i < n]` or `&&[i IN {1,2,5}]`",
         )
     }
 
-    pub(super) fn gathered(
+    pub(super) fn combine(
         &mut self,
         op: BigOperator,
         values: &[Value],
@@ -110,7 +110,7 @@ impl<'f> Expander<'f, '_> {
                             &body.range,
                             site,
                             format!("this is {}, where a number is needed", value.word()),
-                            "`SUM` and `PROD` are for numbers",
+                            "use `SUM` and `PROD` with numbers",
                         );
                     };
                     result = result.and_then(|r| {
@@ -121,7 +121,7 @@ impl<'f> Expander<'f, '_> {
                         }
                     });
                 }
-                self.counted(result, tree, site)
+                self.checked_number(result, tree, site)
             }
             BigOperator::Cup | BigOperator::Cap => {
                 let mut result: Option<BTreeSet<Value>> = None;
@@ -132,7 +132,7 @@ impl<'f> Expander<'f, '_> {
                             &body.range,
                             site,
                             format!("this is {}, where a set is needed", value.word()),
-                            "`CUP` and `CAP` are for sets",
+                            "use `CUP` and `CAP` with sets",
                         );
                     };
                     result = Some(match result {
@@ -146,8 +146,8 @@ impl<'f> Expander<'f, '_> {
                         codes::DOMAIN_EMPTY,
                         &tree.range,
                         site,
-                        "the intersection of no sets at all is not defined",
-                        "let it run over one set at least",
+                        "the intersection of no sets is undefined",
+                        "iterate over at least one set",
                     );
                 }
                 Ok(Value::Set(Rc::new(result.unwrap_or_default())))
@@ -155,15 +155,20 @@ impl<'f> Expander<'f, '_> {
         }
     }
 
-    pub(super) fn counted(&mut self, result: Option<i64>, tree: &Tree, site: u32) -> Result<Value> {
+    pub(super) fn checked_number(
+        &mut self,
+        result: Option<i64>,
+        tree: &Tree,
+        site: u32,
+    ) -> Result<Value> {
         match result {
             Some(n) => Ok(Value::Number(n)),
             None => self.fail(
                 codes::NUMBER_RANGE,
                 &tree.range,
                 site,
-                "this number is too large to count with",
-                "numbers have to fit 64 bits",
+                "this number is too large",
+                "use numbers that fit in 64 bits",
             ),
         }
     }

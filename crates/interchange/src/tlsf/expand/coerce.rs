@@ -1,4 +1,4 @@
-//! Values as what their place needs: a truth value, a number, a set.
+//! Converts values to the type that their context needs; reports other types.
 
 use super::super::ast::Tree;
 use super::super::ltl::FormulaId;
@@ -32,14 +32,14 @@ impl<'f> Expander<'f, '_> {
                 &tree.range,
                 site,
                 "this is a bus, where a truth value is needed",
-                "name one of its elements, `b[0]`, or compare it with a value of its enumeration",
+                "refer to one of its elements, `b[0]`, or compare it with a value of its enumeration",
             ),
             other => self.fail(
                 codes::TYPE_MISMATCH,
                 &tree.range,
                 site,
                 format!("this is {}, where a truth value is needed", other.word()),
-                "compare it with something",
+                "compare it with another value",
             ),
         }
     }
@@ -62,7 +62,7 @@ impl<'f> Expander<'f, '_> {
                 &tree.range,
                 site,
                 format!("this is {}, where a number is needed", other.word()),
-                "numbers are constants, parameters, sums and the like, and `SIZEOF` of a bus",
+                "write a constant, a parameter, a calculation or `SIZEOF` of a bus",
             ),
         }
     }
@@ -80,7 +80,7 @@ impl<'f> Expander<'f, '_> {
                 &tree.range,
                 site,
                 format!("this is {}, where a set is needed", other.word()),
-                "sets are written `{1,2,5}` or `{0,1..n}`",
+                "write a set as `{1,2,5}` or `{0,1..n}`",
             ),
         }
     }

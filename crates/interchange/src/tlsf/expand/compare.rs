@@ -1,4 +1,4 @@
-//! `==` and `!=`: numbers, sets, and buses with values of their enumerations.
+//! Evaluates `==` and `!=` on numbers, sets, and buses with values of their enumerations.
 
 use super::super::ast::Tree;
 use super::super::ltl::{FormulaId, Op, Place};
@@ -28,7 +28,7 @@ impl Expander<'_, '_> {
                         "compare a bus with a value of its own enumeration",
                     );
                 }
-                return Ok(self.coded(bits, &codes, place));
+                return Ok(self.has_code(bits, &codes, place));
             }
             (Value::Bus(p), Value::Bus(q)) if p.len() == q.len() => {
                 let mut parts = Vec::new();
@@ -58,13 +58,13 @@ impl Expander<'_, '_> {
                 &tree.range,
                 site,
                 format!("{} is compared with {} here", x.word(), y.word()),
-                "`==` is for numbers, sets, and buses with values of their enumerations; for formulas it is `<->`",
+                "use `==` for numbers, sets, and buses with values of their enumerations, and `<->` for formulas",
             ),
         }
     }
 
-    /// Whether a bus shows one of some codes.
-    pub fn coded(
+    /// The formula that a bus has one of the codes.
+    pub fn has_code(
         &mut self,
         bits: &[VarId],
         codes: &[Vec<Option<bool>>],

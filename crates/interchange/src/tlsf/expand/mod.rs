@@ -1,7 +1,7 @@
-//! Expands definitions, big operators and sets: what is left are signals and operators of temporal
-//! logic.
+//! Expands definitions, big operators and sets; the result has only signals and temporal and
+//! Boolean operators.
 //!
-//! The expansion is bounded in steps, in depth and in the size of what it makes.
+//! The expansion limits its steps, its depth and the size of the formulas.
 
 mod big;
 mod coerce;
@@ -24,26 +24,26 @@ use std::rc::Rc;
 
 /// Maximum number of expressions evaluated for one file.
 const MAX_STEPS: u64 = 4_000_000;
-/// Evaluations nest so deep; the stack is that of [`crate::read`].
+/// Maximum nesting depth of evaluations, on the stack of [`crate::read`].
 const MAX_DEPTH: u32 = 4_000;
 /// Maximum number of elements of a set.
 const MAX_SET: i64 = 1 << 16;
-/// `X[n]` looks at most so far ahead.
+/// Maximum number of steps in `X[n]`, `G[n:m]` and `F[n:m]`.
 const MAX_AHEAD: i64 = 256;
 
-/// What went wrong has been said.
+/// Marker for an error that is already in the findings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct AlreadyReported;
 
 type Result<T> = std::result::Result<T, AlreadyReported>;
 
-/// What names stand for, outside of functions.
+/// Global names and their meanings.
 #[derive(Debug)]
 pub(super) struct Globals<'f> {
     pub definitions: BTreeMap<(&'f str, usize), &'f Definition>,
     pub enumerations: &'f [Enumeration],
     pub labels: BTreeMap<&'f str, (usize, usize)>,
-    /// Signals that are single, and buses.
+    /// Values of single signals and buses.
     pub signals: BTreeMap<&'f str, Value>,
 }
 
@@ -76,7 +76,7 @@ impl<'f, 'r> Expander<'f, 'r> {
         }
     }
 
-    /// A formula of a section.
+    /// Expands a formula of a section.
     pub fn formula(&mut self, tree: &'f Tree) -> Result<FormulaId> {
         let value = self.value(tree, None, 0)?;
         self.as_formula(&value, tree, 0)
@@ -113,7 +113,7 @@ impl<'f, 'r> Expander<'f, 'r> {
         self.report.push(finding);
     }
 
-    /// The recursion is bounded by [`MAX_DEPTH`].
+    /// Evaluates an expression; [`MAX_DEPTH`] limits the recursion.
     fn value(&mut self, tree: &'f Tree, scope: Scope<'_>, site: u32) -> Result<Value> {
         self.steps += 1;
         if self.depth >= MAX_DEPTH {
@@ -122,7 +122,7 @@ impl<'f, 'r> Expander<'f, 'r> {
                 &tree.range,
                 site,
                 format!("calls nest more than {MAX_DEPTH} levels deep here"),
-                "a function that calls itself needs a case in which it does not",
+                "give a recursive function a case that ends the recursion",
             );
         }
         if self.steps > MAX_STEPS || self.formulas.too_large {
@@ -130,7 +130,7 @@ impl<'f, 'r> Expander<'f, 'r> {
                 codes::TOO_LARGE,
                 &tree.range,
                 site,
-                "the file becomes too large once its definitions are written out",
+                "the file becomes too large after its definitions are expanded",
                 "give the parameters smaller values",
             );
         }
@@ -151,8 +151,8 @@ impl<'f, 'r> Expander<'f, 'r> {
                     codes::SYNTAX,
                     &tree.range,
                     site,
-                    "`_` stands for anything in a pattern, and for nothing elsewhere",
-                    "patterns follow `~`",
+                    "`_` is only allowed in a pattern",
+                    "write a pattern after `~`",
                 );
             }
             Kind::Name(name) => return self.name(name, tree, scope, site),
@@ -160,15 +160,15 @@ impl<'f, 'r> Expander<'f, 'r> {
             Kind::Element(name, index) => {
                 let found = match ScopeBinding::find(scope, name) {
                     Some(value) => value,
-                    None => self.named(name, tree, site)?,
+                    None => self.resolve(name, tree, site)?,
                 };
                 let Value::Bus(bits) = found else {
                     return self.fail(
                         codes::TYPE_MISMATCH,
                         &tree.range,
                         site,
-                        format!("`{}` is {}, no bus", quoted(name), found.word()),
-                        "only buses have elements",
+                        format!("`{}` is {}, not a bus", quoted(name), found.word()),
+                        "use an index only with a bus",
                     );
                 };
                 let index = self.numeric(index, scope, site)?;
@@ -178,7 +178,7 @@ impl<'f, 'r> Expander<'f, 'r> {
                         &tree.range,
                         site,
                         format!("`{}` has no element {index}", quoted(name)),
-                        format!("its elements are 0 to {}", bits.len() as i64 - 1),
+                        format!("use an index from 0 to {}", bits.len() as i64 - 1),
                     );
                 };
                 Value::Formula(self.formulas.make(Op::Atom(*bit), place))
@@ -218,16 +218,16 @@ impl<'f, 'r> Expander<'f, 'r> {
             }
             Kind::Big(op, ranges, body) => {
                 let mut values = Vec::new();
-                self.rounds(ranges, body, scope, site, &mut values)?;
-                return self.gathered(*op, &values, tree, body, site);
+                self.iterate(ranges, body, scope, site, &mut values)?;
+                return self.combine(*op, &values, tree, body, site);
             }
             Kind::And(list) | Kind::Or(list) => {
                 let and = matches!(tree.kind, Kind::And(_));
                 let mut parts = Vec::new();
                 for part in list {
                     let f = self.condition(part, scope, site)?;
-                    // As guards do: what is decided needs no further look, which may be outside a
-                    // bus.
+                    // Stop at the first decisive operand, as guards do: later operands may index
+                    // outside a bus.
                     let decided = self.formulas.truth(f) == Some(!and);
                     parts.push(f);
                     if decided {

@@ -1,4 +1,4 @@
-//! Names and calls: parameters, definitions, signals and labels.
+//! Evaluates names and calls: parameters, definitions, signals and labels.
 
 use super::super::ast::{Binary, Definition, Kind, Tree};
 use super::super::ltl::{Op, Place};
@@ -18,8 +18,8 @@ impl<'f> Expander<'f, '_> {
     ) -> Result<Value> {
         match ScopeBinding::find(scope, name) {
             Some(value) => Ok(value),
-            None => match self.named(name, tree, site)? {
-                // A signal is read where it appears.
+            None => match self.resolve(name, tree, site)? {
+                // A copy of the signal's node with the location of this use.
                 Value::Formula(f) if matches!(self.formulas.op(f), Op::Atom(_)) => {
                     let op = self.formulas.op(f).clone();
                     let place = Place::new(&tree.range, site);
@@ -30,7 +30,7 @@ impl<'f> Expander<'f, '_> {
         }
     }
 
-    pub(super) fn named(&mut self, name: &'f str, tree: &'f Tree, site: u32) -> Result<Value> {
+    pub(super) fn resolve(&mut self, name: &'f str, tree: &'f Tree, site: u32) -> Result<Value> {
         if let Some(value) = self.known.get(name) {
             return Ok(value.clone());
         }
@@ -68,7 +68,7 @@ impl<'f> Expander<'f, '_> {
                     quoted(name),
                     if wanted == 1 { "" } else { "s" }
                 ),
-                "give one for each name in its definition",
+                "write one argument for each parameter",
             );
         }
         let globals = &self.globals;
@@ -130,7 +130,7 @@ impl<'f> Expander<'f, '_> {
         self.sites.len() as u32 - 1
     }
 
-    /// Runs something with further names bound.
+    /// Runs `run` with additional bindings.
     pub(super) fn with<T>(
         &mut self,
         names: Vec<(&str, Value)>,

@@ -1,4 +1,4 @@
-//! Operators on formulas, numbers and sets.
+//! Evaluates operators on formulas, numbers and sets.
 
 use super::super::ast::{Binary, Kind, Tree, Unary};
 use super::super::ltl::{FormulaId, Op, Place};
@@ -30,7 +30,7 @@ impl<'f> Expander<'f, '_> {
                         &a.range,
                         site,
                         format!("this is {}, where a bus is needed", other.word()),
-                        "`SIZEOF` counts the signals of a bus, `SIZE` the elements of a set",
+                        "use `SIZEOF` for the signals of a bus, and `SIZE` for the elements of a set",
                     ),
                 };
             }
@@ -52,8 +52,8 @@ impl<'f> Expander<'f, '_> {
                         codes::DOMAIN_EMPTY,
                         &tree.range,
                         site,
-                        "there is no number in this set",
-                        "only a set of numbers that is not empty has a smallest and a largest one",
+                        "this set contains no number",
+                        "use a set with at least one number",
                     ),
                 };
             }
@@ -62,7 +62,7 @@ impl<'f> Expander<'f, '_> {
         Ok(Value::Formula(self.formulas.make(make(a), place)))
     }
 
-    /// `X[n] f`, `G[n:m] f`, `F[n:m] f`
+    /// Expands `X[n] f`, `G[n:m] f` or `F[n:m] f` into nested `X`.
     pub(super) fn bounded(
         &mut self,
         op: Unary,
@@ -83,7 +83,7 @@ impl<'f> Expander<'f, '_> {
                     codes::SYNTAX,
                     &bound.range,
                     site,
-                    "`X` looks at one step, and this is a range of steps",
+                    "`X` needs one step, but this is a range of steps",
                     "write `X[2] a`, or `F[1:2] a` for one of them and `G[1:2] a` for all",
                 );
             }
@@ -106,20 +106,21 @@ impl<'f> Expander<'f, '_> {
                 codes::TOO_LARGE,
                 &bound.range,
                 site,
-                format!("steps are counted from 0 to {MAX_AHEAD} here"),
-                "count with a bus of outputs where more is needed",
+                format!("the number of steps is not between 0 and {MAX_AHEAD}"),
+                "count further steps in a bus of outputs",
             );
         }
         let and = op != Unary::Finally;
         if low > high {
-            // The format's definition: no step at all; its tool says `true` for both.
+            // An empty range: `F` is false by the format's definition, but its tool, syfco,
+            // answers `true` for `F` and `G`.
             if !and {
                 self.note(
                     codes::NOTATION,
                     &bound.range,
                     site,
-                    format!("no step is from {low} to {high}, and `F` of no step is true here, as in syfco"),
-                    "write the smaller number first, or leave the formula out",
+                    format!("the range from {low} to {high} is empty, and `F` over an empty range is true here, as in syfco"),
+                    "write the smaller number first, or remove the formula",
                 );
             }
             return Ok(Value::Formula(self.formulas.constant(true, place)));
@@ -163,7 +164,7 @@ impl<'f> Expander<'f, '_> {
                         "exclude that case with a guard",
                     );
                 }
-                // Rounded towards minus infinity, as the format's tool does.
+                // Rounds towards minus infinity, as the format's tool does.
                 let quotient = || {
                     let q = x.checked_div(y)?;
                     Some(q - i64::from(x % y != 0 && (x < 0) != (y < 0)))
@@ -175,7 +176,7 @@ impl<'f> Expander<'f, '_> {
                     B::Divide => quotient(),
                     _ => quotient().and_then(|q| x.checked_sub(q.checked_mul(y)?)),
                 };
-                self.counted(result, tree, site)
+                self.checked_number(result, tree, site)
             }
             B::SetMinus | B::Cap | B::Cup => {
                 let (x, y) = (self.set(a, scope, site)?, self.set(b, scope, site)?);
@@ -214,11 +215,11 @@ impl<'f> Expander<'f, '_> {
                 &tree.range,
                 site,
                 if op == B::Colon {
-                    "a guard appears outside a definition here"
+                    "this guard is outside a definition"
                 } else {
-                    "a pattern appears outside a guard here"
+                    "this pattern is outside a guard"
                 },
-                "guards and patterns are declared under DEFINITIONS: `f(x) = x ~ a U b : a  otherwise : x`",
+                "write guards and patterns under DEFINITIONS: `f(x) = x ~ a U b : a  otherwise : x`",
             ),
             B::And | B::Or | B::Implies | B::Equivalent | B::Weak | B::Until | B::Release => {
                 let (x, y) = (self.condition(a, scope, site)?, self.condition(b, scope, site)?);

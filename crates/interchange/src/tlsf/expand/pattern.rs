@@ -1,4 +1,4 @@
-//! Guards of definitions: conditions, and patterns that formulas are matched with.
+//! Evaluates guards of definitions: conditions, and patterns to match formulas with.
 
 use super::super::ast::{Binary, Kind, Tree, Unary};
 use super::super::ltl::{FormulaId, Op};
@@ -25,14 +25,14 @@ impl<'f> Expander<'f, '_> {
                 codes::NOT_CONSTANT,
                 &guard.range,
                 site,
-                "this condition is a formula, which nobody can decide beforehand",
-                "a guard compares numbers or sets, or matches a formula with a pattern: `f ~ a U b`",
+                "this condition is a formula, whose value is not known when the file is read",
+                "compare numbers or sets in a guard, or match a formula with a pattern: `f ~ a U b`",
             ),
         }
     }
 
-    /// Whether a formula has the shape of a pattern; what names stand for then. The recursion is as
-    /// deep as the pattern.
+    /// Whether a formula matches a pattern; adds the pattern's names to `bound`. The recursion is
+    /// as deep as the pattern.
     pub(super) fn matches(
         &mut self,
         f: FormulaId,
@@ -61,7 +61,8 @@ impl<'f> Expander<'f, '_> {
                 let Some(more) = parts.len().checked_sub(patterns.len()) else {
                     return false;
                 };
-                // Operators lean to the left: the first pattern takes what is too much.
+                // The operators are left-associative, so the first pattern matches the surplus
+                // parts.
                 let (head, rest) = parts.split_at(more + 1);
                 let place = self.formulas.place(f);
                 let head = if and {

@@ -1,19 +1,19 @@
-//! Where a formula was made: calls and rounds of big operators.
+//! Expansion sites of formulas: calls, and iterations of big operators.
 
 use super::super::report::Report;
 use linewright_core::diagnostics::Diagnostic;
 use std::ops::Range;
 
-/// A call, or a round of a big operator.
+/// A call, or an iteration of a big operator.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Site {
     pub range: Range<usize>,
     pub outer: u32,
-    /// What it is bound to: `i = 1`; empty for a call.
+    /// The binding of the iteration, such as `i = 1`; empty for a call.
     pub with: String,
 }
 
-/// A finding with the calls it happened in, innermost first.
+/// The finding with labels for at most 4 enclosing sites, innermost first.
 pub(in super::super) fn located(
     mut finding: Diagnostic,
     site: u32,
@@ -31,7 +31,7 @@ pub(in super::super) fn located(
         } else {
             format!("for {}", found.with)
         };
-        // Each place once: a function that calls itself is always at the same one.
+        // Report each location once, since recursive calls have the same one.
         let label = (report.span(&found.range), text);
         if finding.span != Some(label.0) && !finding.labels.contains(&label) {
             finding.labels.push(label);
@@ -42,7 +42,7 @@ pub(in super::super) fn located(
     finding
 }
 
-/// What the big operators around a place are at: `i = 1, j = 2`.
+/// The bindings of the big operators around a formula, such as `i = 1, j = 2`.
 pub(in super::super) fn bindings(site: u32, sites: &[Site]) -> String {
     let mut found = Vec::new();
     let mut at = site;

@@ -1,4 +1,4 @@
-//! Finite types.
+//! Elaboration of finite types.
 
 use super::expansion::MAX_EXPANSION;
 use super::units::fitted;
@@ -14,11 +14,12 @@ use std::collections::BTreeSet;
 
 /// Maximum number of values of a domain.
 const MAX_DOMAIN: i64 = 1 << 20;
-/// Maximum number of scalars that a variable is made of.
+/// Maximum number of scalar leaves of a type.
 const MAX_LEAVES: usize = 1 << 16;
 
 impl<'a> Elaborator<'a> {
-    /// Returns a finite domain without a unit, and the array length if it is an array.
+    /// Elaborates a scalar domain without a unit or an array of it; returns the domain and the
+    /// length of the array.
     pub fn domain(&mut self, domain: &'a ast::Domain) -> Option<(Domain, Option<usize>)> {
         let (base, unit, length) = self.measured_domain(domain)?;
         if let Some(unit) = unit {
@@ -26,17 +27,18 @@ impl<'a> Elaborator<'a> {
                 codes::TYPE_MISMATCH,
                 domain.span,
                 format!(
-                    "whole numbers without a unit are counted here, and these are `{}`",
+                    "a unit is not allowed here, and this domain is in `{}`",
                     unit.name()
                 ),
-                "leave the unit out",
+                "remove the unit",
             );
             return None;
         }
         Some((base, length))
     }
 
-    /// Returns a finite domain, its unit, and the array length if it is an array.
+    /// Elaborates a scalar domain or an array of it; returns the domain, its unit and the length of
+    /// the array.
     pub fn measured_domain(
         &mut self,
         domain: &'a ast::Domain,
@@ -51,15 +53,15 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     domain.span,
-                    "records, and arrays of arrays, appear in contracts only",
-                    "declare each member by itself, or one array with `rows * columns` elements",
+                    "records and arrays of arrays are allowed only in contracts",
+                    "declare each member separately, or one array with `rows * columns` elements",
                 );
                 None
             }
         }
     }
 
-    /// Returns a finite type of any shape.
+    /// Elaborates a finite type of any shape.
     pub fn shape(&mut self, domain: &'a ast::Domain) -> Option<Shape> {
         match &domain.kind {
             ast::DomainKind::Labels(names) => {
@@ -67,10 +69,10 @@ impl<'a> Elaborator<'a> {
                 for name in names {
                     if labels.contains(&name.text) {
                         self.findings.error_with(
-                            codes::NAME_DOUBLE,
+                            codes::NAME_DUPLICATE,
                             name.span,
-                            format!("the label `{}` is there already", name.text),
-                            "leave it out, or give it another name",
+                            format!("the label `{}` appears twice", name.text),
+                            "remove it, or rename it",
                         );
                     } else {
                         labels.push(name.text.clone());
@@ -87,7 +89,9 @@ impl<'a> Elaborator<'a> {
                     self.findings.error_with(
                         codes::DOMAIN_EMPTY,
                         length.span,
-                        format!("an array has 1 to {MAX_EXPANSION} elements, not {length_value}"),
+                        format!(
+                            "an array must have 1 to {MAX_EXPANSION} elements, not {length_value}"
+                        ),
                         "give the array a length in that range",
                     );
                     return None;
@@ -120,7 +124,9 @@ impl<'a> Elaborator<'a> {
                 } else {
                     match nearest(&name.text, known.iter().map(String::as_str)) {
                         Some(near) => format!("did you mean `{near}`?"),
-                        None => "declare it with `type`, or import the file that does".to_owned(),
+                        None => {
+                            "declare it with `type`, or import the file that declares it".to_owned()
+                        }
                     }
                 };
                 self.findings.error_with(
@@ -135,7 +141,7 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     domain.span,
-                    format!("`{unit}` alone is a real number of the plant; a contract counts in whole numbers"),
+                    format!("`{unit}` by itself is the type of real numbers; a contract has only whole numbers"),
                     format!("write a range such as `0..9 {unit}`"),
                 );
                 None
@@ -150,7 +156,7 @@ impl<'a> Elaborator<'a> {
         high: &'a ast::Expr,
         written: Option<&str>,
     ) -> Option<Shape> {
-        // Of two units, the finer one is used.
+        // If the ends have two units, the finer one is used.
         let named = |name: Option<&str>| name.and_then(Unit::named);
         let unit = match (named(written), named(unit_in(low)), named(unit_in(high))) {
             (Some(unit), ..) | (None, Some(unit), None) | (None, None, Some(unit)) => Some(unit),
@@ -180,7 +186,7 @@ impl<'a> Elaborator<'a> {
         Some(Shape::Scalar(Domain::Range { low, high }, unit))
     }
 
-    /// Evaluates an end of a range: a bare number is in the range's unit.
+    /// Evaluates one end of a range. A bare number is in the unit of the range.
     fn bound_of(&mut self, e: &'a ast::Expr, unit: Option<Unit>) -> Option<i64> {
         let Some(unit) = unit else {
             return self.constant_int(e);
@@ -220,10 +226,10 @@ impl<'a> Elaborator<'a> {
         for (name, domain) in members {
             if !seen.insert(&name.text) {
                 self.findings.error_with(
-                    codes::NAME_DOUBLE,
+                    codes::NAME_DUPLICATE,
                     name.span,
-                    format!("the record has a member `{}` already", name.text),
-                    "leave it out, or give it another name",
+                    format!("the member `{}` appears twice", name.text),
+                    "remove it, or rename it",
                 );
             }
             shapes.push(self.shape(domain).map(|s| (name.text.clone(), s)));
@@ -232,13 +238,13 @@ impl<'a> Elaborator<'a> {
         self.bounded(span, Shape::Record(members))
     }
 
-    /// Rejects a type with too many values, before an even larger type is made from it.
+    /// Rejects a type with too many leaves, before a larger type is built from it.
     fn bounded(&mut self, span: Span, shape: Shape) -> Option<Shape> {
-        if shape.leaves() > MAX_LEAVES {
+        if shape.leaf_count() > MAX_LEAVES {
             self.findings.error_with(
                 codes::DOMAIN_EMPTY,
                 span,
-                format!("this is made of more than {MAX_LEAVES} values"),
+                format!("this type has more than {MAX_LEAVES} scalar values"),
                 "use smaller arrays and records",
             );
             return None;

@@ -6,35 +6,35 @@ use linewright_core::source::Span;
 
 /// Maximum number of instances of one quantifier or array.
 pub(in crate::contract) const MAX_EXPANSION: i64 = 4096;
-/// Maximum number of quantifier instances in one contract or machine.
+/// Maximum number of instances of all quantifiers in one contract or machine.
 const MAX_INSTANCES: i64 = MAX_EXPANSION * 64;
-/// Maximum nesting depth of expressions, with defines expanded: later stages walk formulas by
-/// recursion.
-const MAX_NESTED: usize = 400;
+/// Maximum nesting depth of expressions, with defines expanded. It limits the recursion of later
+/// stages.
+const MAX_NESTING: usize = 400;
 /// Maximum depth of a formula's tree after arrays are expanded.
 pub(super) const MAX_FORMULA_DEPTH: usize = 600;
 /// Maximum cost of expanding one contract or machine: nodes created, copied or visited.
 const MAX_WORK: usize = 1_000_000;
 
-/// The expansion of one contract or machine so far, and its limits.
+/// Cost of the expansion of one contract or machine so far, which is limited.
 #[derive(Default)]
 pub(in crate::contract) struct Expansion {
-    /// Defines and counters being expanded, innermost last.
+    /// Names of the defines and counters that are being expanded, innermost last.
     pub(super) defining: Vec<String>,
-    /// Outermost expression of the current expansion.
+    /// Outermost expression that is being expanded.
     root: Option<Span>,
-    /// Number of expressions around the current one.
+    /// Number of enclosing expressions.
     nested: usize,
     /// Instances of quantifiers so far.
     instances: i64,
-    /// Nodes so far.
+    /// Nodes created, copied or visited so far.
     work: usize,
     /// Whether a limit was reported.
     exhausted: bool,
 }
 
 impl Expansion {
-    /// Counts work; returns `None` and reports once if the limit is exceeded.
+    /// Adds to the cost; returns `None` and reports once if the limit is exceeded.
     pub fn spend(&mut self, span: Span, amount: usize, findings: &mut Findings) -> Option<()> {
         self.work = self.work.saturating_add(amount);
         if self.work > MAX_WORK {
@@ -44,8 +44,8 @@ impl Expansion {
         Some(())
     }
 
-    /// Counts instances of a quantifier; returns `None` and reports once if there are too many.
-    pub(super) fn instantiate(
+    /// Adds instances of a quantifier; returns `None` and reports once if there are too many.
+    pub(super) fn add_instances(
         &mut self,
         span: Span,
         instances: usize,
@@ -59,10 +59,10 @@ impl Expansion {
         Some(())
     }
 
-    /// Enters an expression, until [`Expansion::leave`]; returns `None` and reports once if it is
-    /// nested too deep.
+    /// Enters an expression, until [`Expansion::leave`]; returns `None` and reports once if the
+    /// nesting is too deep.
     pub(super) fn enter(&mut self, span: Span, findings: &mut Findings) -> Option<()> {
-        if self.nested == MAX_NESTED {
+        if self.nested == MAX_NESTING {
             self.too_large(span, findings);
             return None;
         }
@@ -78,7 +78,7 @@ impl Expansion {
         self.nested -= 1;
     }
 
-    /// Reports that a formula grows too large, once.
+    /// Reports that a formula is too large. Only the first call adds a finding.
     pub(super) fn too_large(&mut self, span: Span, findings: &mut Findings) {
         findings.tainted = true;
         if !std::mem::replace(&mut self.exhausted, true) {
@@ -86,7 +86,7 @@ impl Expansion {
             findings.error_with(
                 codes::TOO_LARGE,
                 span,
-                "this becomes too large once defines, quantifiers and arrays are written out",
+                "this becomes too large when defines, quantifiers and arrays are expanded",
                 "use smaller ranges and arrays, fewer nested quantifiers, or an internal variable that holds a value for reuse",
             );
         }

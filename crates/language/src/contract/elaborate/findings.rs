@@ -1,4 +1,4 @@
-//! Findings, and whether the results can be trusted.
+//! Findings of an elaborator.
 
 use crate::contract::value::Type;
 use linewright_core::diagnostics::{Code, Diagnostic, codes, has_errors};
@@ -9,13 +9,14 @@ use linewright_core::source::Span;
 pub(in crate::contract) struct Findings {
     /// Findings reported here.
     pub list: Vec<Diagnostic>,
-    /// Whether something was used that has an error reported elsewhere.
+    /// Whether the text depends on a declaration with an error, which was reported elsewhere.
     pub tainted: bool,
 }
 
 impl Findings {
-    /// Returns whether there is an error, here or in a name that was used.
-    pub fn refused(&self) -> bool {
+    /// Returns whether the result is unusable, because of an error here or in a declaration on
+    /// which it depends.
+    pub fn has_errors(&self) -> bool {
         self.tainted || has_errors(&self.list)
     }
 
@@ -24,13 +25,13 @@ impl Findings {
         self.list.push(finding);
     }
 
-    /// Takes over another elaborator's findings.
+    /// Moves the findings of another elaborator to this one.
     pub fn absorb(&mut self, other: &mut Self) {
         self.tainted |= other.tainted;
         self.list.append(&mut other.list);
     }
 
-    /// Records an error; every error has a next step.
+    /// Records an error with a help text.
     pub fn error_with(
         &mut self,
         code: Code,
@@ -45,15 +46,17 @@ impl Findings {
     pub fn mismatch(&mut self, span: Span, expected: &str, found: &Type) {
         let help = match found {
             Type::Int | Type::Number(_) | Type::Measured(_) if expected != "a truth value" => {
-                "write a value of that kind, or give the declaration the other type"
+                "write a value of the expected type, or change the type of the declaration"
             }
             Type::Array(..) if expected.starts_with("an array") => {
-                "give it as many elements, and of the same kind"
+                "use an array with this length and elements of this type"
             }
-            Type::Bool => "a truth value counts as a number with `if ... then 1 else 0`",
-            Type::Enum(_) => "a label is compared with `=`, `!=` or `in {...}`",
-            Type::Array(..) => "name one element with `[i]`, or quantify over `forall i in 0..n-1`",
-            Type::Record(_) => "name one member, such as `target.x`",
+            Type::Bool => "convert a truth value to a number with `if ... then 1 else 0`",
+            Type::Enum(_) => "compare a label with `=`, `!=` or `in {...}`",
+            Type::Array(..) => {
+                "select one element with `[i]`, or quantify with `forall i in 0..n-1`"
+            }
+            Type::Record(_) => "select one member, such as `target.x`",
             Type::Int | Type::Number(_) | Type::Measured(_) => {
                 "compare the number with something to get a truth value"
             }

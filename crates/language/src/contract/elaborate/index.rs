@@ -1,4 +1,4 @@
-//! Array elements by index, including indices known only when the machine runs.
+//! Array elements by index. The index can be constant, or depend on variables.
 
 use super::Elaborator;
 use crate::contract::shape::Entry;
@@ -8,14 +8,15 @@ use linewright_core::gr1::{BinaryOp, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
 
-/// Maximum number of elements chosen one by one; more are chosen by halves, which keeps formulas
-/// shallow.
+/// Maximum number of elements that are selected by a chain of comparisons. More are selected by
+/// bisection, which keeps formulas shallow.
 const MAX_LINEAR: usize = 16;
 
-/// What an expression names: a variable or a part of one, not necessarily expanded yet, or any
-/// other value.
+/// Meaning of an indexed expression.
 enum Referent {
+    /// A variable or a part of one, not expanded to a value yet.
     Variable(Entry),
+    /// Any other value.
     Value(Value),
 }
 
@@ -29,18 +30,18 @@ impl<'a> Elaborator<'a> {
         time: Time,
     ) -> Option<Value> {
         let element = self.element_of(span, base, index, expected, time)?;
-        Some(self.written_out(element, time))
+        Some(self.to_value(element, time))
     }
 
-    fn written_out(&self, named: Referent, time: Time) -> Value {
+    fn to_value(&self, named: Referent, time: Time) -> Value {
         match named {
             Referent::Variable(entry) => self.variables.entry(&entry, time, self.dialect.real),
             Referent::Value(value) => value,
         }
     }
 
-    /// Resolves the indexed expression. Follows an array of arrays of variables index by index, so
-    /// that one element costs no more than itself.
+    /// Resolves the expression before an index. Follows an array of arrays of variables index by
+    /// index, so that only the selected element is expanded.
     fn named(&mut self, e: &'a ast::Expr, expected: Option<&Type>, time: Time) -> Option<Referent> {
         match &e.kind {
             ast::ExprKind::Path(names) => {
@@ -76,12 +77,12 @@ impl<'a> Elaborator<'a> {
             Referent::Variable(Entry::Many(list)) => list.len(),
             Referent::Value(Value::Array(elements)) => elements.len(),
             Referent::Variable(_) | Referent::Value(_) => {
-                let found = self.written_out(named, time).ty();
+                let found = self.to_value(named, time).ty();
                 self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     base.span,
                     format!("this is {}, not an array", found.describe()),
-                    "leave the index out, or declare it as `array[n] of ...`",
+                    "remove the index, or declare it as `array[n] of ...`",
                 );
                 return None;
             }
@@ -99,7 +100,10 @@ impl<'a> Elaborator<'a> {
                 n => format!("{n} elements"),
             };
             let message = if range.low == range.high {
-                format!("index {} leaves the array, which has {count}", range.low)
+                format!(
+                    "index {} is outside the array, which has {count}",
+                    range.low
+                )
             } else {
                 format!(
                     "the index can be {}..{}, but the array has only {count}",
@@ -110,9 +114,7 @@ impl<'a> Elaborator<'a> {
                 codes::INDEX_RANGE,
                 index.span,
                 message,
-                format!(
-                    "indices are 0..{last}; hold it there with `min(..., {last})` or `max(..., 0)`"
-                ),
+                format!("limit the index to 0..{last} with `min(..., {last})` or `max(..., 0)`"),
             );
             return None;
         }
@@ -123,7 +125,7 @@ impl<'a> Elaborator<'a> {
             (Referent::Value(Value::Array(elements)), Term::Int(i)) => {
                 return elements.into_iter().nth(*i as usize).map(Referent::Value);
             }
-            (named, _) => match self.written_out(named, time) {
+            (named, _) => match self.to_value(named, time) {
                 Value::Array(elements) => elements,
                 Value::Scalar(..) | Value::Record(_) => return None,
             },
@@ -139,7 +141,7 @@ impl<'a> Elaborator<'a> {
             self.findings.error_with(
                 codes::TYPE_MISMATCH,
                 span,
-                "the elements of this array differ in kind, so that only a constant index chooses one",
+                "the elements of this array have different types, so only a constant index can select one",
                 "give all elements the same length and the same members",
             );
         }
@@ -147,8 +149,8 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Selects an element by index, where `elements` begin at index `low`: leaf by leaf, if they are
-/// not scalars.
+/// Selects an element by index, leaf by leaf; the first of `elements` has the index `low`. `None`
+/// if the shapes of the elements differ.
 fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     match elements.first()? {
         Value::Scalar(_, ty) => {
@@ -188,10 +190,10 @@ fn element(index: &Term, low: i64, elements: &[Value]) -> Option<Value> {
     }
 }
 
-/// Selects a term by index, where `terms` begin at index `low`.
+/// Selects a term by index; the first of `terms` has the index `low`.
 fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
     if terms.len() > MAX_LINEAR {
-        return halved(index, low, terms);
+        return bisected(index, low, terms);
     }
     let [first @ .., last] = terms else {
         return Term::FALSE;
@@ -207,8 +209,8 @@ fn chosen(index: &Term, low: i64, terms: &[Term]) -> Term {
         })
 }
 
-/// Selects a term by index, where `terms` begin at index `low`, by halving.
-fn halved(index: &Term, low: i64, terms: &[Term]) -> Term {
+/// Like [`chosen`], by bisection.
+fn bisected(index: &Term, low: i64, terms: &[Term]) -> Term {
     if let [one] = terms {
         return one.clone();
     }
@@ -217,7 +219,7 @@ fn halved(index: &Term, low: i64, terms: &[Term]) -> Term {
     let below = Term::binary(BinaryOp::Lt, index.clone(), Term::Int(middle));
     Term::choose(
         below,
-        halved(index, low, left),
-        halved(index, middle, right),
+        bisected(index, low, left),
+        bisected(index, middle, right),
     )
 }

@@ -1,4 +1,4 @@
-//! Resolution of dotted names and labels in expressions.
+//! Resolution of names, labels and literals in expressions.
 
 use super::records::member;
 use super::{Elaborator, nearest};
@@ -15,12 +15,12 @@ impl Elaborator<'_> {
             self.findings.error_with(
                 codes::TYPE_MISMATCH,
                 span,
-                "a contract counts in whole numbers",
-                "say in the machine what the numbers mean in the plant: `abstract`, `time`, `write`",
+                "a contract has only whole numbers",
+                "declare in the machine what the numbers mean in the plant, with `abstract`, `time` or `write`",
             );
             return None;
         }
-        // 95 hundredths are closest to 95 / 100, not to 95 times the number closest to 0.01.
+        // 95 % is exactly rounded as 95 / 100, but not as 95 times the number nearest to 0.01.
         let base = match dimension {
             Dimension::Share => number / (1.0 / factor).round(),
             _ => number * factor,
@@ -55,20 +55,20 @@ impl Elaborator<'_> {
             };
         }
         if let Some(define) = self.names.defines.get(&full).copied() {
-            return self.defined(span, define, expected, time);
+            return self.constant_define(span, define, expected, time);
         }
         if let Some(counter) = self.names.counters.get(&full).copied() {
             if self.expansion.defining.contains(&full) {
                 self.findings.error_with(
-                    codes::NAME_DOUBLE,
+                    codes::NAME_DUPLICATE,
                     span,
                     format!("the counter `{full}` depends on itself"),
-                    "break the cycle; a value that depends on itself needs an internal variable and `next`",
+                    "break the cycle; to compute a value from its previous value, use an internal variable and `next`",
                 );
                 return None;
             }
             self.expansion.defining.push(full);
-            let value = self.unbound(|e| e.counter(counter, time));
+            let value = self.without_bound_names(|e| e.counter(counter, time));
             self.expansion.defining.pop();
             return value;
         }
@@ -89,10 +89,10 @@ impl Elaborator<'_> {
                 Type::Enum(labels.clone()),
             ));
         }
-        // `target.x` of a record `target`.
+        // `x` can be a member of a record `target`, as in `target.x`.
         if let [first @ .., last] = names
             && let Some(end) = first.last()
-            && self.names.knows(first)
+            && self.names.has_prefix_of(first)
         {
             let base = Span::new(span.file, span.start as usize, end.span.end as usize);
             let value = self.path(base, first, None, time)?;
@@ -106,10 +106,11 @@ impl Elaborator<'_> {
         None
     }
 
-    /// Resolves a label. `None`: it is no label. `Some(None)`: it is ambiguous, which was reported.
+    /// Resolves a label. Returns `None` if the name is not a label, and `Some(None)` if it is the
+    /// label of another type or of several types, which is reported.
     #[expect(
         clippy::option_option,
-        reason = "not a label, or one that was reported"
+        reason = "the outer option means not a label, the inner one a reported error"
     )]
     pub(super) fn label(
         &mut self,
@@ -132,11 +133,11 @@ impl Elaborator<'_> {
             Type::Enum(l) => Some(l),
             _ => None,
         });
-        let placed = self.variables.domains.iter().filter_map(|d| match d {
+        let of_variables = self.variables.domains.iter().filter_map(|d| match d {
             Some(Domain::Enum { labels, .. }) => Some(labels),
             _ => None,
         });
-        for labels in named.chain(placed) {
+        for labels in named.chain(of_variables) {
             if labels.contains(&name.text) && !candidates.contains(labels) {
                 candidates.push(labels.clone());
             }
@@ -163,7 +164,7 @@ impl Elaborator<'_> {
     }
 
     /// Reports a label of one type where another type is expected.
-    fn foreign_label(&mut self, name: &ast::Name, wanted: &[String], other: &[String]) {
+    fn foreign_label(&mut self, name: &ast::Name, expected: &[String], other: &[String]) {
         let named = self.names.types.iter().find(|(_, t)| match t {
             Type::Enum(labels) => labels == other,
             _ => false,
@@ -172,34 +173,38 @@ impl Elaborator<'_> {
             Some((ty, _)) => format!("`{ty}`"),
             None => format!("{{{}}}", other.join(", ")),
         };
-        let help = match nearest(&name.text, wanted.iter().map(String::as_str)) {
+        let help = match nearest(&name.text, expected.iter().map(String::as_str)) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the labels that fit here are {}", wanted.join(", ")),
+            None => format!(
+                "the labels of the expected type are {}",
+                expected.join(", ")
+            ),
         };
         self.findings.error_with(
             codes::TYPE_MISMATCH,
             name.span,
             format!(
-                "`{}` is a label of {owner}, which is not the type here",
+                "`{}` is a label of {owner}, which is not the expected type",
                 name.text
             ),
             help,
         );
     }
 
+    /// Reports a name that is not declared, with similar names.
     pub(super) fn unknown(&mut self, span: Span, name: &str, expected: Option<&Type>) {
-        // Nested definitions may visit the same place a million times, and searching for near names
-        // takes long.
+        // Nested defines can lead to the same name a million times, and the search for similar
+        // names is slow.
         let mut latest = self.findings.list.iter().rev().take(64);
         if latest.any(|f| f.code == codes::NAME_UNKNOWN && f.span == Some(span)) {
             return;
         }
-        // A label of the expected type takes precedence.
+        // Where a label is expected, only labels of that type are suggested.
         if let Some(Type::Enum(labels)) = expected {
             let near = nearest(name, labels.iter().map(String::as_str));
             let help = match near {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => format!("the labels that fit here are {}", labels.join(", ")),
+                None => format!("the labels of the expected type are {}", labels.join(", ")),
             };
             self.findings.error_with(
                 codes::NAME_UNKNOWN,
@@ -229,7 +234,7 @@ impl Elaborator<'_> {
         }
         let help = match nearest(name, known.into_iter()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => "declare it, or import the file that does".to_owned(),
+            None => "declare it, or import the file that declares it".to_owned(),
         };
         self.findings.error_with(
             codes::NAME_UNKNOWN,
@@ -240,7 +245,7 @@ impl Elaborator<'_> {
     }
 }
 
-/// Converts counted quantities to real numbers of the plant.
+/// Converts whole numbers with units to real numbers in base units.
 fn in_base_units(value: Value) -> Value {
     let plain = value.clone();
     let changed = value.map(&mut |term, ty| match (term, ty) {

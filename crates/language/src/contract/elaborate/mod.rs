@@ -1,8 +1,9 @@
 //! Elaboration: converts expressions of the syntax tree to typed terms.
 //!
-//! Labels have no type: `turn` in `command = turn` is looked up in the type of `command`. A name is
-//! resolved in this order: a quantified name, a `define`, a variable, a parameter or constant, a
-//! label of the expected type, a label of the only enumeration in scope that has it.
+//! A label has no type of its own: `turn` in `command = turn` is looked up in the type of
+//! `command`. A name is looked up in this order: quantified names, parameters and constants,
+//! `define`s, counters, variables, labels of the expected type, labels of the only enumeration in
+//! scope that has the name.
 
 mod domains;
 mod expansion;
@@ -22,7 +23,7 @@ mod variables;
 pub(super) use expansion::MAX_EXPANSION;
 pub(super) use findings::Findings;
 pub(super) use linewright_core::diagnostics::nearest;
-pub(super) use names::{Names, Outside};
+pub(super) use names::{FileNames, Names};
 pub(super) use units::{fitted, fitted_value};
 pub(super) use variables::VariableTable;
 
@@ -40,24 +41,24 @@ use units::aligned;
 /// How expressions are interpreted.
 #[derive(Default)]
 pub(super) struct Dialect {
-    /// Whether real numbers are allowed: then `/` is real division.
+    /// Whether real numbers are allowed. If so, `/` is real division.
     pub real: bool,
-    /// Whether next values are allowed.
+    /// Whether `next` is allowed.
     pub next: bool,
-    /// The enclosing past operator or similar, within which `next` is not allowed.
+    /// Enclosing operator over other steps, such as `once`. `next` is not allowed within it.
     looking_back: Option<String>,
 }
 
-/// State about earlier steps.
+/// Monitors of earlier steps.
 #[derive(Default)]
 pub(super) struct Memory {
-    /// Monitors, in a contract.
+    /// Monitors of the contract; `None` outside of contracts, where past operators are not allowed.
     pub monitors: Option<Monitors>,
-    /// Formula being resolved, for the monitors that it needs.
+    /// Formula that is being elaborated; it is recorded in the monitors that it needs.
     pub origin: Origin,
 }
 
-/// Resolves expressions, and reports those that have no meaning.
+/// Converts expressions to typed terms, and reports errors.
 #[derive(Default)]
 pub(super) struct Elaborator<'a> {
     /// Names in scope.
@@ -66,11 +67,11 @@ pub(super) struct Elaborator<'a> {
     pub variables: VariableTable,
     /// How expressions are interpreted.
     pub dialect: Dialect,
-    /// State about earlier steps.
+    /// Monitors of earlier steps.
     pub memory: Memory,
     /// Findings so far.
     pub findings: Findings,
-    /// Expansion of defines, quantifiers and arrays so far.
+    /// Cost of expanding defines, quantifiers and arrays so far.
     pub expansion: Expansion,
 }
 
@@ -83,7 +84,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Converts a term to a formula of whole numbers; reports one that has real numbers.
+    /// Converts a term to a formula over whole numbers. Reports a term that contains real numbers
+    /// or is too deep.
     pub fn formula(&mut self, term: &Term, span: Span) -> Option<Expr> {
         if term.depth() > MAX_FORMULA_DEPTH {
             self.expansion.too_large(span, &mut self.findings);
@@ -94,14 +96,14 @@ impl<'a> Elaborator<'a> {
             self.findings.error_with(
                 codes::TYPE_MISMATCH,
                 span,
-                "whole numbers without units are counted here, and this is a quantity of the plant",
-                "say in the machine what the numbers mean in the plant: `abstract`, `time`, `write`",
+                "a formula contains only whole numbers, and this is a real quantity of the plant",
+                "declare in the machine what the numbers mean in the plant, with `abstract`, `time` or `write`",
             );
         }
         expr
     }
 
-    /// Elaborates a truth value over current (and, where allowed, next) values.
+    /// Elaborates a truth value. `time` is the step of the variables that are not under `next`.
     pub fn boolean(&mut self, e: &'a ast::Expr, time: Time) -> Option<Term> {
         match self.value(e, Some(&Type::Bool), time)? {
             Value::Scalar(term, Type::Bool) => Some(term),
@@ -112,7 +114,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Elaborates a scalar of a type.
+    /// Elaborates a scalar, and converts it to a type.
     pub fn scalar(&mut self, e: &'a ast::Expr, expected: &Type) -> Option<Term> {
         match self.value(e, Some(expected), Time::Now)? {
             Value::Scalar(term, found) => {
@@ -151,8 +153,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Evaluates a constant number, in base units of `dimension`; rejects a bare number where a
-    /// unit is expected.
+    /// Evaluates a constant number in base units of `dimension`. Rejects a bare number other than 0
+    /// where a unit is expected.
     pub fn constant_quantity(&mut self, e: &'a ast::Expr, dimension: Dimension) -> Option<f64> {
         let term = self.quantity(e, dimension)?;
         let value = constant_real(&term);
@@ -167,7 +169,8 @@ impl<'a> Elaborator<'a> {
         value
     }
 
-    /// Elaborates a real expression in base units of `dimension`.
+    /// Elaborates a real expression in base units of `dimension`. Rejects a bare number other than
+    /// 0 where a unit is expected.
     pub fn quantity(&mut self, e: &'a ast::Expr, dimension: Dimension) -> Option<Term> {
         let (term, ty) = self.any_scalar(e, None, Time::Now)?;
         match ty {
@@ -181,18 +184,19 @@ impl<'a> Elaborator<'a> {
                     codes::TYPE_MISMATCH,
                     e.span,
                     "a unit is missing",
-                    format!("write {}", dimension.word()),
+                    format!("write {}", dimension.describe()),
                 );
                 None
             }
             other => {
-                self.findings.mismatch(e.span, dimension.word(), &other);
+                self.findings.mismatch(e.span, dimension.describe(), &other);
                 None
             }
         }
     }
 
-    /// Elaborates any value.
+    /// Elaborates a value of any shape. `expected` is a hint for labels and literals; the type of
+    /// the result can differ.
     pub fn value(
         &mut self,
         e: &'a ast::Expr,
@@ -224,7 +228,7 @@ impl<'a> Elaborator<'a> {
                         codes::NEXT_NESTED,
                         e.span,
                         message,
-                        "operators that look at other steps are about the values of each step; hold the value in an internal variable, or leave `next` out",
+                        "the operand of an operator over other steps is a condition on one step: hold the value in an internal variable, or remove `next`",
                     );
                     return None;
                 }
@@ -232,8 +236,8 @@ impl<'a> Elaborator<'a> {
                     self.findings.error_with(
                         codes::NEXT_NESTED,
                         e.span,
-                        "`next` has no meaning here",
-                        "next values appear under `always` in assumptions and guarantees only",
+                        "`next` is not allowed here",
+                        "use `next` only under `always` in assumptions and guarantees",
                     );
                     return None;
                 }
@@ -252,7 +256,7 @@ impl<'a> Elaborator<'a> {
             | ExprKind::Eventually(_)
             | ExprKind::Until(..)
             | ExprKind::Pattern(_) => {
-                self.promise_as_condition(e);
+                self.reject_temporal(e);
                 None
             }
             ExprKind::Not(inner) => {
@@ -363,8 +367,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Reports a promise about the whole run where a condition on one step is expected.
-    fn promise_as_condition(&mut self, e: &ast::Expr) {
+    /// Reports a temporal formula where a condition on one step is expected.
+    fn reject_temporal(&mut self, e: &ast::Expr) {
         let word = match &e.kind {
             ExprKind::Always(_) => "`always`",
             ExprKind::Eventually(_) => "`eventually`",
@@ -373,15 +377,15 @@ impl<'a> Elaborator<'a> {
         };
         let (message, help) = match self.expansion.defining.last() {
             Some(name) => (
-                format!("{word} appears in the definition `{name}`, which is the condition of one step"),
+                format!("{word} appears in the definition `{name}`, which has to be a condition on one step"),
                 format!(
                     "write `{}` in the assumption or guarantee itself",
-                    format::expression(e)
+                    format::format_expression(e)
                 ),
             ),
             None => (
                 format!("{word} appears within a larger formula, which is outside GR(1)"),
-                "give it an assumption or guarantee of its own, or look back with `once`, `since` and `previous`".to_owned(),
+                "write it as a separate assumption or guarantee, or look back with `once`, `since` or `previous`".to_owned(),
             ),
         };
         self.findings
@@ -399,9 +403,9 @@ impl<'a> Elaborator<'a> {
             Value::Scalar(term, ty) => Some((term, ty)),
             other => {
                 let help = if matches!(other, Value::Record(_)) {
-                    "name one member, such as `target.x`"
+                    "select one member, such as `target.x`"
                 } else {
-                    "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
+                    "select one element with `[i]`, or quantify with `forall i in 0..n-1`"
                 };
                 let message = format!("this is {}", other.ty().describe());
                 self.findings
@@ -411,6 +415,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
+    /// Elaborates a scalar number of any numeric type.
     pub(super) fn number(&mut self, e: &'a ast::Expr, time: Time) -> Option<(Term, Type)> {
         let (term, ty) = self.any_scalar(e, Some(&Type::Int), time)?;
         if ty.is_numeric() {
@@ -422,7 +427,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Returns the value of a real constant.
+/// Returns the value of a constant term; `None` if it is not constant.
 pub(in crate::contract) fn constant_real(term: &Term) -> Option<f64> {
     match term {
         Term::Int(i) => Some(*i as f64),

@@ -1,16 +1,16 @@
 //! Names in scope: variables, constants, types, defines and counters.
 //!
-//! Quantified names and the parameters of a define are constants that temporarily hide others of
-//! the same name.
+//! Quantified names and the parameters of a define are constants that temporarily hide other names
+//! like them.
 
 use crate::contract::shape::{Entry, Shape};
 use crate::contract::value::{Type, Value};
 use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names declared outside of all contracts, as seen by the defines declared there.
+/// Names declared at the top level of files. The defines declared there see only these.
 #[derive(Clone, Default)]
-pub(in crate::contract) struct Outside<'a> {
+pub(in crate::contract) struct FileNames<'a> {
     /// Constants.
     pub constants: BTreeMap<String, Value>,
     /// Defines.
@@ -20,7 +20,7 @@ pub(in crate::contract) struct Outside<'a> {
 /// Names in scope.
 #[derive(Clone, Default)]
 pub(in crate::contract) struct Names<'a> {
-    /// Variables; dotted for those of a component.
+    /// Variables; those of a component have dotted names.
     pub variables: BTreeMap<String, Entry>,
     /// Constants, parameters and quantified names.
     pub constants: BTreeMap<String, Value>,
@@ -32,19 +32,19 @@ pub(in crate::contract) struct Names<'a> {
     pub defines: BTreeMap<String, &'a ast::Define>,
     /// Counters.
     pub counters: BTreeMap<String, &'a ast::Counter>,
-    /// Names whose declaration was reported as wrong: their uses are not reported.
+    /// Names whose declaration has a reported error: their uses are not reported again.
     pub broken: BTreeSet<String>,
-    /// Names visible to a define of the file.
-    pub outside: Outside<'a>,
+    /// Names declared at the top level of files.
+    pub file_names: FileNames<'a>,
     /// Quantified names, innermost last.
-    bound: HiddenNames,
+    bound: BoundNames,
 }
 
-/// Quantified names with the values they hide.
-pub(super) type HiddenNames = Vec<(String, Option<Value>)>;
+/// Quantified names, each with the constant that it hides, if any.
+pub(super) type BoundNames = Vec<(String, Option<Value>)>;
 
-/// Names visible only within a contract or machine.
-pub(super) struct Inside<'a> {
+/// Names in scope within a contract or machine.
+pub(super) struct LocalNames<'a> {
     variables: BTreeMap<String, Entry>,
     constants: BTreeMap<String, Value>,
     defines: BTreeMap<String, &'a ast::Define>,
@@ -62,8 +62,8 @@ impl<'a> Names<'a> {
             defines: self.defines.clone(),
             counters: BTreeMap::new(),
             broken: self.broken.clone(),
-            outside: self.outside.clone(),
-            bound: HiddenNames::new(),
+            file_names: self.file_names.clone(),
+            bound: BoundNames::new(),
         }
     }
 
@@ -75,14 +75,14 @@ impl<'a> Names<'a> {
             || self.counters.contains_key(name)
     }
 
-    /// Removes an outer declaration that a variable of the same name hides.
+    /// Removes a constant or define that a variable of the same name hides.
     pub fn hide(&mut self, name: &str) {
         self.constants.remove(name);
         self.defines.remove(name);
     }
 
     /// Returns whether a dotted name, or a prefix of it, is declared.
-    pub(super) fn knows(&self, names: &[ast::Name]) -> bool {
+    pub(super) fn has_prefix_of(&self, names: &[ast::Name]) -> bool {
         (1..=names.len()).any(|n| {
             let words: Vec<&str> = names[..n].iter().map(|n| n.text.as_str()).collect();
             let name = words.join(".");
@@ -93,7 +93,7 @@ impl<'a> Names<'a> {
         })
     }
 
-    /// Returns whether an expression consists of names that can only be labels.
+    /// Returns whether the value of an expression consists of names that can only be labels.
     pub(super) fn is_label(&self, e: &ast::Expr) -> bool {
         match &e.kind {
             ast::ExprKind::Path(names) => match names.as_slice() {
@@ -107,7 +107,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Returns the variable of this dotted name, if nothing else in scope has the name.
+    /// Returns the variable with this dotted name, unless a constant, define or counter hides it.
     pub(super) fn variable(&self, names: &[ast::Name]) -> Option<&Entry> {
         let words: Vec<&str> = names.iter().map(|n| n.text.as_str()).collect();
         let name = words.join(".");
@@ -117,8 +117,8 @@ impl<'a> Names<'a> {
         self.variables.get(&name).filter(|_| !hidden)
     }
 
-    /// Returns the length of an array, if the name is that of an array.
-    pub(super) fn length(&self, name: &str) -> Option<usize> {
+    /// Returns the length of the array with this name; `None` if there is no such array.
+    pub(super) fn array_length(&self, name: &str) -> Option<usize> {
         match (self.constants.get(name), self.variables.get(name)) {
             (Some(Value::Array(values)), _) => Some(values.len()),
             (None, Some(Entry::Many(list))) => Some(list.len()),
@@ -126,21 +126,21 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Adds a quantified name, until [`Names::unbind`].
+    /// Brings a quantified name into scope, until [`Names::unbind`].
     pub(super) fn bind(&mut self, name: String, value: Value) {
         let hidden = self.constants.insert(name.clone(), value);
         self.bound.push((name, hidden));
     }
 
-    /// Removes the innermost quantified name.
+    /// Removes the innermost quantified name from the scope.
     pub(super) fn unbind(&mut self) {
         if let Some((name, hidden)) = self.bound.pop() {
             self.replace_constant(name, hidden);
         }
     }
 
-    /// Removes all quantified names, until [`Names::show_bound`].
-    pub(super) fn hide_bound(&mut self) -> HiddenNames {
+    /// Removes all quantified names from the scope, until [`Names::restore_bound`].
+    pub(super) fn hide_bound(&mut self) -> BoundNames {
         let mut bound = std::mem::take(&mut self.bound);
         for (name, value) in bound.iter_mut().rev() {
             *value = self.replace_constant(name.clone(), value.take());
@@ -148,18 +148,19 @@ impl<'a> Names<'a> {
         bound
     }
 
-    /// Restores quantified names.
-    pub(super) fn show_bound(&mut self, mut bound: HiddenNames) {
+    /// Restores the quantified names that [`Names::hide_bound`] removed.
+    pub(super) fn restore_bound(&mut self, mut bound: BoundNames) {
         for (name, value) in &mut bound {
             *value = self.replace_constant(name.clone(), value.take());
         }
         self.bound = bound;
     }
 
-    /// Keeps only the names declared outside of all contracts, until [`Names::show_inside`].
-    pub(super) fn hide_inside(&mut self) -> Inside<'a> {
-        let Outside { constants, defines } = self.outside.clone();
-        Inside {
+    /// Removes all names except those declared at the top level of files, until
+    /// [`Names::restore_local`].
+    pub(super) fn hide_local(&mut self) -> LocalNames<'a> {
+        let FileNames { constants, defines } = self.file_names.clone();
+        LocalNames {
             variables: std::mem::take(&mut self.variables),
             constants: std::mem::replace(&mut self.constants, constants),
             defines: std::mem::replace(&mut self.defines, defines),
@@ -167,12 +168,12 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// Restores the names visible only within a contract or machine.
-    pub(super) fn show_inside(&mut self, inside: Inside<'a>) {
-        self.variables = inside.variables;
-        self.constants = inside.constants;
-        self.defines = inside.defines;
-        self.counters = inside.counters;
+    /// Restores the names that [`Names::hide_local`] removed.
+    pub(super) fn restore_local(&mut self, local: LocalNames<'a>) {
+        self.variables = local.variables;
+        self.constants = local.constants;
+        self.defines = local.defines;
+        self.counters = local.counters;
     }
 
     fn replace_constant(&mut self, name: String, value: Option<Value>) -> Option<Value> {

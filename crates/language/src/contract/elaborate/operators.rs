@@ -1,11 +1,12 @@
-//! Operators: logic, equality, arithmetic, choice; dimensions and ranges.
+//! Elaboration of operators: logic, equality, arithmetic and choice, with checks of dimensions and
+//! ranges.
 
 use super::findings::Findings;
 use super::units::{aligned, same_dimension};
 use super::{Elaborator, comparable, constant_real};
 use crate::contract::value::{Dimension, Term, Type, Value};
 use linewright_core::diagnostics::codes;
-use linewright_core::gr1::interval::{Interval, Problem, interval};
+use linewright_core::gr1::interval::{Interval, IntervalError, interval};
 use linewright_core::gr1::{BinaryOp, Time, UnaryOp};
 use linewright_core::source::Span;
 use linewright_syntax::ast;
@@ -23,7 +24,8 @@ impl<'a> Elaborator<'a> {
         let boolean = |op, a, b| Some(Value::Scalar(Term::binary(op, a, b), Type::Bool));
         match op {
             A::And | A::Or | A::Implies | A::Iff | A::Xor => {
-                // Both sides are elaborated even if one is wrong, to report all findings at once.
+                // Both sides are elaborated even if one has an error, to report all findings at
+                // once.
                 let (x, y) = (self.boolean(a, time), self.boolean(b, time));
                 let (x, y) = (x?, y?);
                 if op == A::Iff {
@@ -73,8 +75,7 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Elaborates both sides of an equality; a bare label is looked up in the type of the other
-    /// side.
+    /// Elaborates both sides of an equality. A label is looked up in the type of the opposite side.
     pub(super) fn two_sides(
         &mut self,
         a: &'a ast::Expr,
@@ -92,6 +93,7 @@ impl<'a> Elaborator<'a> {
         Some((left?, right?))
     }
 
+    /// Builds the equality of two values of any shape.
     pub(super) fn equal(&mut self, span: Span, a: Value, b: Value) -> Option<Term> {
         match (a, b) {
             (Value::Scalar(a, at), Value::Scalar(b, bt)) => {
@@ -148,6 +150,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
+    /// Builds an arithmetic operation; reports operands whose dimensions do not fit, divisors that
+    /// can be 0, and results that are too large.
     pub(super) fn arithmetic(
         &mut self,
         span: Span,
@@ -172,7 +176,11 @@ impl<'a> Elaborator<'a> {
             }
             A::Mul | A::Div => {
                 let (x, y) = (of(&at), of(&bt));
-                let known = if op == A::Mul { x.times(y) } else { x.over(y) };
+                let known = if op == A::Mul {
+                    x.times(y)
+                } else {
+                    x.divided_by(y)
+                };
                 let Some(dimension) = known else {
                     let word = if op == A::Mul {
                         "multiplied"
@@ -182,8 +190,8 @@ impl<'a> Elaborator<'a> {
                     self.findings.error_with(
                         codes::TYPE_MISMATCH,
                         span,
-                        format!("{} cannot be {word} by {}", x.word(), y.word()),
-                        "there is no unit for the result; divide by `1 s`, `1 m` or the like where a bare number is meant",
+                        format!("{} cannot be {word} by {}", x.describe(), y.describe()),
+                        "the language has no unit for the result; to get a bare number, divide by `1 s`, `1 m` or the like",
                     );
                     return None;
                 };
@@ -233,7 +241,7 @@ impl<'a> Elaborator<'a> {
         Some(Value::Scalar(term, Type::Int))
     }
 
-    /// Elaborates arithmetic on whole numbers with units.
+    /// Builds an arithmetic operation on whole numbers with units.
     fn measured_arithmetic(
         &mut self,
         span: Span,
@@ -243,13 +251,13 @@ impl<'a> Elaborator<'a> {
         b_span: Span,
     ) -> Option<Value> {
         use ast::BinaryOp as A;
-        let counted = |t: &Type| matches!(t, Type::Measured(_));
+        let is_measured = |t: &Type| matches!(t, Type::Measured(_));
         if constant_real(&a).is_some()
             && constant_real(&b).is_some()
-            && !counted(&at)
-            && !counted(&bt)
+            && !is_measured(&at)
+            && !is_measured(&bt)
         {
-            // Quantities of the file, not yet converted to a unit.
+            // Both are constant quantities that have not been converted to a unit yet.
             let real = std::mem::replace(&mut self.dialect.real, true);
             let value = self.arithmetic(span, op, (a, at), (b, bt), b_span);
             self.dialect.real = real;
@@ -287,7 +295,7 @@ impl<'a> Elaborator<'a> {
                     codes::TYPE_MISMATCH,
                     span,
                     format!("{} cannot be {word} by {}", at.describe(), bt.describe()),
-                    "there is no unit for the result; divide by `1 mm`, `1 deg` or the like where a bare number is meant",
+                    "the language has no unit for the result; to get a bare number, divide by `1 mm`, `1 deg` or the like",
                 );
                 return None;
             }
@@ -306,10 +314,11 @@ impl<'a> Elaborator<'a> {
         Some(Value::Scalar(term, ty))
     }
 
-    /// Returns the interval of a whole number; reports one that exceeds the limits of arithmetic.
+    /// Returns the range of an integer term; reports a term that can exceed the limits of
+    /// arithmetic or divide by 0. In a plant expression the term has to be constant.
     pub fn range_of(&mut self, term: &Term, span: Span) -> Option<Interval> {
         if self.dialect.real {
-            // Plant expressions are not bounded; only constant indices are needed here.
+            // Plant expressions have no bounds; their ranges are needed only for indices.
             return if let Term::Int(i) = term {
                 Some(Interval { low: *i, high: *i })
             } else {
@@ -328,16 +337,16 @@ impl<'a> Elaborator<'a> {
         let result = interval(&expr, &|v| self.variables.interval(v));
         match result {
             Ok(range) => Some(range),
-            Err(Problem::TooLarge) => {
+            Err(IntervalError::TooLarge) => {
                 self.findings.error_with(
                     codes::NUMBER_RANGE,
                     span,
-                    "this can grow beyond 2^62",
+                    "this number can exceed 2^62",
                     "use smaller domains",
                 );
                 None
             }
-            Err(Problem::DivisorZero) => {
+            Err(IntervalError::DivisorZero) => {
                 self.findings.error_with(
                     codes::DIVISION,
                     span,
@@ -369,6 +378,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
+/// Converts a comparison operator.
 fn compared(op: ast::BinaryOp) -> BinaryOp {
     match op {
         ast::BinaryOp::Eq => BinaryOp::Eq,
@@ -380,23 +390,23 @@ fn compared(op: ast::BinaryOp) -> BinaryOp {
     }
 }
 
-/// Reports an equality of two types that have no common value.
+/// Reports an equality of two types that cannot be compared.
 fn unequal(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
     let help = match (a, b) {
         (Type::Array(..), Type::Array(..)) => {
-            "compare arrays of one length, or single elements with `[i]`"
+            "compare arrays of the same length, or single elements with `[i]`"
         }
         (Type::Record(_), _) | (_, Type::Record(_)) => {
             "compare records with the same members, or single members"
         }
         (Type::Array(..), _) | (_, Type::Array(..)) => {
-            "name one element with `[i]`, or quantify over `forall i in 0..n-1`"
+            "select one element with `[i]`, or quantify with `forall i in 0..n-1`"
         }
         (Type::Bool, _) | (_, Type::Bool) => {
-            "a truth value stands alone or after `not`; put brackets around a comparison that is compared again"
+            "write a truth value by itself or after `not`; put parentheses around a comparison that is compared again"
         }
         _ => {
-            "both sides must be of one type; does another declaration hide the label that was meant? Then write `Type.label`"
+            "use the same type on both sides; if another declaration hides a label, write `Type.label`"
         }
     };
     findings.error_with(

@@ -1,4 +1,4 @@
-//! Past operators and counters, converted to expressions over monitors.
+//! Conversion of past operators and counters to expressions over monitors.
 
 use super::Elaborator;
 use crate::contract::value::{Term, Type, Value};
@@ -8,7 +8,7 @@ use linewright_core::gr1::{Domain, Expr, Time};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, PastOp};
 
-/// Maximum number of steps to look back; each one is a value of a monitor.
+/// Maximum number of steps to look back. A monitor needs one value for each step.
 const MAX_STEPS: i64 = 1 << 16;
 
 impl<'a> Elaborator<'a> {
@@ -30,7 +30,7 @@ impl<'a> Elaborator<'a> {
             self.findings.error_with(
                 codes::TYPE_MISMATCH,
                 bound.span,
-                "`previous` looks back one step, and has no bound",
+                "`previous` looks back exactly one step, and takes no bound",
                 "write `once P within n steps`, or `historically P within n steps`",
             );
             return None;
@@ -69,8 +69,10 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     counter.domain.span,
-                    format!("a counter counts from 0 up to a number of at most {MAX_STEPS}"),
-                    "write a range such as `0..20`; where it ends the counter stays",
+                    format!(
+                        "the domain of a counter has to be `0..n`, where n is from 1 to {MAX_STEPS}"
+                    ),
+                    "write a range such as `0..20`; the counter stops at its end",
                 );
                 return None;
             }
@@ -84,7 +86,7 @@ impl<'a> Elaborator<'a> {
         let text = name.text.clone();
         let value = self.look_back(name.span, time, |monitors, origin| {
             let value = monitors.counter(&counts, &resets, high as u32, origin);
-            monitors.call(&value, &text);
+            monitors.rename(&value, &text);
             value
         })?;
         Some(match value {
@@ -93,18 +95,19 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// Elaborates a condition on one step, as the operand of an operator over other steps.
+    /// Elaborates a condition on one step that is the operand of `word`, an operator over other
+    /// steps.
     pub(in crate::contract) fn state(&mut self, e: &'a ast::Expr, word: &str) -> Option<Expr> {
         let allowed = std::mem::replace(&mut self.dialect.next, false);
-        let speaks = self.dialect.looking_back.replace(word.to_owned());
+        let enclosing = self.dialect.looking_back.replace(word.to_owned());
         let term = self.boolean(e, Time::Now);
         self.dialect.next = allowed;
-        self.dialect.looking_back = speaks;
+        self.dialect.looking_back = enclosing;
         let term = term?;
         self.formula(&term, e.span)
     }
 
-    /// Evaluates a number of steps.
+    /// Evaluates a bound in steps; reports one that is out of range.
     pub(in crate::contract) fn steps(&mut self, bound: &'a ast::Expr) -> Option<u32> {
         let steps = self.constant_int(bound)?;
         if (1..=MAX_STEPS).contains(&steps) {
@@ -113,13 +116,14 @@ impl<'a> Elaborator<'a> {
         self.findings.error_with(
             codes::NUMBER_RANGE,
             bound.span,
-            format!("a bound is a number of steps from 1 to {MAX_STEPS}"),
-            "write for instance `within 5 steps`",
+            format!("a bound has to be a number of steps from 1 to {MAX_STEPS}"),
+            "write, for example, `within 5 steps`",
         );
         None
     }
 
-    /// Returns the result of a monitor as a value of this step or of the next one.
+    /// Returns the output of a monitor in the current or the next step. Reports an operator that is
+    /// used where no monitors are available.
     fn look_back(
         &mut self,
         span: Span,
@@ -130,8 +134,8 @@ impl<'a> Elaborator<'a> {
             self.findings.error_with(
                 codes::PAST,
                 span,
-                "nothing can be remembered here",
-                "past operators, patterns and counters belong in a contract; a machine or line sees the outputs of its contracts",
+                "past operators, patterns and counters are not allowed here",
+                "use them in a contract, and read an output of that contract here",
             );
             return None;
         };

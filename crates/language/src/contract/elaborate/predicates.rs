@@ -1,8 +1,8 @@
 //! Defines: names for expressions, with or without parameters.
 //!
 //! A define has the same meaning wherever it is used. So it sees its own parameters and the scope
-//! where it is declared, never the quantified names where it is used. A define declared outside of
-//! all contracts sees nothing of the contract that uses it.
+//! in which it is declared, but no quantified names around its use. A define at the top level of a
+//! file does not see the names of the contract that uses it.
 
 use super::Elaborator;
 use super::units::fitted_value;
@@ -13,8 +13,8 @@ use linewright_core::source::Span;
 use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
-    /// Returns the value of a define without parameters.
-    pub(super) fn defined(
+    /// Returns the value of a define without parameters; reports a define that has some.
+    pub(super) fn constant_define(
         &mut self,
         span: Span,
         define: &'a ast::Define,
@@ -41,7 +41,7 @@ impl<'a> Elaborator<'a> {
         self.expanded(span, define, Vec::new(), expected, time)
     }
 
-    /// Returns the value of a define with parameters.
+    /// Returns the value of a define for these arguments.
     pub(super) fn predicate(
         &mut self,
         span: Span,
@@ -80,28 +80,29 @@ impl<'a> Elaborator<'a> {
         self.expanded(span, define, values, expected, time)
     }
 
-    /// Elaborates an argument, with the type of its parameter if declared. It is a value of this
-    /// step: `next` applies to the define as a whole.
+    /// Elaborates an argument, and converts it to the type of its parameter if that is declared.
+    /// The argument is a value of the current step, since `next` applies to the define as a whole.
     fn argument(
         &mut self,
         formal: &'a ast::Formal,
         argument: &'a ast::Expr,
         time: Time,
     ) -> Option<Value> {
-        let wanted = match &formal.domain {
+        let expected = match &formal.domain {
             Some(domain) => Some(self.shape(domain)?.ty()),
             None => None,
         };
-        let value = self.value(argument, wanted.as_ref(), Time::Now)?;
+        let value = self.value(argument, expected.as_ref(), Time::Now)?;
         if time == Time::Next {
             self.later(argument.span, value.clone())?;
         }
-        match wanted {
+        match expected {
             Some(ty) => fitted_value(argument.span, value, &ty, &mut self.findings),
             None => Some(value),
         }
     }
 
+    /// Returns the value of a define's body, with these values for its parameters.
     fn expanded(
         &mut self,
         span: Span,
@@ -113,17 +114,17 @@ impl<'a> Elaborator<'a> {
         let name = &define.name.text;
         if self.expansion.defining.contains(name) {
             self.findings.error_with(
-                codes::NAME_DOUBLE,
+                codes::NAME_DUPLICATE,
                 span,
-                format!("`{name}` is defined by itself"),
-                "break the cycle; a value that depends on itself needs an internal variable and `next`",
+                format!("`{name}` is defined in terms of itself"),
+                "break the cycle; to compute a value from its previous value, use an internal variable and `next`",
             );
             return None;
         }
         self.expansion.defining.push(name.clone());
-        let outer = self
+        let is_top_level = self
             .names
-            .outside
+            .file_names
             .defines
             .get(name)
             .is_some_and(|d| std::ptr::eq(*d, define));
@@ -138,22 +139,29 @@ impl<'a> Elaborator<'a> {
             }
             value
         };
-        let value = self.unbound(|e| if outer { e.outside(body) } else { body(e) });
+        let value = self.without_bound_names(|e| {
+            if is_top_level {
+                e.with_file_names_only(body)
+            } else {
+                body(e)
+            }
+        });
         self.expansion.defining.pop();
         value
     }
 
-    /// Returns a bound value one step later.
+    /// Returns the value of the same expression one step later; reports one that already contains
+    /// `next`.
     pub(super) fn later(&mut self, span: Span, value: Value) -> Option<Value> {
-        let mut twice = false;
+        let mut has_next = false;
         let monitors = self.memory.monitors.as_ref();
         let value = value.map(&mut |term, ty| {
-            if !term.is_variable() {
+            if !term.has_variable() {
                 return Some((term, ty));
             }
             let expr = term.to_expr()?;
-            twice |= expr.mentions_next();
-            if twice {
+            has_next |= expr.mentions_next();
+            if has_next {
                 return Some((term, ty));
             }
             let next = match monitors {
@@ -162,7 +170,7 @@ impl<'a> Elaborator<'a> {
             };
             Some((Term::from_expr(&next), ty))
         });
-        if twice {
+        if has_next {
             self.findings.error_with(
                 codes::NEXT_NESTED,
                 span,
@@ -174,20 +182,19 @@ impl<'a> Elaborator<'a> {
         value
     }
 
-    /// Runs a function without the quantified names: a define has the same meaning wherever it is
-    /// used.
-    pub(super) fn unbound<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+    /// Runs a function without the quantified names in scope.
+    pub(super) fn without_bound_names<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
         let bound = self.names.hide_bound();
         let result = run(self);
-        self.names.show_bound(bound);
+        self.names.restore_bound(bound);
         result
     }
 
-    /// Runs a function with only the names declared outside of all contracts.
-    fn outside<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
-        let inside = self.names.hide_inside();
+    /// Runs a function with only the top-level names of files in scope.
+    fn with_file_names_only<T>(&mut self, run: impl FnOnce(&mut Self) -> T) -> T {
+        let local = self.names.hide_local();
         let result = run(self);
-        self.names.show_inside(inside);
+        self.names.restore_local(local);
         result
     }
 }

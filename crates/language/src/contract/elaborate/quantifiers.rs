@@ -1,4 +1,4 @@
-//! Expansion of quantifiers, and functions.
+//! Expansion of quantifiers, and calls of functions.
 
 use super::domains::unit_in;
 use super::expansion::MAX_EXPANSION;
@@ -12,7 +12,7 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, Quantifier};
 
 impl<'a> Elaborator<'a> {
-    /// Returns the values of a quantified name, each with its type.
+    /// Returns the values over which a quantified name ranges.
     pub fn quantified(&mut self, domain: &'a ast::Domain) -> Option<Vec<Value>> {
         let values: Vec<Value> = if let ast::DomainKind::Range(low, high, None) = &domain.kind
             && unit_in(low).is_none()
@@ -23,7 +23,7 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     domain.span,
-                    format!("more than {MAX_EXPANSION} values"),
+                    format!("this range has more than {MAX_EXPANSION} values"),
                     "use a smaller range",
                 );
                 return None;
@@ -32,9 +32,9 @@ impl<'a> Elaborator<'a> {
                 .map(|i| Value::Scalar(Term::Int(i), Type::Int))
                 .collect()
         } else if let ast::DomainKind::Named(ast::Name { text: name, .. })
-        // An array may have the name of a unit: `h`.
+        // An array can have the name of a unit: `h`.
         | ast::DomainKind::Unit(name) = &domain.kind
-            && let Some(length) = self.names.length(name)
+            && let Some(length) = self.names.array_length(name)
         {
             (0..length as i64)
                 .map(|i| Value::Scalar(Term::Int(i), Type::Int))
@@ -45,7 +45,7 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     domain.span,
-                    "a quantifier ranges over numbers, labels or truth values",
+                    format!("a quantifier has to range over at most {MAX_EXPANSION} numbers, labels or truth values"),
                     "write a range such as `0..3`, `bool`, or a set of labels",
                 );
                 return None;
@@ -55,7 +55,7 @@ impl<'a> Elaborator<'a> {
                 .collect()
         };
         self.expansion
-            .instantiate(domain.span, values.len(), &mut self.findings)?;
+            .add_instances(domain.span, values.len(), &mut self.findings)?;
         Some(values)
     }
 
@@ -155,7 +155,7 @@ impl<'a> Elaborator<'a> {
                 let help = match nearest(other, known.chain(functions)) {
                     Some(near) => format!("did you mean `{near}`?"),
                     None => {
-                        "the functions are min, max, abs, in machines floor, ceil and round, and what `define` declares"
+                        "the functions are `min`, `max` and `abs`, in machines also `floor`, `ceil` and `round`, and those declared with `define`"
                             .to_owned()
                     }
                 };
@@ -187,8 +187,8 @@ impl<'a> Elaborator<'a> {
                 self.findings.error_with(
                     codes::TYPE_MISMATCH,
                     span,
-                    format!("`{}` has no meaning in a contract", name.text),
-                    "a contract's numbers are whole; `/` rounds down",
+                    format!("`{}` is not allowed in a contract", name.text),
+                    "use `/`, which rounds down: a contract has only whole numbers",
                 );
                 return None;
             }

@@ -1,4 +1,4 @@
-//! Records, and arrays of non-scalars: members, literals, choices.
+//! Records and arrays: literals, members, and choices between values of any shape.
 
 use super::findings::Findings;
 use super::units::aligned;
@@ -10,7 +10,8 @@ use linewright_core::source::Span;
 use linewright_syntax::ast;
 
 impl<'a> Elaborator<'a> {
-    /// Elaborates `{x = 0, y = 1}`, in the order of the expected type, if there is one.
+    /// Elaborates `{x = 0, y = 1}`. The members are in the order of the expected type if there is
+    /// one.
     pub(super) fn record(
         &mut self,
         span: Span,
@@ -28,10 +29,10 @@ impl<'a> Elaborator<'a> {
             let name = &member.name;
             if values.iter().any(|(n, _)| *n == name.text) {
                 self.findings.error_with(
-                    codes::NAME_DOUBLE,
+                    codes::NAME_DUPLICATE,
                     name.span,
-                    format!("the member `{}` appears twice here", name.text),
-                    "leave one of the two out",
+                    format!("the member `{}` appears twice", name.text),
+                    "remove one of the two",
                 );
                 complete = false;
                 continue;
@@ -71,7 +72,7 @@ impl<'a> Elaborator<'a> {
         complete.then_some(Value::Record(values))
     }
 
-    /// Builds `if c then a else b` for values of any shape.
+    /// Builds `if condition then a else b` for two values of the same shape.
     pub(super) fn choose(
         &mut self,
         condition: &Term,
@@ -114,7 +115,7 @@ impl<'a> Elaborator<'a> {
     }
 }
 
-/// Returns a member of a record.
+/// Returns a member of a record; reports an unknown member, and a value that is not a record.
 pub(super) fn member(
     span: Span,
     value: Value,
@@ -125,8 +126,8 @@ pub(super) fn member(
         findings.error_with(
             codes::TYPE_MISMATCH,
             span,
-            format!("this is {}, and has no members", value.ty().describe()),
-            "leave the member out, or declare it as `record {...}`",
+            format!("this is {}, which has no members", value.ty().describe()),
+            "remove the member, or declare the value as `record {...}`",
         );
         return None;
     };

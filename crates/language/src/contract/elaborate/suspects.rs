@@ -1,5 +1,5 @@
-//! Well-formed comparisons that are probably not intended: decided by domains alone (LW114), or
-//! about the next step on both sides (LW211).
+//! Findings for valid comparisons that are probably mistakes: those whose result follows from the
+//! domains (LW114), and equations with next values on both sides (LW211).
 
 use super::Elaborator;
 use super::names::Names;
@@ -8,34 +8,35 @@ use crate::contract::units::Unit;
 use crate::contract::value::{Term, Value};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::interval::Interval;
-use linewright_core::gr1::{BinaryOp, Time, VarId, described};
+use linewright_core::gr1::{BinaryOp, Time, VarId, describe_domain};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, Expr, ExprKind};
 use linewright_syntax::format;
 
 impl Elaborator<'_> {
-    /// Checks a comparison of numbers: `term` is the result for `a` and `b`, in one unit.
+    /// Reports a comparison of numbers whose result is always the same. `term` is the comparison of
+    /// `a` and `b` in a common unit.
     ///
-    /// Only compares a variable with a number written in the source or with another variable.
-    /// Expressions with parameters or quantified names are deliberately general, and may well be
-    /// decided in one case of many.
+    /// Checks only comparisons of a variable with a literal number, a constant or another variable.
+    /// Expressions with parameters or quantified names are written for many cases, and can be
+    /// always true or false in one of them.
     pub(super) fn compared(&mut self, span: Span, sign: &str, term: &Term, a: &Expr, b: &Expr) {
         let Term::Binary(op, x, y) = term else { return };
         if self.dialect.real {
             return;
         }
-        // `place <= LAST` describes the range of a place and needs no check; `place = LAST` must be
-        // possible.
+        // `place <= LAST` states the range of a place, so that it may always hold. `place = LAST`
+        // has to be possible.
         let equation = matches!(op, BinaryOp::Eq | BinaryOp::Ne);
         let both = self.names.declared(a) && self.names.declared(b) && equation;
         let of_number = |v: &Expr, n: &Expr| {
             let named = |n: &Expr| matches!(n.kind, ExprKind::Path(_));
-            self.names.declared(v) && self.names.written_out(n) && (equation || !named(n))
+            self.names.declared(v) && self.names.is_literal(n) && (equation || !named(n))
         };
         if !both && !of_number(a, b) && !of_number(b, a) {
             return;
         }
-        let (Some(x), Some(y)) = (self.variables.reach(x), self.variables.reach(y)) else {
+        let (Some(x), Some(y)) = (self.variables.range(x), self.variables.range(y)) else {
             return;
         };
         let Some(holds) = decided(*op, x, y) else {
@@ -47,20 +48,24 @@ impl Elaborator<'_> {
             .map(|(e, range)| {
                 format!(
                     "`{}` is {}",
-                    format::expression(e),
+                    format::format_expression(e),
                     self.domain_of(e, range)
                 )
             })
             .collect();
-        let text = format!("{} {sign} {}", format::expression(a), format::expression(b));
+        let text = format!(
+            "{} {sign} {}",
+            format::format_expression(a),
+            format::format_expression(b)
+        );
         let verdict = if holds { "always" } else { "never" };
         let help = if holds {
-            "leave it out, or compare with a value in the middle of the domain"
+            "remove the comparison, or compare with a value inside the domain"
         } else {
-            "compare with a value of the domain, or make the domain larger"
+            "compare with a value of the domain, or extend the domain"
         };
         let message = format!("`{text}` {verdict} holds: {}", sides.join(", and "));
-        // `x >= 0` is a common, harmless habit.
+        // `x >= 0` is a common and harmless habit, so it is only a note.
         let finding = if holds && !equation {
             Diagnostic::note(codes::COMPARISON_DECIDED, span, message)
         } else {
@@ -69,8 +74,7 @@ impl Elaborator<'_> {
         self.findings.push(finding.with_help(help));
     }
 
-    /// Describes a variable's declared domain, or the range of an expression that is not a scalar
-    /// variable.
+    /// Formats the declared domain of a scalar variable, or the range of any other expression.
     fn domain_of(&self, e: &Expr, range: Interval) -> String {
         let mut base = e;
         while let ExprKind::Next(inner) = &base.kind {
@@ -81,7 +85,7 @@ impl Elaborator<'_> {
             && let Some(Entry::One(id)) = self.names.variables.get(&name.text)
             && let Some(Some(domain)) = self.variables.domains.get(id.index())
         {
-            return described(
+            return describe_domain(
                 domain,
                 self.variables
                     .measures
@@ -93,7 +97,8 @@ impl Elaborator<'_> {
         format!("{}..{}", range.low, range.high)
     }
 
-    /// Checks an equation: `x = f(x)` with both values of the next step assigns nothing.
+    /// Reports an equation such as `next x = next (x + 1)`, which contains the next value of one
+    /// variable on both sides, and so does not relate it to its current value.
     pub(super) fn equated(
         &mut self,
         span: Span,
@@ -103,7 +108,7 @@ impl Elaborator<'_> {
         time: Time,
     ) {
         let sets = |x: &Term, y: &Term| match x {
-            Term::Var(v, Time::Next) => x != y && holds_next(y, *v),
+            Term::Var(v, Time::Next) => x != y && contains_next(y, *v),
             _ => false,
         };
         let (bare, other) = match (sets(x, y), sets(y, x)) {
@@ -112,11 +117,11 @@ impl Elaborator<'_> {
             _ => return,
         };
         let now = |e: &Expr| match time {
-            Time::Next => format::expression(&self.names.primed(e)),
-            Time::Now => format::expression(e),
+            Time::Next => format::format_expression(&self.names.primed(e)),
+            Time::Now => format::format_expression(e),
         };
         let message = format!(
-            "both sides of this equation are about the next step: it says `{} {sign} {}`",
+            "both sides of this equation refer to the next step: it means `{} {sign} {}`",
             now(bare),
             now(other)
         );
@@ -125,9 +130,9 @@ impl Elaborator<'_> {
             span: bare.span,
         };
         let help = format!(
-            "to set the next value from the present one, write `{} {sign} {}`",
-            format::expression(&next),
-            format::expression(&stripped(other))
+            "to compute the next value from the current one, write `{} {sign} {}`",
+            format::format_expression(&next),
+            format::format_expression(&stripped(other))
         );
         let finding = Diagnostic::warning(codes::NEXT_BOTH_SIDES, span, message);
         self.findings.push(finding.with_help(help));
@@ -148,18 +153,18 @@ impl Names<'_> {
         }
     }
 
-    /// Returns whether the expression is a number written in the source or a constant of the file.
-    fn written_out(&self, e: &Expr) -> bool {
+    /// Returns whether the expression is a literal number or a top-level constant.
+    fn is_literal(&self, e: &Expr) -> bool {
         match &e.kind {
             ExprKind::Int(_) | ExprKind::Quantity(..) => true,
-            ExprKind::Neg(inner) => self.written_out(inner),
+            ExprKind::Neg(inner) => self.is_literal(inner),
             ExprKind::Path(names) => match names.as_slice() {
                 [name] => {
-                    let outside = self.outside.constants.get(&name.text);
+                    let constant = self.file_names.constants.get(&name.text);
                     matches!(
-                        outside,
+                        constant,
                         Some(Value::Scalar(Term::Int(_) | Term::Real(_), _))
-                    ) && self.constants.get(&name.text) == outside
+                    ) && self.constants.get(&name.text) == constant
                 }
                 _ => false,
             },
@@ -167,7 +172,7 @@ impl Names<'_> {
         }
     }
 
-    /// Adds `next` before each variable.
+    /// Returns the expression with `next` before each variable.
     fn primed(&self, e: &Expr) -> Expr {
         if self.declared(e) {
             return Expr {
@@ -179,7 +184,7 @@ impl Names<'_> {
     }
 }
 
-/// Removes every `next`.
+/// Returns the expression without `next`.
 fn stripped(e: &Expr) -> Expr {
     match &e.kind {
         ExprKind::Next(inner) => stripped(inner),
@@ -187,7 +192,7 @@ fn stripped(e: &Expr) -> Expr {
     }
 }
 
-/// Returns an expression with changed operands.
+/// Returns the expression with `change` applied to each operand.
 fn changed(e: &Expr, change: &dyn Fn(&Expr) -> Expr) -> Expr {
     let sub = |e: &Expr| Box::new(change(e));
     let kind = match &e.kind {
@@ -203,17 +208,19 @@ fn changed(e: &Expr, change: &dyn Fn(&Expr) -> Expr) -> Expr {
     ast::Expr { kind, span: e.span }
 }
 
-fn holds_next(term: &Term, v: VarId) -> bool {
+/// Returns whether the term contains the next value of a variable.
+fn contains_next(term: &Term, v: VarId) -> bool {
     match term {
         Term::Int(_) | Term::Real(_) => false,
         Term::Var(w, time) => *w == v && *time == Time::Next,
-        Term::Unary(_, a) | Term::Rounded(_, a) => holds_next(a, v),
-        Term::Binary(_, a, b) => holds_next(a, v) || holds_next(b, v),
-        Term::If(c, a, b) => holds_next(c, v) || holds_next(a, v) || holds_next(b, v),
+        Term::Unary(_, a) | Term::Rounded(_, a) => contains_next(a, v),
+        Term::Binary(_, a, b) => contains_next(a, v) || contains_next(b, v),
+        Term::If(c, a, b) => contains_next(c, v) || contains_next(a, v) || contains_next(b, v),
     }
 }
 
-/// Returns the result of comparing any values of two intervals, if it is always the same.
+/// Returns the result of comparing a value of `a` with a value of `b`; `None` if it depends on the
+/// values.
 fn decided(op: BinaryOp, a: Interval, b: Interval) -> Option<bool> {
     let below = a.high < b.low;
     let above = b.high < a.low;

@@ -1,4 +1,4 @@
-//! Conversion of two numbers to one unit, so that they can be added and compared.
+//! Conversion of numbers to a common unit or an expected type.
 
 use super::findings::Findings;
 use super::{constant_real, is_zero};
@@ -8,8 +8,8 @@ use linewright_core::diagnostics::codes;
 use linewright_core::gr1::BinaryOp;
 use linewright_core::source::Span;
 
-/// Converts two numbers to multiples of the finer of their units, and returns that type. 0 fits
-/// every unit.
+/// Converts two numbers to a common unit, the finer of the two, and returns them with that type.
+/// The number 0 fits every unit. Reports numbers without a common unit.
 pub(super) fn aligned(
     span: Span,
     (a, at): (Term, Type),
@@ -25,7 +25,7 @@ pub(super) fn aligned(
             if let Some(times) = y.in_terms_of(*x) {
                 return Some((a, scaled(b, times), at));
             }
-            apart(span, &at, &bt, findings);
+            no_common_unit(span, &at, &bt, findings);
             None
         }
         (Type::Measured(_), Type::Int) if is_zero(&b) => Some((a, b, at)),
@@ -41,7 +41,7 @@ pub(super) fn aligned(
             Some((a, b, ty))
         }
         (Type::Measured(_), _) | (_, Type::Measured(_)) => {
-            apart(span, &at, &bt, findings);
+            no_common_unit(span, &at, &bt, findings);
             None
         }
         _ => {
@@ -55,7 +55,7 @@ pub(super) fn aligned(
     }
 }
 
-/// Converts a scalar to the expected type; reports one that does not fit.
+/// Converts a scalar to the expected type; reports a scalar that cannot be converted.
 pub(in crate::contract) fn fitted(
     span: Span,
     (term, found): (Term, Type),
@@ -69,12 +69,12 @@ pub(in crate::contract) fn fitted(
         (Type::Measured(unit), Type::Measured(other)) => {
             let times = other.in_terms_of(*unit);
             if times.is_none() {
-                apart(span, &found, wanted, findings);
+                no_common_unit(span, &found, wanted, findings);
             }
             times.map(|n| scaled(term, n))
         }
         (Type::Measured(unit), Type::Number(dimension)) => {
-            counted(span, &term, *dimension, *unit, findings)
+            whole_count(span, &term, *dimension, *unit, findings)
         }
         _ => {
             findings.mismatch(span, &wanted.describe(), &found);
@@ -83,7 +83,7 @@ pub(in crate::contract) fn fitted(
     }
 }
 
-/// Converts a value of any shape to the expected type.
+/// Converts a value of any shape to the expected type; reports a value that cannot be converted.
 pub(in crate::contract) fn fitted_value(
     span: Span,
     value: Value,
@@ -118,8 +118,8 @@ pub(in crate::contract) fn fitted_value(
     }
 }
 
-/// Converts a quantity of the file to a whole number of a unit.
-fn counted(
+/// Converts a constant quantity to a whole number of a unit; reports one that cannot be converted.
+fn whole_count(
     span: Span,
     term: &Term,
     dimension: Dimension,
@@ -127,7 +127,7 @@ fn counted(
     findings: &mut Findings,
 ) -> Option<Term> {
     if dimension != unit.dimension() {
-        apart(
+        no_common_unit(
             span,
             &Type::Number(dimension),
             &Type::Measured(unit),
@@ -139,7 +139,7 @@ fn counted(
         findings.error_with(
             codes::NOT_CONSTANT,
             span,
-            "a quantity of the plant has to be known here beforehand",
+            "this quantity has to be a constant",
             "use numbers, constants and parameters only",
         );
         return None;
@@ -150,29 +150,29 @@ fn counted(
             codes::TYPE_MISMATCH,
             span,
             format!("this is not a whole number of `{}`", unit.name()),
-            "a contract counts in whole numbers: round it, or declare the variable in a finer unit",
+            "a contract has only whole numbers: round the value, or declare the variable in a finer unit",
         );
     }
     count.map(Term::Int)
 }
 
 /// Reports two numbers without a common unit.
-fn apart(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
+fn no_common_unit(span: Span, a: &Type, b: &Type, findings: &mut Findings) {
     let help = if a.dimension() == b.dimension() {
-        "neither unit is a multiple of the other: give both the same one"
+        "use the same unit on both sides: neither unit is a multiple of the other"
     } else {
-        "give both sides the same kind of unit; a bare number gets one by being written with it, `5 mm`"
+        "use units of the same kind on both sides; write a bare number with a unit, such as `5 mm`"
     };
     let word = |t: &Type| match t {
         Type::Int => "a bare number".to_owned(),
         other => other.describe(),
     };
-    let message = format!("{} does not go together with {}", word(a), word(b));
+    let message = format!("{} cannot be combined with {}", word(a), word(b));
     findings.error_with(codes::TYPE_MISMATCH, span, message, help);
 }
 
-/// Checks that two operands of addition or comparison have the same dimension; 0 fits every
-/// dimension.
+/// Returns the common dimension of two operands of addition or comparison; reports operands without
+/// one. The number 0 fits every dimension.
 pub(super) fn same_dimension(
     span: Span,
     (a, at): (&Term, &Type),
@@ -193,14 +193,18 @@ pub(super) fn same_dimension(
     findings.error_with(
         codes::TYPE_MISMATCH,
         span,
-        format!("{} does not go together with {}", ad.word(), bd.word()),
-        "give both sides the same kind of unit",
+        format!(
+            "{} cannot be combined with {}",
+            ad.describe(),
+            bd.describe()
+        ),
+        "use units of the same kind on both sides",
     );
     None
 }
 
-/// Returns the unit in which a quantity is a whole number, and that number: the given unit, or the
-/// coarsest one that divides the quantity. The given unit if there is none.
+/// Returns the coarsest unit that divides both `unit` and a constant quantity, and `unit` as a
+/// multiple of it. Returns `unit` itself and 1 if there is no such unit.
 fn finer(unit: Unit, quantity: &Term, ty: &Type) -> (Unit, i64) {
     let known = (unit, 1);
     let Some(base) = constant_real(quantity) else {

@@ -8,17 +8,17 @@ use linewright_core::gr1::monitors::Monitors;
 use linewright_core::gr1::{BinaryOp, Domain, Time, VarId};
 use std::collections::BTreeMap;
 
-/// Unit of a property: its dimension and its number of base units.
-pub(in crate::contract) type UnitOf = (Dimension, f64);
+/// Unit of a real variable: its dimension, and its factor to the base unit.
+pub(in crate::contract) type RealUnit = (Dimension, f64);
 
-/// Variables of one elaborator; their ids count from 0.
+/// Variables of one elaborator, indexed by their ids.
 #[derive(Clone, Default)]
 pub(in crate::contract) struct VariableTable {
     /// Domains; `None` for real variables.
     pub domains: Vec<Option<Domain>>,
     /// Units of real variables.
-    pub units: BTreeMap<VarId, UnitOf>,
-    /// Units of whole-number variables.
+    pub units: BTreeMap<VarId, RealUnit>,
+    /// Units of variables of whole numbers.
     pub measures: BTreeMap<VarId, Unit>,
 }
 
@@ -34,31 +34,32 @@ impl VariableTable {
     }
 
     /// Adds a real variable.
-    pub fn add_real(&mut self, unit: UnitOf) -> VarId {
+    pub fn add_real(&mut self, unit: RealUnit) -> VarId {
         let id = VarId(self.domains.len() as u32);
         self.domains.push(None);
         self.units.insert(id, unit);
         id
     }
 
-    /// Adds the monitors created since the last call.
+    /// Adds the variables of the monitors that were created since the last call.
     pub fn add_monitors(&mut self, monitors: &Monitors) {
-        let made = monitors.made();
+        let made = monitors.all();
         let first = made.first().map_or(0, |m| m.id.index());
         let seen = self.domains.len().saturating_sub(first).min(made.len());
         self.domains
             .extend(made[seen..].iter().map(|m| Some(m.variable.domain.clone())));
     }
 
-    /// Returns the values of a variable as numbers; `0..1` if it is real.
+    /// Returns the range of a variable's values as numbers; `0..1` for a real variable.
     pub fn interval(&self, id: VarId) -> Interval {
         self.domains[id.index()]
             .as_ref()
             .map_or(Interval::BOOL, Interval::of)
     }
 
-    /// Returns the range of a number; `None` for labels and truth values.
-    pub(super) fn reach(&self, term: &Term) -> Option<Interval> {
+    /// Returns the range of an integer term; `None` if the term contains labels, truth values or
+    /// real numbers, or its range is too large.
+    pub(super) fn range(&self, term: &Term) -> Option<Interval> {
         let expr = term.to_expr()?;
         let mut numbers = true;
         expr.for_each_var(&mut |v, _| {
@@ -71,7 +72,8 @@ impl VariableTable {
         interval(&expr, &|v| self.interval(v)).ok()
     }
 
-    /// Returns the value of a variable of any shape. The plant (`real`) computes in base units.
+    /// Returns the value of a variable of any shape. With `real`, quantities are converted to base
+    /// units.
     pub(super) fn entry(&self, entry: &Entry, time: Time, real: bool) -> Value {
         match entry {
             Entry::One(id) => self.scalar(*id, time, real),

@@ -1,9 +1,8 @@
-//! LW202: formulas that constrain variables their side does not control, reported at the place
-//! where they do.
+//! LW202: findings for formulas that constrain variables that their side does not control.
 
 use super::{Label, Place};
 use crate::contract::elaborate::{Elaborator, Names};
-use crate::contract::shape::way;
+use crate::contract::shape::leaf_path;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::monitors::{Kind, Monitors, Obligation};
 use linewright_core::gr1::{Expr, Owner, Time, VarId};
@@ -11,7 +10,8 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{self, BinaryOp, ExprKind};
 use linewright_syntax::format;
 
-/// Checks that the formula constrains variables that its side controls; reports it otherwise.
+/// Checks that a formula constrains only variables that its side controls. Reports an assumption
+/// that constrains outputs, and returns `false`; only warns about a guarantee without outputs.
 pub(super) fn controls(
     e: &mut Elaborator<'_>,
     (formula, place): (&ast::Expr, Place),
@@ -22,7 +22,7 @@ pub(super) fn controls(
     let Obligation { kind, expr } = obligation;
     let kind = *kind;
     if label.guarantee {
-        if !speaks_of_outputs(e.memory.monitors.as_ref(), expr, label)
+        if !mentions_outputs(e.memory.monitors.as_ref(), expr, label)
             && kind != Kind::Justice
             && !matches!(expr, Expr::Const(_))
         {
@@ -44,26 +44,26 @@ pub(super) fn controls(
         return true;
     };
     let whole = &super::whole(formula, place);
-    let text = format::expression(whole);
+    let text = format::format_expression(whole);
     let help = match kind {
         _ if looks_back => format!(
-            "the plant gives its inputs before it sees `{first}` of the same step; refer to `previous {first}`, or write `guarantee {text}` if the machine is to see to it"
+            "the plant sets its inputs before it sees `{first}` of the same step: refer to `previous {first}`, or write `guarantee {text}` if the machine has to ensure this"
         ),
         Kind::Initial => {
             format!(
-                "an initial assumption refers to inputs only; write `guarantee {text}` to say how the machine starts"
+                "an initial assumption can refer only to inputs: write `guarantee {text}` to constrain the start of the machine"
             )
         }
         Kind::Safety => format!(
-            "the plant chooses its next inputs without seeing `next {first}`; refer to `{first}` in the step before, or write `guarantee {text}` if the machine is to see to it"
+            "the plant sets its next inputs before it sees `next {first}`: refer to the current `{first}`, or write `guarantee {text}` if the machine has to ensure this"
         ),
         _ => format!(
-            "write `guarantee {text}` if the machine is to see to it; what the plant does after it has seen `{first}` is `assume always ({first} ... -> next input ...)`"
+            "write `guarantee {text}` if the machine has to ensure this; to describe how the plant reacts to `{first}`, write `assume always ({first} ... -> next input ...)`"
         ),
     };
     let span = atom(&e.names, whole, &bad, time).unwrap_or(whole.span);
     let message = format!(
-        "this assumption constrains {}, which the machine chooses",
+        "this assumption constrains {}, which the machine controls",
         listed(&bad)
     );
     let finding = Diagnostic::error(codes::NOT_CONTROLLED, span, message).with_help(help);
@@ -71,16 +71,15 @@ pub(super) fn controls(
     false
 }
 
-/// Returns the warning about a guarantee without an output: it holds only if the plant happens to
-/// keep it.
+/// Returns the warning for a guarantee without outputs, which the machine cannot influence.
 fn inputs_only(known: &Names<'_>, whole: &ast::Expr, expr: &Expr, label: &Label<'_>) -> Diagnostic {
     let mut names: Vec<String> = Vec::new();
     expr.for_each_var(&mut |v, _| {
         if let Some(variable) = label.variables.get(v.index()) {
-            add(&mut names, way(&variable.name).0);
+            add(&mut names, leaf_path(&variable.name).0);
         }
     });
-    // The operand after the last arrow is what is required.
+    // The operand after the last arrow is the condition that is required.
     let mut demanded = whole;
     loop {
         demanded = match &demanded.kind {
@@ -100,9 +99,9 @@ fn inputs_only(known: &Names<'_>, whole: &ast::Expr, expr: &Expr, label: &Label<
             listed(&names)
         )
     };
-    let text = format::expression(whole);
+    let text = format::format_expression(whole);
     Diagnostic::warning(codes::NOT_CONTROLLED, span, message).with_help(format!(
-        "if the plant promises it, write `assume {text}`; if the machine is to do something, name an output"
+        "if the plant ensures this, write `assume {text}`; otherwise, refer to an output"
     ))
 }
 
@@ -120,7 +119,8 @@ fn add(names: &mut Vec<String>, name: &str) {
     }
 }
 
-/// Returns the outputs whose current values occur, and those whose next values occur.
+/// Returns the outputs whose current values occur in an expression, and those whose next values
+/// occur.
 fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
     let (mut now, mut next) = (Vec::new(), Vec::new());
     expr.for_each_var(&mut |v, time| {
@@ -138,14 +138,14 @@ fn outputs(expr: &Expr, label: &Label<'_>) -> (Vec<String>, Vec<String>) {
     (now, next)
 }
 
-/// Returns the first condition without connectives that mentions one of these variables; with
-/// [`Time::Next`], its next value.
+/// Returns the position of the first condition without connectives that mentions one of these
+/// variables, or with [`Time::Next`] the next value of one.
 fn atom(known: &Names<'_>, formula: &ast::Expr, names: &[String], time: Time) -> Option<Span> {
-    let bases: Vec<&str> = names.iter().map(|n| way(n).0).collect();
+    let bases: Vec<&str> = names.iter().map(|n| leaf_path(n).0).collect();
     find(known, formula, &bases, time == Time::Now)
 }
 
-/// Searches for such a condition; `reached` says whether the position is about the wanted step.
+/// Searches for such a condition. `reached` is whether the formula refers to the required step.
 fn find(known: &Names<'_>, formula: &ast::Expr, bases: &[&str], reached: bool) -> Option<Span> {
     let logic = match &formula.kind {
         ExprKind::Next(a) if connects(a) => return find(known, a, bases, true),
@@ -191,7 +191,7 @@ fn mentions(
         if reached && bases.contains(&name.text.as_str()) {
             return true;
         }
-        // Circular defines were reported; none is followed for long.
+        // The depth is limited because defines can be circular, which is reported elsewhere.
         if depth < 16
             && let Some(define) = known.defines.get(&name.text)
             && mentions(known, &define.value, bases, reached, depth + 1)
@@ -211,8 +211,8 @@ fn mentions(
     children.any(|c| mentions(known, c, bases, reached, depth))
 }
 
-/// Returns whether an output occurs, including in a formula that a monitor follows.
-fn speaks_of_outputs(monitors: Option<&Monitors>, expr: &Expr, label: &Label<'_>) -> bool {
+/// Returns whether an expression depends on an output, directly or through a monitor.
+fn mentions_outputs(monitors: Option<&Monitors>, expr: &Expr, label: &Label<'_>) -> bool {
     let mut found = false;
     let mut seen: Vec<VarId> = Vec::new();
     let mut open = Vec::new();

@@ -1,32 +1,32 @@
-//! GR(1) forms of formulas that are not written in one.
+//! GR(1) forms of formulas outside GR(1).
 //!
-//! A clause of [`ltl`](super::ltl) has a form if it is
+//! These clauses of [`ltl`](super::ltl) have a form:
 //!
 //! | clause | form |
 //! |---|---|
-//! | conditions, `always a` and `p unless q`, one of them | `always` of their past forms |
-//! | the same with `eventually b` or `always eventually c` among them | `always eventually` of it |
+//! | disjunctions of conditions, `always a` and `p unless q` | `always` of their past forms |
+//! | the same with `eventually b` or `always eventually c` | `always eventually` of past forms |
 //! | `always (a or eventually b)` | a response |
 //! | `always (a or (p unless q))` | a pattern with the scope `after ... until ...` |
 //!
-//! `eventually always d` has none: no condition on the past tells when it holds for good. A machine
-//! can promise more, namely to say when. A weaker assumption about a plant is
-//! `always eventually d`.
+//! `eventually always d` has no form: no condition on the past tells from when on `d` holds for
+//! ever. A stronger guarantee for a machine is to signal that time with a variable. A weaker
+//! assumption about a plant is `always eventually d`.
 
 use super::ltl::{
     Ltl, arrow, at_first, conj, disj, ever, historically, implies, make, name, not, once, previous,
     read, so_far, truth,
 };
-use super::{speaks_of_next, temporal};
+use super::{mentions_next, temporal};
 use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, PatternKind, Scope};
 use linewright_syntax::format;
 
-/// A replacement for a formula.
+/// A GR(1) replacement for a formula.
 #[derive(Debug, Clone)]
 pub(super) struct Form {
-    /// Variable of the machine that it needs.
+    /// Internal variable that the replacement needs.
     pub variable: Option<String>,
-    /// Assumptions (`false`) and guarantees (`true`).
+    /// Formulas, each with whether it is a guarantee.
     pub rules: Vec<(bool, Expr)>,
     /// Comparison with the original.
     pub strength: Strength,
@@ -35,18 +35,18 @@ pub(super) struct Form {
 /// Comparison of a form with the original formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Strength {
-    /// Equivalent: it holds on the same runs.
-    Same,
-    /// Stronger: it implies the formula.
-    More,
-    /// Weaker: the formula implies it.
-    Less,
-    /// The premise of an implication became an assumption.
+    /// Both hold on the same runs.
+    Equivalent,
+    /// The form implies the formula.
+    Stronger,
+    /// The formula implies the form.
+    Weaker,
+    /// The premise of an implication has become an assumption.
     Assumed,
 }
 
 impl Form {
-    /// Returns the text after "write".
+    /// Formats the form for a help text, after "write".
     pub fn text(&self) -> String {
         let variable = self
             .variable
@@ -54,7 +54,7 @@ impl Form {
             .map(|v| format!("`internal {v}: bool`"));
         let rules = self.rules.iter().map(|(guarantee, e)| {
             let word = if *guarantee { "guarantee" } else { "assume" };
-            format!("`{word} {}`", format::expression(e))
+            format!("`{word} {}`", format::format_expression(e))
         });
         let items: Vec<String> = variable.chain(rules).collect();
         let list = match items.as_slice() {
@@ -62,18 +62,19 @@ impl Form {
             other => other.concat(),
         };
         let remark = match (self.strength, &self.variable) {
-            (Strength::Same, _) => "which says the same",
-            (Strength::More, Some(_)) => "so that the machine says itself when that is",
-            (Strength::More, None) => "which promises a little more",
-            (Strength::Less, _) => "which asks less of the plant, and is often enough",
-            (Strength::Assumed, _) => "where the condition before the arrow is the plant's promise",
+            (Strength::Equivalent, _) => "which is equivalent",
+            (Strength::Stronger, Some(_)) => "so that the machine signals when this begins",
+            (Strength::Stronger, None) => "which is slightly stronger",
+            (Strength::Weaker, _) => "which is weaker, but often sufficient",
+            (Strength::Assumed, _) => "where the condition before the arrow becomes an assumption",
         };
         format!("{list}, {remark}")
     }
 }
 
-/// Returns the form of a formula as an assumption or guarantee. `input` tells whether a formula
-/// mentions inputs only; `fresh` is an unused name for a variable, if one may be declared.
+/// Returns the form of a formula as an assumption or guarantee; `None` if none is known. `input`
+/// returns whether a formula mentions only inputs; `fresh` is an unused name for a variable, if the
+/// form may declare one.
 pub(super) fn of(
     e: &Expr,
     guarantee: bool,
@@ -88,11 +89,11 @@ pub(super) fn of(
         && guarantee
         && temporal(a)
         && input(a)
-        // Under `always`, the premise has to be the same from every step on.
+        // Under `always`, the premise has to have the same value at every step of a run.
         && (!under || matches!(&a.kind, ExprKind::Always(x) if matches!(x.kind, ExprKind::Eventually(_))))
         && let b = if under { globally((**b).clone()) } else { (**b).clone() }
         && let (Some(a), Some(b)) = (of(a, false, input, None), of(&b, true, input, fresh))
-        && (a.strength, b.strength) == (Strength::Same, Strength::Same)
+        && (a.strength, b.strength) == (Strength::Equivalent, Strength::Equivalent)
     {
         return Some(Form {
             variable: None,
@@ -103,7 +104,7 @@ pub(super) fn of(
     let mut form = Form {
         variable: None,
         rules: Vec::new(),
-        strength: Strength::Same,
+        strength: Strength::Equivalent,
     };
     let clauses = match read(e, true)? {
         Ltl::And(clauses) => clauses,
@@ -116,9 +117,10 @@ pub(super) fn of(
 }
 
 impl Form {
+    /// Adds the form of a clause.
     fn clause(&mut self, clause: &Ltl, guarantee: bool, fresh: Option<&str>) -> Option<()> {
         if let Ltl::Or(parts) = clause {
-            return self.one_of(parts, guarantee, fresh);
+            return self.disjunction(parts, guarantee, fresh);
         }
         if let Some(d) = persists(clause) {
             let d = self.settles(d, guarantee, fresh)?;
@@ -126,17 +128,17 @@ impl Form {
             return Some(());
         }
         if let Some((trigger, q, r)) = chain(clause) {
-            // Every q is answered, not only those after a trigger; for a plant only the first half
-            // is assumed.
+            // The guarantee requires an `r` after every `q`, not only after those that follow a
+            // trigger. The assumption contains only the first half.
             let begins = make(ExprKind::Eventually(Box::new(q.clone())));
             self.rules
                 .push((guarantee, globally(arrow(trigger, begins))));
             if guarantee {
                 let ends = make(ExprKind::Eventually(Box::new(r)));
                 self.rules.push((guarantee, globally(arrow(q, ends))));
-                self.strength = Strength::More;
+                self.strength = Strength::Stronger;
             } else {
-                self.strength = Strength::Less;
+                self.strength = Strength::Weaker;
             }
             return Some(());
         }
@@ -144,7 +146,8 @@ impl Form {
         Some(())
     }
 
-    fn one_of(&mut self, parts: &[Ltl], guarantee: bool, fresh: Option<&str>) -> Option<()> {
+    /// Adds the form of a disjunction.
+    fn disjunction(&mut self, parts: &[Ltl], guarantee: bool, fresh: Option<&str>) -> Option<()> {
         if let [Ltl::State(p), Ltl::Eventually(b)] | [Ltl::Eventually(b), Ltl::State(p)] = parts
             && let Ltl::State(b) = &**b
         {
@@ -163,7 +166,7 @@ impl Form {
                     conditions.push(once(&at_first(&not(p))?)?);
                     continue;
                 }
-                // All other parts are decided by the first step.
+                // The other parts are conditions on the first step.
                 Ltl::Always(a) if !live && open == 1 => match &**a {
                     Ltl::State(a) => a.clone(),
                     _ => return None,
@@ -191,10 +194,11 @@ impl Form {
         Some(())
     }
 
-    /// Returns a replacement for `eventually always d` in a goal.
+    /// Returns a replacement for `eventually always d` under `always eventually`: `d` in an
+    /// assumption, a new variable in a guarantee.
     fn settles(&mut self, d: &Expr, guarantee: bool, fresh: Option<&str>) -> Option<Expr> {
         if !guarantee {
-            self.strength = Strength::Less;
+            self.strength = Strength::Weaker;
             return Some(d.clone());
         }
         if self.variable.is_some() {
@@ -202,7 +206,7 @@ impl Form {
         }
         let settled = name(fresh?);
         self.variable = fresh.map(str::to_owned);
-        self.strength = Strength::More;
+        self.strength = Strength::Stronger;
         let stays = make(ExprKind::Next(Box::new(settled.clone())));
         self.rules
             .push((true, globally(implies(settled.clone(), stays))));
@@ -212,10 +216,10 @@ impl Form {
     }
 }
 
-/// Returns the form of a clause that has one by itself.
+/// Returns the form of a clause that needs no variable and is no disjunction.
 fn exactly(clause: &Ltl) -> Option<Expr> {
     Some(match clause {
-        Ltl::State(p) if speaks_of_next(p) => globally(arrow(not(&previous(&truth())?), p.clone())),
+        Ltl::State(p) if mentions_next(p) => globally(arrow(not(&previous(&truth())?), p.clone())),
         Ltl::State(p) => p.clone(),
         Ltl::Unless(p, q) => globally(disj(p.clone(), once(q)?)),
         Ltl::Always(x) => match &**x {
@@ -273,7 +277,8 @@ fn exactly(clause: &Ltl) -> Option<Expr> {
     })
 }
 
-/// Returns the past form of a promise about all steps: false from some step on, if it is broken.
+/// Returns the past form of a condition on all steps: it becomes false for ever when the condition
+/// is violated.
 fn looks_back(part: &Ltl) -> Option<Expr> {
     match part {
         Ltl::State(p) => once(&at_first(p)?),
@@ -286,7 +291,7 @@ fn looks_back(part: &Ltl) -> Option<Expr> {
     }
 }
 
-/// Returns a condition that recurs for ever exactly if the part holds; `None` for
+/// Returns a condition that holds infinitely often exactly if the part holds; `None` for
 /// `eventually always`.
 fn again(part: &Ltl) -> Option<Expr> {
     match part {
@@ -347,9 +352,9 @@ fn chain(part: &Ltl) -> Option<(Expr, Expr, Expr)> {
     Some((not(&plain(a)?), plain(q)?, plain(r)?))
 }
 
-/// Returns a condition on one step, as monitors need.
+/// Returns the expression if it is a condition on one step, as monitors need; otherwise `None`.
 fn plain(e: &Expr) -> Option<Expr> {
-    (!speaks_of_next(e)).then(|| e.clone())
+    (!mentions_next(e)).then(|| e.clone())
 }
 
 fn globally(e: Expr) -> Expr {

@@ -1,13 +1,12 @@
-//! Normalization of LTL formulas to a shape from which their GR(1) form can be read.
+//! Normalization of LTL formulas, for the search of a GR(1) form.
 //!
-//! Negations are pushed inwards, conjunctions outwards, and equivalences are used to take operators
-//! apart: `always` of an implication whose conclusion is an `always` is about the past
-//! (`always (once p -> q)`); `always eventually` is the same from every step on, and so can be
-//! pulled out of any disjunction. The result is a conjunction of clauses; `forms.rs` knows which
-//! ones have a form.
+//! Negations are pushed inwards and conjunctions outwards. Equivalences simplify nested operators:
+//! `always (p -> always q)` becomes `always (once p -> q)`; `always eventually` has the same value
+//! at every step of a run, so it can be pulled out of any disjunction. The result is a conjunction
+//! of clauses; `forms.rs` contains the forms of clauses.
 //!
-//! All steps are exact. A formula that cannot be brought into this shape gets no form here
-//! (`None`), although it may have one.
+//! All steps are equivalences. A formula that cannot be normalized gets no form (`None`), although
+//! it may have one.
 
 use linewright_core::source::Span;
 use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind, Scope, UntilOp};
@@ -15,23 +14,23 @@ use linewright_syntax::ast::{BinaryOp, Expr, ExprKind, Name, PastOp, PatternKind
 /// A formula without negations of temporal operators.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Ltl {
-    /// A condition on one step, or on it and the next.
+    /// A condition on one step, or on one step and the next.
     State(Expr),
     And(Vec<Ltl>),
     Or(Vec<Ltl>),
     Next(Box<Ltl>),
     Always(Box<Ltl>),
     Eventually(Box<Ltl>),
-    /// The first holds until the second, or for ever.
+    /// The first holds until the second does, or for ever.
     Unless(Expr, Expr),
 }
 
 use Ltl::{Always, And, Eventually, Next, Or, State, Unless};
 
-/// Maximum number of clauses; each `<->` doubles them.
+/// Maximum number of clauses; each `<->` doubles the number.
 const MAX_CLAUSES: usize = 16;
 
-/// Reads a formula, or its negation. `None` if some part has no counterpart here.
+/// Normalizes a formula if `holds`, or else its negation. Returns `None` if that is not possible.
 pub(super) fn read(e: &Expr, holds: bool) -> Option<Ltl> {
     if !super::temporal(e) {
         return Some(State(if holds { e.clone() } else { not(e) }));
@@ -104,8 +103,8 @@ fn until(op: UntilOp, a: &Expr, b: &Expr, holds: bool) -> Option<Ltl> {
     if super::temporal(a) || super::temporal(b) {
         return None;
     }
-    // p until q, and whether q has to occur.
-    let (p, q, comes) = match (op, holds) {
+    // The operands of `p until q`, and whether `q` has to occur.
+    let (p, q, q_occurs) = match (op, holds) {
         (UntilOp::Strong, true) => (a.clone(), b.clone(), true),
         (UntilOp::Weak, true) => (a.clone(), b.clone(), false),
         (UntilOp::Release, true) => (b.clone(), conj(a.clone(), b.clone()), false),
@@ -114,7 +113,7 @@ fn until(op: UntilOp, a: &Expr, b: &Expr, holds: bool) -> Option<Ltl> {
         (UntilOp::Release, false) => (not(a), not(b), true),
     };
     let unless = Unless(p, q.clone());
-    if comes {
+    if q_occurs {
         and([unless, eventually(State(q))?])
     } else {
         Some(unless)
@@ -136,7 +135,7 @@ fn and(parts: impl IntoIterator<Item = Ltl>) -> Option<Ltl> {
     }
 }
 
-/// Builds a disjunction: flat, with conjunctions pulled out, and alternatives of one kind merged.
+/// Builds a disjunction: flattens it, pulls conjunctions out, and merges alternatives of one kind.
 fn or(parts: Vec<Ltl>) -> Option<Ltl> {
     if let Some(at) = parts.iter().position(|p| matches!(p, And(_))) {
         let And(inner) = &parts[at] else { return None };
@@ -159,9 +158,9 @@ fn or(parts: Vec<Ltl>) -> Option<Ltl> {
                 *a = disj(a.clone(), b.clone());
                 true
             }
-            (Eventually(a), Eventually(b)) => joins(a, b),
+            (Eventually(a), Eventually(b)) => merge(a, b),
             (Always(a), Always(b)) => match (&mut **a, &**b) {
-                (Eventually(a), Eventually(b)) => joins(a, b),
+                (Eventually(a), Eventually(b)) => merge(a, b),
                 _ => false,
             },
             _ => false,
@@ -177,7 +176,8 @@ fn or(parts: Vec<Ltl>) -> Option<Ltl> {
     }
 }
 
-fn joins(a: &mut Ltl, b: &Ltl) -> bool {
+/// Merges `b` into `a` if both are conditions; returns whether they are.
+fn merge(a: &mut Ltl, b: &Ltl) -> bool {
     match (a, b) {
         (State(a), State(b)) => {
             *a = disj(a.clone(), b.clone());
@@ -189,7 +189,7 @@ fn joins(a: &mut Ltl, b: &Ltl) -> bool {
 
 fn next(x: Ltl) -> Option<Ltl> {
     match x {
-        State(s) if super::speaks_of_next(&s) => None,
+        State(s) if super::mentions_next(&s) => None,
         State(s) => Some(State(make(ExprKind::Next(Box::new(s))))),
         And(parts) => and(parts.into_iter().map(next).collect::<Option<Vec<_>>>()?),
         Or(parts) => or(parts.into_iter().map(next).collect::<Option<_>>()?),
@@ -198,8 +198,8 @@ fn next(x: Ltl) -> Option<Ltl> {
     }
 }
 
-/// Returns whether it is `always eventually` or `eventually always` of a condition: the same from
-/// every step on.
+/// Returns whether a formula is `always eventually` or `eventually always` of a condition. Such a
+/// formula has the same value at every step of a run.
 fn endless(x: &Ltl) -> bool {
     match x {
         Always(x) => matches!(&**x, Eventually(x) if matches!(**x, State(_))),
@@ -218,13 +218,14 @@ fn always(x: Ltl) -> Option<Ltl> {
             Always(_) => Some(Eventually(y)),
             And(parts) => {
                 let each = parts.into_iter().map(|p| always(eventually(p)?));
-                // Only for `q and eventually r`, which recurs for ever if each of the two does.
+                // The parts are `q` and `eventually r`: both hold together infinitely often exactly
+                // if each of them does.
                 and(each.collect::<Option<Vec<_>>>()?)
             }
             _ => None,
         },
         Unless(p, q) => Some(Always(Box::new(State(disj(p, q))))),
-        // For an eventuality, from the second step on is equivalent to from the first one on.
+        // `always next eventually p` is equivalent to `always eventually p`.
         Next(y) if matches!(*y, Eventually(_)) => always(*y),
         Next(y) => always(or(vec![State(not(&previous(&truth())?)), *y])?),
         Or(parts) => always_one_of(parts),
@@ -266,7 +267,8 @@ fn always_one_of(parts: Vec<Ltl>) -> Option<Ltl> {
         ([Eventually(_) | Unless(..)], Some(state)) => Some(whole(Some(state), rest)),
         (_, None) if all_always => Some(Or(rest)),
         (_, Some(state)) if all_always => {
-            // From the first step in which the condition fails, one of them holds for good.
+            // One of the other parts holds for ever from the first step in which the condition
+            // fails.
             let begun = once(&not(&state))?;
             let mut kept = rest.into_iter().map(|p| match p {
                 Always(y) => match *y {
@@ -391,10 +393,10 @@ pub(super) fn arrow(a: Expr, b: Expr) -> Expr {
     binary(BinaryOp::Implies, a, b)
 }
 
-/// Builds a past operator; `None` if the operand mentions the next step, which is not allowed.
+/// Builds a past operator; `None` if the operand contains `next`, which is not allowed.
 fn past(op: PastOp, e: &Expr) -> Option<Expr> {
     let body = Box::new(e.clone());
-    (!super::speaks_of_next(e)).then(|| make(ExprKind::Past(op, body, None)))
+    (!super::mentions_next(e)).then(|| make(ExprKind::Past(op, body, None)))
 }
 
 pub(super) fn once(e: &Expr) -> Option<Expr> {
@@ -405,7 +407,8 @@ pub(super) fn historically(e: &Expr) -> Option<Expr> {
     past(PastOp::Historically, e)
 }
 
-/// Builds `e` in some step up to now, without a negation if possible.
+/// Builds the condition that `e` holds in some step up to now, without a negated operand if
+/// possible.
 pub(super) fn ever(e: &Expr) -> Option<Expr> {
     match &e.kind {
         ExprKind::Not(a) => Some(not(&historically(a)?)),
@@ -413,7 +416,8 @@ pub(super) fn ever(e: &Expr) -> Option<Expr> {
     }
 }
 
-/// Builds `e` in all steps up to now, without a negation if possible.
+/// Builds the condition that `e` holds in all steps up to now, without a negated operand if
+/// possible.
 pub(super) fn so_far(e: &Expr) -> Option<Expr> {
     match &e.kind {
         ExprKind::Not(a) => Some(not(&once(a)?)),
@@ -425,8 +429,9 @@ pub(super) fn previous(e: &Expr) -> Option<Expr> {
     past(PastOp::Previous, e)
 }
 
-/// Builds `e` in the first step: a condition on that step alone.
+/// Builds the condition that this is the first step and `e` holds in it; `None` if `e` contains
+/// `next`.
 pub(super) fn at_first(e: &Expr) -> Option<Expr> {
     let first = not(&previous(&truth())?);
-    (!super::speaks_of_next(e)).then(|| conj(e.clone(), first))
+    (!super::mentions_next(e)).then(|| conj(e.clone(), first))
 }

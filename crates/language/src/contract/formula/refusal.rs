@@ -1,8 +1,8 @@
-//! LW201: which part of a formula is outside GR(1), why, and how to rewrite it.
+//! LW201: findings for formulas outside GR(1), with the reason and a suggested replacement.
 
 use super::forms::{self, Form};
 use super::ltl::make;
-use super::{Label, Place, smallest, speaks_of_next, temporal};
+use super::{Label, Place, first_temporal, mentions_next, temporal};
 use crate::contract::elaborate::Names;
 use crate::contract::shape::Entry;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -11,64 +11,64 @@ use linewright_core::source::Span;
 use linewright_syntax::ast::{BinaryOp, Domain, Expr, ExprKind, Name, Quantifier, UntilOp};
 use linewright_syntax::format;
 
-/// An enclosing quantifier of a formula.
+/// An enclosing quantifier of a formula: its name and domain.
 pub(super) type EnclosingQuantifier<'a> = (&'a Name, &'a Domain);
 
-/// Returns the finding about a formula that is outside GR(1) at its position.
+/// Returns the finding for a formula that is outside GR(1) at its position.
 pub(super) fn refusal(
     known: &Names<'_>,
     formula: &Expr,
     place: Place,
-    around: &[EnclosingQuantifier<'_>],
+    quantifiers: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
     let (span, why) = culprit(formula, place);
-    let help = match form(known, formula, place, around, label) {
+    let help = match form(known, formula, place, quantifiers, label) {
         Some(help) => help,
         None => match place {
-            Place::Top => "write it as an initial condition, `always P`, `always eventually P` or a pattern; `linewright explain LW201` shows what there is",
-            _ => "give each promise a line of its own, or remember with `once`, `since` or an internal variable what it depends on",
+            Place::Top => "write it as an initial condition, `always P`, `always eventually P` or a pattern; see `linewright explain LW201`",
+            _ => "write each part as a separate formula, or record earlier steps with `once`, `since` or an internal variable",
         }
         .to_owned(),
     };
     // `always eventually a -> always eventually b` is often misunderstood.
     let help = match (&formula.kind, place) {
         (ExprKind::Binary(BinaryOp::Implies, a, b), Place::Justice) if temporal(b) => format!(
-            "{help}; `always` takes all that follows it: put brackets around `always eventually {}` if it ends before the arrow",
-            format::expression(a)
+            "{help}; `always` applies to everything after it: put parentheses around `always eventually {}` if it ends before the arrow",
+            format::format_expression(a)
         ),
         _ => help,
     };
     Diagnostic::error(codes::NOT_GR1, span, why).with_help(help)
 }
 
-/// Describes the replacement.
+/// Describes a GR(1) replacement for a formula; `None` if none is known.
 fn form(
     known: &Names<'_>,
     formula: &Expr,
     place: Place,
-    around: &[EnclosingQuantifier<'_>],
+    quantifiers: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Option<String> {
     let whole = super::whole(formula, place);
-    let input = |e: &Expr| speaks_of_inputs(known, e, label);
+    let input = |e: &Expr| mentions_only_inputs(known, e, label);
     let free = fresh(known);
-    let fresh = around.is_empty().then_some(free.as_str());
+    let fresh = quantifiers.is_empty().then_some(free.as_str());
     let of = |formula: &Expr| {
         let form = forms::of(formula, label.guarantee, &input, fresh)?;
-        Some(under(form, around))
+        Some(under(form, quantifiers))
     };
     let exact = of(&whole)?;
-    // Without `always`, a formula about steps is usually meant for all of them.
+    // A formula without `always` is usually intended for all steps.
     if place == Place::Top && first_step_only(formula) {
         let meant = of(&make(ExprKind::Always(Box::new(formula.clone()))));
-        if let Some(meant) = meant.filter(|m| m.strength == forms::Strength::Same) {
+        if let Some(meant) = meant.filter(|m| m.strength == forms::Strength::Equivalent) {
             let rules = |f: &Form| {
                 let text = f.text();
-                text.trim_end_matches(", which says the same").to_owned()
+                text.trim_end_matches(", which is equivalent").to_owned()
             };
             return Some(format!(
-                "for every step, write {}; for the first step alone, {}",
+                "for every step, write {}; for the first step only, write {}",
                 rules(&meant),
                 rules(&exact)
             ));
@@ -77,19 +77,20 @@ fn form(
     Some(format!("write {}", exact.text()))
 }
 
-/// Returns whether a formula is about the first step, possibly by oversight.
+/// Returns whether a formula is a condition on the first step, in which `always` may be missing.
 fn first_step_only(formula: &Expr) -> bool {
     match &formula.kind {
         ExprKind::Binary(BinaryOp::Implies, a, b) => {
-            !temporal(a) && (temporal(b) || speaks_of_next(b))
+            !temporal(a) && (temporal(b) || mentions_next(b))
         }
         _ => !temporal(formula),
     }
 }
 
-fn under(mut form: Form, around: &[EnclosingQuantifier<'_>]) -> Form {
+/// Puts these quantifiers around each formula of a form.
+fn under(mut form: Form, quantifiers: &[EnclosingQuantifier<'_>]) -> Form {
     for (_, rule) in &mut form.rules {
-        for (name, domain) in around.iter().rev() {
+        for (name, domain) in quantifiers.iter().rev() {
             *rule = make(ExprKind::Quantifier(
                 Quantifier::Forall,
                 (*name).clone(),
@@ -101,10 +102,10 @@ fn under(mut form: Form, around: &[EnclosingQuantifier<'_>]) -> Form {
     form
 }
 
-/// Returns the offending part, and the reason.
+/// Returns the position of the part outside GR(1), and the reason.
 fn culprit(e: &Expr, place: Place) -> (Span, String) {
     let inner = |e: &Expr, why: &str| {
-        let at = smallest(e);
+        let at = first_temporal(e);
         (
             at.span,
             format!("{} {why}, which is outside GR(1)", word(at)),
@@ -126,30 +127,32 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
             "`eventually always` (persistence) is outside GR(1)".to_owned(),
         ),
         (ExprKind::Binary(BinaryOp::Implies, a, _), _) if temporal(a) => {
-            inner(a, "comes before `->`: a condition on the whole run")
+            inner(a, "is a condition on the whole run before `->`")
         }
         (ExprKind::Binary(BinaryOp::Implies, _, b), _) => match &b.kind {
             ExprKind::Until(..) => culprit(b, place),
             ExprKind::Eventually(x) if temporal(x) => culprit(b, place),
-            ExprKind::Eventually(_) => inner(b, "follows `->` without `always` before it"),
+            ExprKind::Eventually(_) => inner(b, "follows `->` without an enclosing `always`"),
             _ => inner(b, "follows `->`"),
         },
         (ExprKind::Pattern(_), _) => (
             e.span,
             "this pattern appears within a larger formula, which is outside GR(1)".to_owned(),
         ),
-        (ExprKind::Binary(BinaryOp::Or, ..), _) => inner(e, "appears beside `or`"),
+        (ExprKind::Binary(BinaryOp::Or, ..), _) => inner(e, "is an operand of `or`"),
         (ExprKind::Not(a), _) => inner(a, "follows `not`"),
         (ExprKind::Next(a), _) => inner(a, "follows `next`"),
         (ExprKind::If(..), _) => inner(e, "appears within `if`"),
         (ExprKind::Binary(op, ..), _) if *op != BinaryOp::And => {
-            inner(e, &format!("appears beside `{}`", op.sign()))
+            inner(e, &format!("is an operand of `{}`", op.sign()))
         }
         (ExprKind::Quantifier(kind, ..), _) => {
             let outer = match kind {
                 Quantifier::Exists => "exists",
                 Quantifier::Forall => "forall",
-                _ => "a sum",
+                Quantifier::Count => "count",
+                Quantifier::Sum => "sum",
+                Quantifier::Array => "array",
             };
             inner(e, &format!("appears within `{outer}`"))
         }
@@ -158,7 +161,7 @@ fn culprit(e: &Expr, place: Place) -> (Span, String) {
     }
 }
 
-/// Returns the name of a temporal operator.
+/// Returns the name of a temporal operator in messages.
 fn word(e: &Expr) -> &'static str {
     match &e.kind {
         ExprKind::Always(a) if matches!(a.kind, ExprKind::Eventually(_)) => "`always eventually`",
@@ -172,14 +175,14 @@ fn word(e: &Expr) -> &'static str {
     }
 }
 
-/// Returns the finding about a formula of the next step without `always`.
+/// Returns the finding for a formula with `next` but without `always`.
 pub(super) fn without_always(
     known: &Names<'_>,
     formula: &Expr,
-    around: &[EnclosingQuantifier<'_>],
+    quantifiers: &[EnclosingQuantifier<'_>],
     label: &Label<'_>,
 ) -> Diagnostic {
-    let help = form(known, formula, Place::Top, around, label)
+    let help = form(known, formula, Place::Top, quantifiers, label)
         .unwrap_or_else(|| "write `always (...)`, or describe step 0 without `next`".to_owned());
     let span = first_next(formula).unwrap_or(formula).span;
     Diagnostic::error(
@@ -197,8 +200,8 @@ fn first_next(e: &Expr) -> Option<&Expr> {
     e.children().into_iter().find_map(first_next)
 }
 
-/// Returns whether all its variables are inputs, including those of defines.
-fn speaks_of_inputs(known: &Names<'_>, formula: &Expr, label: &Label<'_>) -> bool {
+/// Returns whether all variables of a formula are inputs, including those in defines and counters.
+fn mentions_only_inputs(known: &Names<'_>, formula: &Expr, label: &Label<'_>) -> bool {
     fn outputs(entry: &Entry, label: &Label<'_>) -> bool {
         match entry {
             Entry::One(id) => label
@@ -233,7 +236,7 @@ fn speaks_of_inputs(known: &Names<'_>, formula: &Expr, label: &Label<'_>) -> boo
     true
 }
 
-/// Returns an unused name.
+/// Returns an unused name for a variable: `settled`, or `settled_2` and so on.
 fn fresh(known: &Names<'_>) -> String {
     let names = (1..).map(|n| match n {
         1 => "settled".to_owned(),

@@ -1,4 +1,5 @@
-//! Resolution of lines: instantiates machines, and resolves part types, stations and routes.
+//! Resolution of lines: instantiates the machines of stations and conveyors, and resolves part
+//! types, places and routes.
 
 mod parts;
 mod places;
@@ -9,17 +10,17 @@ use super::line::{Line, Node, NodeKind, PartType};
 use super::machine::Machine;
 use super::machines::PropertyType;
 use super::routes;
-use super::scope::{self, Decl, Scope, double};
+use super::scope::{self, Decl, Scope, duplicate_name};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, LineItem};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A part type with its properties as seen by expressions.
+/// A part type, with the types of its properties.
 struct Part {
     model: PartType,
-    /// First element and type, by name.
+    /// For each property, its name, the index of its first element, and its type.
     types: Vec<(String, usize, PropertyType)>,
 }
 
@@ -27,17 +28,20 @@ struct Builder<'a, 's> {
     scope: &'s Scope<'a>,
     sources: &'s SourceMap,
     e: Elaborator<'a>,
+    /// Names that are declared in statements with syntax errors; their uses are not reported.
+    unparsed: &'a [String],
     parts: Vec<Part>,
-    /// Machines by name and arguments: equal stations share one, and its library.
+    /// Machines by name and arguments; equal stations share one.
     machines: BTreeMap<(String, String), Arc<Machine>>,
     part_index: BTreeMap<String, usize>,
     node_index: BTreeMap<String, usize>,
-    /// Indices of the nodes that are stations, and of those that are sources.
+    /// Indices of the nodes that are stations.
     stations: BTreeSet<usize>,
+    /// Indices of the nodes that are sources.
     sources_of_parts: BTreeSet<usize>,
 }
 
-/// Resolves a line. `None` if there is an error; the findings give it.
+/// Resolves a line. Returns `None` if there is an error, which is added to the findings.
 pub(super) fn line<'a>(
     scope: &Scope<'a>,
     sources: &SourceMap,
@@ -50,6 +54,7 @@ pub(super) fn line<'a>(
         scope,
         sources,
         e,
+        unparsed: &decl.unparsed,
         parts: Vec::new(),
         machines: BTreeMap::new(),
         part_index: BTreeMap::new(),
@@ -59,10 +64,10 @@ pub(super) fn line<'a>(
     };
     let model = builder.build(decl);
     let mut e = builder.e;
-    if !e.findings.refused() {
+    if !e.findings.has_errors() && decl.unparsed.is_empty() {
         routes::check(&model, &mut e.findings.list);
     }
-    let broken = e.findings.refused();
+    let broken = e.findings.has_errors() || !decl.unparsed.is_empty();
     findings.append(&mut e.findings.list);
     (!broken).then_some(model)
 }
@@ -77,7 +82,7 @@ impl<'a> Builder<'a, '_> {
                 _ => None,
             })
             .collect();
-        scope::settle(&mut self.e, &constants);
+        scope::evaluate_all(&mut self.e, &constants);
         self.declare_names(decl);
         self.declare_parts(decl);
         let mut model = Line {
@@ -100,7 +105,8 @@ impl<'a> Builder<'a, '_> {
                     span: name.span,
                 });
             } else if is_node(item) {
-                // Keeps the indices correct; the findings stop the line anyway.
+                // A placeholder keeps the indices correct. The line is rejected because of the
+                // error.
                 model.nodes.push(Node {
                     name: String::new(),
                     kind: NodeKind::Buffer { capacity: 1 },
@@ -109,7 +115,7 @@ impl<'a> Builder<'a, '_> {
             }
         }
         self.product(decl, &mut model);
-        self.no_doubles(decl);
+        self.report_duplicates(decl);
         for item in &decl.items {
             self.statement(item, &mut model);
         }
@@ -136,7 +142,7 @@ impl<'a> Builder<'a, '_> {
                 _ => continue,
             };
             if let Some(first) = spans.get(name.text.as_str()) {
-                self.e.findings.push(double(name, *first));
+                self.e.findings.push(duplicate_name(name, *first));
             }
             spans.insert(&name.text, name.span);
             match item {
@@ -158,6 +164,9 @@ impl<'a> Builder<'a, '_> {
         if let Some(i) = self.part_index.get(&name.text) {
             return Some(*i);
         }
+        if self.unparsed.contains(&name.text) {
+            return None;
+        }
         let help = match nearest(&name.text, self.part_index.keys().map(String::as_str)) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!("declare it: `part {} {{ ... }}`", name.text),
@@ -174,6 +183,9 @@ impl<'a> Builder<'a, '_> {
     fn find_node(&mut self, name: &ast::Name) -> Option<usize> {
         if let Some(i) = self.node_index.get(&name.text) {
             return Some(*i);
+        }
+        if self.unparsed.contains(&name.text) {
+            return None;
         }
         let help = match nearest(&name.text, self.node_index.keys().map(String::as_str)) {
             Some(near) => format!("did you mean `{near}`?"),

@@ -1,17 +1,17 @@
-//! Part types: their properties, and their bills of materials.
+//! Resolution of part types: their properties and bills of materials.
 
 use super::{Builder, Part};
 use crate::contract::elaborate::{Elaborator, nearest};
 use crate::contract::line::{InitialValue, PartProperty, PartType};
 use crate::contract::machines::{
-    PropertyType, element_names, property_type, property_values, see_property,
+    PropertyType, declare_property, element_names, property_type, property_values,
 };
 use linewright_core::diagnostics::codes;
 use linewright_syntax::ast::{self, ExprKind, LineItem};
 
 impl<'a> Builder<'a, '_> {
     pub(super) fn declare_parts(&mut self, decl: &'a ast::Line) {
-        // Types first: a product's values may come from parts that are declared later.
+        // Types come first, since a product can copy values of parts that are declared later.
         for item in &decl.items {
             let LineItem::Part {
                 name,
@@ -26,7 +26,7 @@ impl<'a> Builder<'a, '_> {
             for p in properties {
                 if let Some((_, _, _)) = types.iter().find(|(n, ..)| *n == p.name.text) {
                     self.e.findings.error_with(
-                        codes::NAME_DOUBLE,
+                        codes::NAME_DUPLICATE,
                         p.name.span,
                         format!("`{}` is declared twice", p.name.text),
                         "give one of the two another name",
@@ -45,8 +45,8 @@ impl<'a> Builder<'a, '_> {
                     self.e.findings.error_with(
                         codes::ARGUMENT,
                         counted.name.span,
-                        "a bill of materials counts from 1 to 10000",
-                        "write how many of this part go into one: `from 2 Brick`",
+                        "the count in a bill of materials must be from 1 to 10000",
+                        "write the number of parts of this type in one product: `from 2 Brick`",
                     );
                 }
                 if let Some(part) = self.find_part(&counted.name) {
@@ -95,7 +95,7 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    /// Resolves `= 0`, `= [0, 1]`, or `= Printed.heights`.
+    /// Resolves the initial value of a property: `= 0`, `= [0, 1]`, or `= Printed.heights`.
     pub(super) fn initial(
         &mut self,
         part: usize,
@@ -118,7 +118,7 @@ impl<'a> Builder<'a, '_> {
                         component.text, self.parts[part].model.name
                     ),
                     format!(
-                        "name a part that it is joined from, or add `{}` after `from`",
+                        "use a part type of the bill, or add `{}` after `from`",
                         component.text
                     ),
                 );
@@ -147,7 +147,7 @@ impl<'a> Builder<'a, '_> {
                 self.e.findings.error_with(
                     codes::TYPE_MISMATCH,
                     *span,
-                    "this property has another type",
+                    "the two properties have different types",
                     "declare both with the same unit, range or labels",
                 );
                 return None;
@@ -171,9 +171,9 @@ impl<'a> Builder<'a, '_> {
                 self.e.findings.error_with(
                     codes::PROPERTY,
                     value.span,
-                    "a joined part takes a value over as it is",
+                    "a joined part can only copy a value of a component",
                     format!(
-                        "write `= {component}`, and compute with it in a machine: `write`, `time`"
+                        "write `= {component}`, and compute with the value in a machine, with `write` or `time`"
                     ),
                 );
                 return None;
@@ -183,12 +183,12 @@ impl<'a> Builder<'a, '_> {
         Some(numbers.into_iter().map(InitialValue::Number).collect())
     }
 
-    /// Returns an elaborator with a part's properties in scope, with ids in their order.
+    /// Returns an elaborator whose variables are the properties of a part type, in order.
     pub(super) fn part_scope(&self, part: usize) -> Elaborator<'a> {
         let mut e = Elaborator::new(self.e.names.without_variables());
         e.dialect.real = true;
         for (name, _, ty) in &self.parts[part].types {
-            see_property(&mut e, name, ty);
+            declare_property(&mut e, name, ty);
         }
         e
     }

@@ -1,4 +1,4 @@
-//! Sources, stores, sinks, buffers, conveyors and stations.
+//! Resolution of places: sources, stores, sinks, buffers, conveyors and stations.
 
 use super::Builder;
 use crate::contract::elaborate::nearest;
@@ -6,11 +6,11 @@ use crate::contract::instantiate;
 use crate::contract::line::{Belt, Defect, NodeKind, Supply, Task};
 use crate::contract::machine::{Machine, PropertyKind, RealExpr};
 use crate::contract::machines::{
-    PropertyType, assigned, failures, machine, positive, property_values, see_property,
+    PropertyType, assigned, declare_property, failures, machine, non_negative, property_values,
 };
-use crate::contract::scope::{double, stands_twice};
+use crate::contract::scope::{duplicate_name, duplicate_statement};
 use crate::contract::value::{Dimension, Value};
-use crate::contract::{LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
+use crate::contract::{MAX_SECONDS, MIN_SECONDS, is_duration};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
@@ -19,6 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 impl<'a> Builder<'a, '_> {
+    /// Resolves a place; `None` if the item is not a place or has an error.
     pub(super) fn node(&mut self, item: &'a LineItem) -> Option<(&'a ast::Name, NodeKind)> {
         match item {
             LineItem::Source {
@@ -35,8 +36,8 @@ impl<'a> Builder<'a, '_> {
                         self.e.findings.error_with(
                             codes::ARGUMENT,
                             name.span,
-                            format!("at most {count} parts in the line"),
-                            "the number is 1 to 1000000",
+                            format!("the limit of {count} parts in the line is not allowed"),
+                            "write a number from 1 to 1000000",
                         );
                         return None;
                     }
@@ -47,11 +48,13 @@ impl<'a> Builder<'a, '_> {
                         seconds,
                         random,
                         limit,
-                    } => positive(&mut self.e, seconds, Dimension::Time).map(|s| Supply::Every {
-                        seconds: s,
-                        random: *random,
-                        limit: *limit,
-                    }),
+                    } => {
+                        non_negative(&mut self.e, seconds, Dimension::Time).map(|s| Supply::Every {
+                            seconds: s,
+                            random: *random,
+                            limit: *limit,
+                        })
+                    }
                 };
                 Some((
                     name,
@@ -85,7 +88,7 @@ impl<'a> Builder<'a, '_> {
                                 codes::LINE_UNKNOWN,
                                 r.span,
                                 format!("`{}` is not a source", r.text),
-                                "a new part is ordered from a `source`",
+                                "name a `source` after `reorder`",
                             );
                             return None;
                         }
@@ -95,12 +98,12 @@ impl<'a> Builder<'a, '_> {
                                     codes::UNUSED,
                                     r.span,
                                     format!(
-                                        "`reorder` has no effect: the sink `{}` takes no rejects",
+                                        "`reorder` has no effect: the sink `{}` does not take rejects",
                                         name.text
                                     ),
                                 )
                                 .with_help(format!(
-                                    "write `sink {} rejects reorder {}`, or leave it out",
+                                    "write `sink {} rejects reorder {}`, or remove `reorder`",
                                     name.text, r.text
                                 )),
                             );
@@ -121,8 +124,8 @@ impl<'a> Builder<'a, '_> {
                     self.e.findings.error_with(
                         codes::ARGUMENT,
                         name.span,
-                        format!("a buffer for {capacity} parts"),
-                        "the capacity is 1 to 1000000",
+                        format!("a buffer cannot have the capacity {capacity}"),
+                        "write a capacity from 1 to 1000000",
                     );
                     return None;
                 }
@@ -148,6 +151,7 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
+    /// Instantiates a machine with these arguments, or returns the same instance as before.
     pub(super) fn machine(
         &mut self,
         name: &ast::Name,
@@ -157,7 +161,7 @@ impl<'a> Builder<'a, '_> {
             let known = self.scope.machines.keys().copied();
             let help = match nearest(&name.text, known) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => "declare it with `machine`, or import the file that does".to_owned(),
+                None => "declare it with `machine`, or import the file that declares it".to_owned(),
             };
             self.e.findings.error_with(
                 codes::NAME_UNKNOWN,
@@ -186,13 +190,13 @@ impl<'a> Builder<'a, '_> {
         if model.is_none() {
             self.e.findings.tainted = true;
             self.e.findings.list.append(&mut found);
-            // Without arguments the machine itself is wrong, which was reported at its declaration.
+            // Without arguments, the error is in the machine, and is reported at its declaration.
             if self.e.findings.list.len() == before && !arguments.is_empty() {
                 self.e.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
                     format!("the machine `{}` cannot be used", name.text),
-                    format!("see the findings of `{}`", name.text),
+                    format!("correct the errors in `{}`", name.text),
                 );
             }
         }
@@ -213,9 +217,9 @@ impl<'a> Builder<'a, '_> {
             self.once(&mut once, &word.text, word.span);
             match word.text.as_str() {
                 "places" => places = self.e.constant_int(value).map(|n| (n, value.span)),
-                "pitch" => pitch = positive(&mut self.e, value, Dimension::Length),
-                "speed" => speed = positive(&mut self.e, value, Dimension::Speed),
-                _ => watts = positive(&mut self.e, value, Dimension::Power).unwrap_or(0.0),
+                "pitch" => pitch = non_negative(&mut self.e, value, Dimension::Length),
+                "speed" => speed = non_negative(&mut self.e, value, Dimension::Speed),
+                _ => watts = non_negative(&mut self.e, value, Dimension::Power).unwrap_or(0.0),
             }
         }
         let belt = match declared {
@@ -231,7 +235,7 @@ impl<'a> Builder<'a, '_> {
                     codes::ARGUMENT,
                     span,
                     format!("the contract has {} places, not {n}", belt.places.len()),
-                    "leave `places` out; the contract says how many there are",
+                    "remove `places`: the contract determines the number",
                 );
                 return None;
             }
@@ -241,8 +245,8 @@ impl<'a> Builder<'a, '_> {
                     self.e.findings.error_with(
                         codes::ARGUMENT,
                         span,
-                        "a conveyor has 1 to 100000 places",
-                        "write how many parts fit on it: `places 3`",
+                        "a conveyor must have 1 to 100000 places",
+                        "write the number of parts that fit on it: `places 3`",
                     );
                     return None;
                 }
@@ -252,8 +256,8 @@ impl<'a> Builder<'a, '_> {
                 self.e.findings.error_with(
                     codes::ARGUMENT,
                     name.span,
-                    "how many parts fit on this conveyor?",
-                    "add `places 3`, or a contract: `conveyor belt: Belt`",
+                    "this conveyor has no number of places",
+                    "add `places N`, where N is its length divided by the distance of two parts, or add a machine: `conveyor belt: Belt`",
                 );
                 return None;
             }
@@ -263,7 +267,7 @@ impl<'a> Builder<'a, '_> {
             self.e.findings.error_with(
                 codes::ARGUMENT,
                 name.span,
-                "pitch and speed of a conveyor are more than 0",
+                "the pitch and the speed of a conveyor must be greater than 0",
                 "write both with their unit: `pitch 0.5 m speed 0.25 m/s`",
             );
             return None;
@@ -273,9 +277,9 @@ impl<'a> Builder<'a, '_> {
             self.e.findings.error_with(
                 codes::ARGUMENT,
                 name.span,
-                format!("a part takes {period:e} s from place to place, which a run cannot measure"),
+                format!("a part takes {period:e} s from place to place, which is not a valid duration"),
                 format!(
-                    "choose pitch and speed so that pitch/speed is {SHORTEST_SECONDS:e} s to {LONGEST_SECONDS:e} s"
+                    "choose pitch and speed so that pitch/speed is {MIN_SECONDS:e} s to {MAX_SECONDS:e} s"
                 ),
             );
             return None;
@@ -295,13 +299,13 @@ impl<'a> Builder<'a, '_> {
     /// Reports a second occurrence of a statement that is allowed only once.
     fn once<'w>(&mut self, seen: &mut BTreeMap<&'w str, Span>, word: &'w str, span: Span) {
         if let Some(first) = seen.insert(word, span) {
-            let finding = stands_twice(word, span, first, "leave one of the two out");
+            let finding = duplicate_statement(word, span, first, "remove one of the two");
             self.e.findings.push(finding);
         }
     }
 
-    /// Returns the wires of a belt's machine: inputs `load` and `unload_ready`, outputs `s[i]` and
-    /// `ready`.
+    /// Finds the wires by which a machine controls a conveyor: inputs `load` and `unload_ready`,
+    /// outputs `s[i]` and `ready`. Reports a machine without these.
     pub(super) fn belt(&mut self, span: Span, machine: Arc<Machine>) -> Option<Belt> {
         let plant = |name: &str| machine.plant.iter().position(|p| p.name == name);
         let wires: Vec<String> = (0..machine.wire_count())
@@ -322,7 +326,7 @@ impl<'a> Builder<'a, '_> {
             output("ready"),
             places.is_empty() || !machine.operations.is_empty() || !moore,
         ) {
-            self.without_effect(span, &machine);
+            self.warn_without_effect(span, &machine);
             Some(Belt {
                 machine,
                 load,
@@ -334,16 +338,16 @@ impl<'a> Builder<'a, '_> {
             self.e.findings.error_with(
                 codes::ARGUMENT,
                 span,
-                format!("`{}` cannot move a conveyor", machine.name),
-                "a belt's machine has the signals `load` and `unload_ready`, a `moore` action with the outputs `s: array[n] of bool` and `ready`, and no operations",
+                format!("`{}` cannot control a conveyor", machine.name),
+                "use a machine with the signals `load` and `unload_ready`, and a `moore` action with the outputs `s: array[n] of bool` and `ready`, but without operations",
             );
             None
         }
     }
 
-    /// Reports times, powers and failures of a belt's machine, which only have an effect in
-    /// stations.
-    fn without_effect(&mut self, span: Span, machine: &Machine) {
+    /// Warns about times, powers and failures of a machine that controls a conveyor; they have an
+    /// effect only in stations.
+    fn warn_without_effect(&mut self, span: Span, machine: &Machine) {
         let components = &machine.components;
         let is_zero = |watts: &RealExpr| *watts == RealExpr::Number(0.0);
         let statements = [
@@ -391,7 +395,7 @@ impl<'a> Builder<'a, '_> {
             }
             match item {
                 StationItem::Setup(value) => {
-                    if let Some(v) = positive(&mut self.e, value, Dimension::Time) {
+                    if let Some(v) = non_negative(&mut self.e, value, Dimension::Time) {
                         setup_seconds = v;
                     }
                 }
@@ -400,10 +404,10 @@ impl<'a> Builder<'a, '_> {
                     if let Some(task) = self.task(&machine, operations, part) {
                         if tasks.iter().any(|t| t.part == task.part) {
                             self.e.findings.error_with(
-                                codes::NAME_DOUBLE,
+                                codes::NAME_DUPLICATE,
                                 part.span,
-                                format!("`{}` is performed on already", part.text),
-                                "name all operations in one `perform a, b on P`",
+                                format!("operations on `{}` are already declared", part.text),
+                                "list all operations in one `perform a, b on P`",
                             );
                         }
                         tasks.push(task);
@@ -430,7 +434,7 @@ impl<'a> Builder<'a, '_> {
                     "`{}` has no operations, so it cannot be a station",
                     machine.name
                 ),
-                "a belt's machine moves a `conveyor`",
+                "use a machine with operations; one without operations can control a `conveyor`",
             );
             return None;
         }
@@ -446,6 +450,7 @@ impl<'a> Builder<'a, '_> {
         ))
     }
 
+    /// Resolves the operations of a station on a part type.
     pub(super) fn task(
         &mut self,
         machine: &Machine,
@@ -477,7 +482,9 @@ impl<'a> Builder<'a, '_> {
             for (i, argument) in arguments.iter().enumerate() {
                 let mut earlier = arguments[..i].iter().map(|a| &a.name);
                 if let Some(first) = earlier.find(|n| n.text == argument.name.text) {
-                    self.e.findings.push(double(&argument.name, first.span));
+                    self.e
+                        .findings
+                        .push(duplicate_name(&argument.name, first.span));
                     continue;
                 }
                 let found = machine.properties.iter().position(|p| {
@@ -495,7 +502,7 @@ impl<'a> Builder<'a, '_> {
                                 "the parameter `{}` is an array, which a station cannot set",
                                 argument.name.text
                             ),
-                            "use a parameter for each element that a station sets",
+                            "declare one parameter for each element that a station sets",
                         )
                     } else {
                         (
@@ -538,7 +545,7 @@ impl<'a> Builder<'a, '_> {
             }
             mapping.push(found);
         }
-        // Arrays of different lengths, or an array and a single value, share only some elements.
+        // Arrays of different lengths, or an array and a scalar, have only some elements in common.
         let elements = |names: &mut dyn Iterator<Item = &str>, array: &str| -> BTreeSet<String> {
             let own = names.filter(|name| array_of(name) == array);
             own.map(str::to_owned).collect()
@@ -562,7 +569,7 @@ impl<'a> Builder<'a, '_> {
                 codes::PROPERTY,
                 part.span,
                 format!(
-                    "`{name}` of `{}` has another type than in the machine `{}`",
+                    "`{name}` of `{}` and of the machine `{}` have different types",
                     part.text, machine.name
                 ),
                 "declare it in both with the same unit, range or labels, and the same length",
@@ -585,12 +592,12 @@ impl<'a> Builder<'a, '_> {
         value: &'a ast::Expr,
     ) -> Option<Defect> {
         let index = self.find_part(part)?;
-        let p = positive(&mut self.e, probability, Dimension::None)?;
+        let p = non_negative(&mut self.e, probability, Dimension::None)?;
         if p > 1.0 {
             self.e.findings.error_with(
                 codes::ARGUMENT,
                 probability.span,
-                "a probability is between 0 and 1",
+                "a probability must be between 0 and 1",
                 "write a share: `probability 5 %`, or `probability 0.05`",
             );
             return None;
@@ -617,7 +624,7 @@ impl<'a> Builder<'a, '_> {
                 codes::TYPE_MISMATCH,
                 property.span,
                 format!("`{}` is not an array", property.text),
-                "leave out `one of`, which picks an element of an array",
+                "remove `one of`, which selects an element of an array",
             );
         }
         let element = PropertyType {
@@ -625,7 +632,7 @@ impl<'a> Builder<'a, '_> {
             ..ty.clone()
         };
         let mut scope = self.part_scope(index);
-        see_property(&mut scope, "it", &element);
+        declare_property(&mut scope, "it", &element);
         let term = assigned(&mut scope, &element, value);
         self.e.findings.absorb(&mut scope.findings);
         let count = self.parts[index].model.properties.len() + 1;
@@ -639,12 +646,12 @@ impl<'a> Builder<'a, '_> {
     }
 }
 
-/// Returns arguments without their places.
+/// Returns arguments without their positions.
 fn values_of(given: &instantiate::Arguments) -> Vec<(&String, &Value)> {
     given.iter().map(|(n, (v, _))| (n, v)).collect()
 }
 
-/// Returns whether two properties have the same values; the name of an enumeration does not matter.
+/// Returns whether two properties have the same domain, regardless of the name of an enumeration.
 fn same_values(a: Option<&Domain>, b: Option<&Domain>) -> bool {
     match (a, b) {
         (None, None) => true,
@@ -653,7 +660,7 @@ fn same_values(a: Option<&Domain>, b: Option<&Domain>) -> bool {
     }
 }
 
-/// Returns the array that contains a property, or the property's own name.
+/// Returns the name of the array that contains a property, or the name itself for a scalar.
 fn array_of(property: &str) -> &str {
     property.split('[').next().unwrap_or(property)
 }

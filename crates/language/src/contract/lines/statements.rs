@@ -1,10 +1,10 @@
-//! Routes, requirements, shifts, limits and the end product.
+//! Resolution of routes, requirements, shifts, limits and the end product.
 
 use super::Builder;
 use crate::contract::elaborate::nearest;
 use crate::contract::line::{Comparison, Limit, Line, Metric, Requirement, Route, Shift};
-use crate::contract::machines::positive;
-use crate::contract::scope::{double, stands_twice};
+use crate::contract::machines::non_negative;
+use crate::contract::scope::{duplicate_name, duplicate_statement};
 use crate::contract::value::Dimension;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::Time;
@@ -13,9 +13,10 @@ use linewright_syntax::ast::{self, LineItem};
 use std::collections::BTreeMap;
 
 /// Minimum duration of a shift, in seconds.
-const SHORTEST_SHIFT: f64 = 1.0;
+const MIN_SHIFT_SECONDS: f64 = 1.0;
 
 impl<'a> Builder<'a, '_> {
+    /// Sets the end product of the line: the declared one, or the only part type that can be meant.
     pub(super) fn product(&mut self, decl: &'a ast::Line, model: &mut Line) {
         let mut named = decl.items.iter().filter_map(|i| match i {
             LineItem::Product(name) => Some(name),
@@ -35,40 +36,41 @@ impl<'a> Builder<'a, '_> {
             _ => self.e.findings.error_with(
                 codes::LINE_UNKNOWN,
                 decl.name.span,
-                "which part is the end product?",
+                "the end product is not declared",
                 "add `product P`",
             ),
         }
     }
 
-    /// Reports duplicates of statements that are allowed only once: otherwise one would be ignored
-    /// silently.
-    pub(super) fn no_doubles(&mut self, decl: &'a ast::Line) {
+    /// Reports second occurrences of statements that are allowed only once.
+    pub(super) fn report_duplicates(&mut self, decl: &'a ast::Line) {
         let mut once: BTreeMap<&str, Span> = BTreeMap::new();
         let mut requirements: BTreeMap<&str, Span> = BTreeMap::new();
         for item in &decl.items {
             let (word, span, help) = match item {
                 LineItem::Product(name) => {
-                    ("product", name.span, "keep the one that the run counts")
+                    ("product", name.span, "keep the product that a run counts")
                 }
                 LineItem::Limit(value, _) => {
-                    ("limit", value.span, "keep the one at which a run ends")
+                    ("limit", value.span, "keep the limit at which a run ends")
                 }
                 LineItem::Shift(from, to) => (
                     "shift",
                     from.span.to(to.span),
-                    "a line works one shift a day: join the two where they meet, or leave one out",
+                    "a line works one shift a day: combine the two, or remove one",
                 ),
                 LineItem::Requirement { name, .. } => {
                     if let Some(first) = requirements.insert(&name.text, name.span) {
-                        self.e.findings.push(double(name, first));
+                        self.e.findings.push(duplicate_name(name, first));
                     }
                     continue;
                 }
                 _ => continue,
             };
             if let Some(first) = once.insert(word, span) {
-                self.e.findings.push(stands_twice(word, span, first, help));
+                self.e
+                    .findings
+                    .push(duplicate_statement(word, span, first, help));
             }
         }
     }
@@ -77,22 +79,22 @@ impl<'a> Builder<'a, '_> {
         match item {
             LineItem::Route { part, stops, when } => self.route(part, stops, when.as_ref(), model),
             LineItem::Shift(from, to) => {
-                let a = positive(&mut self.e, from, Dimension::Time);
-                let b = positive(&mut self.e, to, Dimension::Time);
+                let a = non_negative(&mut self.e, from, Dimension::Time);
+                let b = non_negative(&mut self.e, to, Dimension::Time);
                 if let (Some(from_s), Some(to_s)) = (a, b) {
                     if from_s >= to_s || to_s > 86_400.0 {
                         self.e.findings.error_with(
                             codes::ARGUMENT,
                             from.span.to(to.span),
-                            "a shift begins before it ends, within one day",
-                            "write `shift 6 h to 14 h`",
+                            "a shift must end after it begins, on the same day",
+                            "write hours after midnight, `shift 6 h to 14 h`; a shift cannot include midnight",
                         );
                     }
-                    if from_s < to_s && to_s - from_s < SHORTEST_SHIFT {
+                    if from_s < to_s && to_s - from_s < MIN_SHIFT_SECONDS {
                         self.e.findings.error_with(
                             codes::ARGUMENT,
                             from.span.to(to.span),
-                            "a shift lasts at least a second",
+                            "a shift must last at least one second",
                             "write `shift 6 h to 14 h`",
                         );
                     }
@@ -108,15 +110,15 @@ impl<'a> Builder<'a, '_> {
                         self.e.findings.error_with(
                             codes::ARGUMENT,
                             value.span,
-                            "at least one product",
-                            "write after how many end products a run ends: `limit 50 products`",
+                            "the limit must be at least one product",
+                            "write the number of end products after which a run ends: `limit 50 products`",
                         );
                     }
                     model.limit = Some(Limit::Products(n.max(1) as u64));
                 }
             }
             LineItem::Limit(value, false) => {
-                if let Some(s) = positive(&mut self.e, value, Dimension::Time) {
+                if let Some(s) = non_negative(&mut self.e, value, Dimension::Time) {
                     model.limit = Some(Limit::Seconds(s));
                 }
             }
@@ -137,9 +139,9 @@ impl<'a> Builder<'a, '_> {
                         codes::TYPE_MISMATCH,
                         *span,
                         if *per_hour {
-                            "`per hour` belongs to `throughput`"
+                            "`per hour` is allowed only for `throughput`"
                         } else {
-                            "the throughput of what time?"
+                            "a throughput needs `per hour`"
                         },
                         "write `throughput >= 20 per hour`",
                     );
@@ -154,8 +156,8 @@ impl<'a> Builder<'a, '_> {
                         self.e.findings.error_with(
                             codes::TYPE_MISMATCH,
                             *span,
-                            "a requirement compares with <, <=, =, >= or >",
-                            "turn it into one of these",
+                            "a requirement has to compare with <, <=, =, >= or >",
+                            "use one of these operators",
                         );
                         return;
                     }
@@ -174,6 +176,8 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
+    /// Resolves a metric; returns it with the dimension of its bound, and the metric's unit in base
+    /// units.
     pub(super) fn metric(
         &mut self,
         name: &ast::Name,
@@ -204,7 +208,7 @@ impl<'a> Builder<'a, '_> {
                         codes::LINE_UNKNOWN,
                         station.span,
                         format!("`{}` is not a station", station.text),
-                        "only stations are busy; name one of them",
+                        "name a station: only stations have this metric",
                     );
                     return None;
                 }
@@ -214,12 +218,12 @@ impl<'a> Builder<'a, '_> {
                 let help = match nearest(other, NAMES.into_iter()) {
                     Some("busy") => "write `busy(station)`".to_owned(),
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("the measures are {}(station)", NAMES.join(", ")),
+                    None => format!("the metrics are {}(station)", NAMES.join(", ")),
                 };
                 self.e.findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
-                    format!("`{other}` is not measured"),
+                    format!("there is no metric `{other}`"),
                     help,
                 );
                 return None;
@@ -227,6 +231,7 @@ impl<'a> Builder<'a, '_> {
         })
     }
 
+    /// Adds the routes between consecutive stops. A condition applies to the first of them.
     pub(super) fn route(
         &mut self,
         part: &'a ast::Name,

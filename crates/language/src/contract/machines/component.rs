@@ -1,9 +1,9 @@
-//! Components of a machine: checks that every input is bound, with no loop within a step.
+//! Resolution of a machine's components: bindings of inputs, times and powers.
 
 use super::{Parts, jobs, nested, plant, same_step};
 use crate::contract::elaborate::{Elaborator, Findings, Names, VariableTable, fitted, nearest};
 use crate::contract::machine::{ActionTime, Component, RealExpr, Role};
-use crate::contract::shape::{Segment, entries, measured, way};
+use crate::contract::shape::{Segment, entries_of, leaf_path, measured};
 use crate::contract::units::Unit;
 use crate::contract::value::{Dimension, Term, Type, Value};
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
 
-/// Returns an elaborator for bindings: whole-number expressions over wires.
+/// Returns an elaborator for expressions over the machine's wires.
 pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elaborator<'a> {
     let mut names = outer.without_variables();
     let mut variables = VariableTable::default();
@@ -24,7 +24,7 @@ pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elabor
         let wire = variables.add(input.domain.clone(), Unit::named(&input.unit));
         leaves.push((input.name.as_str(), wire));
     }
-    for (name, entry) in entries(leaves) {
+    for (name, entry) in entries_of(leaves) {
         // A wire hides outer declarations of the same name.
         names.hide(&name);
         names.variables.insert(name, entry);
@@ -36,7 +36,7 @@ pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elabor
             let wire = variables.add(v.domain.clone(), Unit::named(&v.unit));
             leaves.push((v.name.as_str(), wire));
         }
-        for (name, entry) in entries(leaves) {
+        for (name, entry) in entries_of(leaves) {
             names
                 .variables
                 .insert(format!("{}.{name}", c.name.text), entry);
@@ -49,7 +49,8 @@ pub(super) fn scope_of_wires<'a>(outer: &Names<'a>, parts: &Parts<'a>) -> Elabor
     }
 }
 
-/// Resolves a component: every input bound, no loop within a step, its times and powers.
+/// Resolves a component: its bindings, time and power. Reports unbound inputs, and loops within a
+/// step. `firsts` contains the first wire of each component.
 pub(super) fn component<'a>(
     e: &mut Elaborator<'a>,
     wires: &mut Elaborator<'a>,
@@ -59,7 +60,7 @@ pub(super) fn component<'a>(
 ) -> Option<Component> {
     if let Some(mut nested) = parts.nested[index].take() {
         let decl = parts.components[index].0;
-        nested::no_settings(&mut e.findings, decl);
+        nested::reject_settings(&mut e.findings, decl);
         nested.properties = nested::bind_properties(e, parts, decl, &nested);
         parts.nested[index] = Some(nested);
     }
@@ -68,14 +69,14 @@ pub(super) fn component<'a>(
     let mut known: Vec<&str> = specification
         .inputs()
         .map(|id| specification.variable(id).name.as_str())
-        .map(|name| way(name).0)
+        .map(|name| leaf_path(name).0)
         .collect();
     known.dedup();
     if let Some(nested) = &parts.nested[index] {
         known.extend(nested.level.properties.keys().map(String::as_str));
     }
     for b in &decl.bindings {
-        if !known.contains(&way(&b.name.text).0) {
+        if !known.contains(&leaf_path(&b.name.text).0) {
             let help = match nearest(&b.name.text, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("its inputs are {}", known.join(", ")),
@@ -88,7 +89,7 @@ pub(super) fn component<'a>(
             );
         }
     }
-    bindings_once(&mut wires.findings, decl, specification);
+    check_bindings(&mut wires.findings, decl, specification);
     let active = match (&decl.when, decl.is_coordinator()) {
         (Some(when), false) => wires
             .boolean(when, Time::Now)
@@ -97,8 +98,8 @@ pub(super) fn component<'a>(
             wires.findings.error_with(
                 codes::OPERATION,
                 when.span,
-                "a coordinator is never active itself; `when` belongs to actions",
-                "leave it out here, and write it with each action",
+                "`when` is allowed only for actions, and this is a coordinator",
+                "remove it here, and write it in each action",
             );
             None
         }
@@ -131,13 +132,13 @@ pub(super) fn component<'a>(
         .and_then(|value| e.quantity(value, Dimension::Power))
         .map_or(RealExpr::Number(0.0), |t| t.to_real(properties));
     if decl.is_coordinator() {
-        without_effect(&mut wires.findings, decl);
+        warn_without_effect(&mut wires.findings, decl);
     } else if (decl.time.is_some() || decl.power.is_some()) && decl.when.is_none() {
         wires.findings.error_with(
             codes::OPERATION,
             decl.name.span,
             format!(
-                "`{}` has a time or a power, but does not say when it is active",
+                "`{}` has a time or a power, but no `when` condition",
                 decl.name.text
             ),
             "add `when`: `action turn: Turn when cell.command = turn { ... }`",
@@ -160,8 +161,8 @@ pub(super) fn component<'a>(
     })
 }
 
-/// Reports times and powers of a coordinator, which is never active itself.
-fn without_effect(findings: &mut Findings, coordinator: &ast::Component) {
+/// Warns about times and powers of a coordinator, which have no effect.
+fn warn_without_effect(findings: &mut Findings, coordinator: &ast::Component) {
     let time = coordinator.time.as_ref().map(|(e, _)| ("time", e.span));
     let power = coordinator.power.as_ref().map(|e| ("power", e.span));
     for (word, span) in time.into_iter().chain(power) {
@@ -169,14 +170,15 @@ fn without_effect(findings: &mut Findings, coordinator: &ast::Component) {
             "`{word}` of the coordinator `{}` has no effect",
             coordinator.name.text
         );
-        findings.push(Diagnostic::warning(codes::UNUSED, span, message).with_help(
-            "give it to an action, or give the machine a `step` time or a `power` of its own",
-        ));
+        findings.push(
+            Diagnostic::warning(codes::UNUSED, span, message)
+                .with_help("write it in an action, or write `step` or `power` in the machine"),
+        );
     }
 }
 
-/// Checks that every input is bound at most once, and that an index or member exists.
-fn bindings_once(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
+/// Reports inputs that are bound twice, and indices and members that do not exist.
+fn check_bindings(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
     let mut seen: BTreeMap<String, Span> = BTreeMap::new();
     let inputs: Vec<&str> = specification
         .inputs()
@@ -188,21 +190,21 @@ fn bindings_once(findings: &mut Findings, decl: &ast::Component, specification: 
         if let Some(first) = seen.insert(target.clone(), name.span) {
             let message = format!("`{target}` is bound twice");
             findings.push(
-                Diagnostic::error(codes::NAME_DOUBLE, name.span, message)
+                Diagnostic::error(codes::NAME_DUPLICATE, name.span, message)
                     .with_label(first, "first here")
-                    .with_help("leave one of the two out"),
+                    .with_help("remove one of the two"),
             );
         }
-        let (root, path) = way(&target);
-        let own: Vec<&&str> = inputs.iter().filter(|v| way(v).0 == root).collect();
-        let met = own.iter().any(|v| way(v).1.starts_with(&path));
-        if own.is_empty() || met {
+        let (root, path) = leaf_path(&target);
+        let own: Vec<&&str> = inputs.iter().filter(|v| leaf_path(v).0 == root).collect();
+        let exists = own.iter().any(|v| leaf_path(v).1.starts_with(&path));
+        if own.is_empty() || exists {
             continue;
         }
         let scalar = own.len() == 1 && *own[0] == root;
         let elements = own
             .iter()
-            .filter(|v| matches!(way(v).1.first(), Some(Segment::Element(_))));
+            .filter(|v| matches!(leaf_path(v).1.first(), Some(Segment::Element(_))));
         let count = elements.count();
         match (b.index, b.index.is_some() && scalar) {
             (Some(_), true) => findings.error_with(
@@ -223,7 +225,7 @@ fn bindings_once(findings: &mut Findings, decl: &ast::Component, specification: 
                 name.span,
                 format!("the input `{root}` has no `{target}`"),
                 format!(
-                    "it is made of {}",
+                    "its parts are {}",
                     own.iter()
                         .map(|v| format!("`{v}`"))
                         .collect::<Vec<_>>()
@@ -234,7 +236,7 @@ fn bindings_once(findings: &mut Findings, decl: &ast::Component, specification: 
     }
 }
 
-/// Returns the name of a binding's target: a leaf, or a prefix of leaves.
+/// Returns the name of a binding's target: a leaf of an input, or a common prefix of leaves.
 fn target(b: &ast::Binding) -> String {
     let mut text = b.name.text.clone();
     if let Some(index) = b.index {
@@ -246,11 +248,12 @@ fn target(b: &ast::Binding) -> String {
     text
 }
 
-/// Rule for binding an array or record, for messages.
-const PARTS: &str = "an array is bound to an array of the same length and kind, to one value for all, or element by element: `h[0] = ...`; a record to one with the same members, or member by member: `target.x = ...`";
+/// Help text on how to bind an array or record.
+const BINDING_HELP: &str = "bind an array to an array of the same length and element type, to one value for all elements, or element by element: `h[0] = ...`; bind a record to a record with the same members, or member by member: `target.x = ...`";
 
-/// Returns the binding of an input: the declared one, else the plant's wire of its name, else the
-/// coordinator's output of its name.
+/// Returns the value of a leaf of an input, over wires: the value that the running operation sets,
+/// or else the declared binding, or else the plant's wire of the same name, or else the
+/// coordinator's output of the same name. Reports an unbound input.
 pub(super) fn binding<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -258,7 +261,7 @@ pub(super) fn binding<'a>(
     specification: &Specification,
     variable: &linewright_core::gr1::Variable,
 ) -> Option<Expr> {
-    let (name, path) = way(&variable.name);
+    let (name, path) = leaf_path(&variable.name);
     let mut jobs = Vec::new();
     let mut missing = None;
     for job in jobs::jobs(parts.machine, &decl.name.text) {
@@ -267,9 +270,9 @@ pub(super) fn binding<'a>(
             None => missing = Some(job.operation),
         }
     }
-    let bound = match otherwise(wires, parts, decl, specification, variable)? {
+    let bound = match default_binding(wires, parts, decl, specification, variable)? {
         None if jobs.is_empty() || missing.is_some() => {
-            unbound(
+            report_unbound(
                 &mut wires.findings,
                 decl,
                 variable,
@@ -299,7 +302,7 @@ pub(super) fn binding<'a>(
             codes::TYPE_MISMATCH,
             span,
             format!(
-                "this {}, but the input `{}` takes {} only",
+                "this {}, but the input `{}` takes only {}",
                 if range.low == range.high {
                     format!("is {}", range.low)
                 } else {
@@ -308,17 +311,17 @@ pub(super) fn binding<'a>(
                 variable.name,
                 variable.describe()
             ),
-            "hold it there with `min` and `max`, or give both the same range",
+            "limit the value with `min` and `max`, or use the same range for both",
         );
         return None;
     }
     Some(expr)
 }
 
-/// Returns the type of an input, or of a part of it.
+/// Returns the type of an input, or of the part of it at the end of `path`.
 fn expected(specification: &Specification, name: &str, path: &[Segment<'_>]) -> Option<Type> {
     let own = specification.inputs().filter_map(|id| {
-        let (root, leaf) = way(&specification.variable(id).name);
+        let (root, leaf) = leaf_path(&specification.variable(id).name);
         (root == name).then_some((id, leaf))
     });
     let leaves: Vec<(VarId, Vec<Segment<'_>>)> = own
@@ -362,8 +365,8 @@ fn type_of(specification: &Specification, leaves: &[(VarId, Vec<Segment<'_>>)]) 
     }
 }
 
-/// Returns the scalar at the end of a path into a value. Where an array is expected, a scalar
-/// stands for all its elements.
+/// Returns the scalar at the end of a path into a value. A scalar in place of an array is the value
+/// of all elements.
 fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
     match (value, path) {
         (Value::Scalar(term, ty), path)
@@ -382,26 +385,29 @@ fn leaf(value: Value, path: &[Segment<'_>]) -> Option<(Term, Type)> {
     }
 }
 
-/// Returns the binding of an input where no operation sets it. The outer `None`: an error was
-/// reported; the inner: it is not bound.
-#[expect(clippy::option_option, reason = "bound to nothing, or wrongly")]
-fn otherwise<'a>(
+/// Returns the value of a leaf of an input while no operation sets it. Returns `None` if an error
+/// was reported, and `Some(None)` if the input is not bound.
+#[expect(
+    clippy::option_option,
+    reason = "the outer option means an error, the inner one no binding"
+)]
+fn default_binding<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
     decl: &'a ast::Component,
     specification: &Specification,
     variable: &linewright_core::gr1::Variable,
 ) -> Option<Option<(Term, Span)>> {
-    let (name, path) = way(&variable.name);
+    let (name, path) = leaf_path(&variable.name);
     let ty = measured(&variable.domain, Unit::named(&variable.unit));
-    // The most specific binding for this leaf.
+    // The most specific binding of this leaf.
     let explicit = decl
         .bindings
         .iter()
         .rev()
         .filter_map(|b| {
             let target = target(b);
-            let (root, part) = way(&target);
+            let (root, part) = leaf_path(&target);
             (root == name && path.starts_with(&part)).then_some((part.len(), b))
         })
         .max_by_key(|(length, _)| *length);
@@ -411,7 +417,7 @@ fn otherwise<'a>(
         let term = part_of(wires, &b.value, whole.as_ref(), variable, rest, &target(b))?;
         return Some(Some((term, b.value.span)));
     }
-    // If several coordinators have an output of that name, none is used.
+    // An output of this name is not used if several coordinators have one.
     let seen = &wires.names.variables;
     let mut outputs = parts
         .components
@@ -432,7 +438,7 @@ fn otherwise<'a>(
             codes::TYPE_MISMATCH,
             decl.name.span,
             format!(
-                "the input `{}` of `{}` is {}, but what has its name is {}",
+                "the input `{}` of `{}` is {}, but the wire of the same name is {}",
                 variable.name,
                 decl.name.text,
                 ty.describe(),
@@ -445,24 +451,24 @@ fn otherwise<'a>(
     Some(Some((Term::Var(id, Time::Now), decl.name.span)))
 }
 
-/// Returns the part of a value that a leaf of an input gets, at the end of path `way`. `whole` is
-/// the expected type of the value, `target` its name in messages.
+/// Elaborates a value, and returns the part of it at the end of `path`, converted to the type of
+/// `variable`. `whole` is the expected type of the whole value, `target` its name in messages.
 fn part_of<'a>(
     wires: &mut Elaborator<'a>,
     value: &'a ast::Expr,
     whole: Option<&Type>,
     variable: &linewright_core::gr1::Variable,
-    way: &[Segment<'_>],
+    path: &[Segment<'_>],
     target: &str,
 ) -> Option<Term> {
     let ty = measured(&variable.domain, Unit::named(&variable.unit));
     if plant::is_operation(value)
-        && let Some(term) = jobs::job_of(&wires.variables, &ty)
+        && let Some(term) = jobs::known_operation(&wires.variables, &ty)
     {
         return Some(term);
     }
     let given = wires.value(value, whole, Time::Now)?;
-    let Some((term, found)) = leaf(given.clone(), way) else {
+    let Some((term, found)) = leaf(given.clone(), path) else {
         let message = format!(
             "`{target}` is {}, and this is {}",
             whole.map_or_else(|| ty.describe(), Type::describe),
@@ -470,10 +476,10 @@ fn part_of<'a>(
         );
         wires
             .findings
-            .error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+            .error_with(codes::TYPE_MISMATCH, value.span, message, BINDING_HELP);
         return None;
     };
-    if way.is_empty() || found.is_numeric() && ty.is_numeric() {
+    if path.is_empty() || found.is_numeric() && ty.is_numeric() {
         return fitted(value.span, (term, found), &ty, &mut wires.findings);
     }
     if found == ty {
@@ -487,23 +493,23 @@ fn part_of<'a>(
     );
     wires
         .findings
-        .error_with(codes::TYPE_MISMATCH, value.span, message, PARTS);
+        .error_with(codes::TYPE_MISMATCH, value.span, message, BINDING_HELP);
     None
 }
 
-/// Reports that an input is not bound, either never or while an operation runs.
-fn unbound(
+/// Reports that an input is not bound, or not bound while an operation runs.
+fn report_unbound(
     findings: &mut Findings,
     decl: &ast::Component,
     variable: &linewright_core::gr1::Variable,
     operation: Option<&ast::Name>,
 ) {
     if decl.broken {
-        // A part that could not be parsed may bind it.
+        // The text that could not be parsed may contain the binding.
         findings.tainted = true;
         return;
     }
-    let (name, action) = (way(&variable.name).0, &decl.name.text);
+    let (name, action) = (leaf_path(&variable.name).0, &decl.name.text);
     let (span, during, help) = match operation {
         Some(operation) => (
             operation.span,
@@ -516,7 +522,7 @@ fn unbound(
             decl.name.span,
             String::new(),
             format!(
-                "write `{name} = ...` in `{action}`: another component's output, a `signal`, an `abstract` of a property, or `operation`"
+                "write `{name} = ...` in `{action}`, with another component's output, a `signal`, an `abstract` of a property, or `operation`"
             ),
         ),
     };
@@ -524,7 +530,7 @@ fn unbound(
         codes::INPUT_UNBOUND,
         span,
         format!(
-            "the input `{}` of `{action}` is bound to nothing{during}",
+            "the input `{}` of `{action}` is not bound{during}",
             variable.name
         ),
         help,

@@ -1,19 +1,20 @@
-//! Expansion of layers to one flat machine.
+//! Expansion of inner machines.
 //!
-//! A machine is first resolved as written: an inner machine is a component whose outputs are
-//! everything visible of it ([`Nested`]). This module replaces such components, in one of two ways:
+//! A machine is first resolved with each inner machine as one component, whose outputs are all that
+//! is visible of it ([`Nested`]). This module replaces such a component in one of two ways:
 //!
-//! - *flat*, for execution: by the inner machine's components, called `left.pick`;
+//! - *flat*, for execution: by the inner machine's components, named `left.pick`;
 //! - *abstracted*, for proofs: by one component with the contract that the inner machine refines.
-//!   Wires that others read and that the contract does not mention become unconstrained outputs of
-//!   that component. An inner machine that refines nothing is replaced by its components here, too.
+//!   Wires that are read outside of the inner machine, but do not occur in the contract, become
+//!   unconstrained outputs of that component. An inner machine without such a contract is replaced
+//!   by its components.
 //!
 //! Both use the same traversal: wires are renumbered, and every expression is converted to the new
 //! numbers.
 
 use super::nested::{Level, Nested, VisibleItem};
 use crate::contract::machine::{
-    Component, Inner, Layers, Machine, Orders, RealExpr, RefinedContract, Role, Rules,
+    Component, InnerMachine, Layers, Machine, RealExpr, RefinedContract, Role, Rules, SkillOrders,
 };
 use linewright_core::gr1::{
     Expr, Formula, Owner, Side, Specification, Time, Timing, VarId, Variable,
@@ -21,20 +22,21 @@ use linewright_core::gr1::{
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// How inner machines are replaced.
+/// Replacement of inner machines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NestedTreatment {
-    /// By all their components.
+    /// Each by all of its components.
     Flat,
-    /// By the contracts that they refine.
+    /// Each by the contract that it refines.
     Abstracted,
 }
 
-/// A machine without layers.
+/// A machine after expansion.
 pub(super) struct FlatMachine {
     /// Resulting machine.
     pub machine: Machine,
-    /// Value of every wire of the level, over the machine's wires; `None` if it was not requested.
+    /// Value of every wire of the [`Level`], over the wires of `machine`; `None` if it was not
+    /// requested.
     pub values: Vec<Option<Expr>>,
 }
 
@@ -42,13 +44,14 @@ pub(super) struct FlatMachine {
 enum Piece<'l> {
     /// The component itself.
     Own(&'l Component),
-    /// A machine, as the contract that it refines.
-    Promise {
+    /// An inner machine, as one component with the contract that it refines.
+    Contract {
+        /// The component.
         component: Box<Component>,
-        /// Output of the component for each output of the view.
+        /// For each output of the view, the output of the component; `None` if it is not read.
         outputs: Vec<Option<usize>>,
     },
-    /// A machine, as its components.
+    /// An inner machine, as its components.
     Parts {
         inner: &'l Nested,
         expanded: Box<FlatMachine>,
@@ -59,25 +62,25 @@ impl Piece<'_> {
     fn components(&self) -> &[Component] {
         match self {
             Self::Own(component) => std::slice::from_ref(component),
-            Self::Promise { component, .. } => std::slice::from_ref(&**component),
+            Self::Contract { component, .. } => std::slice::from_ref(&**component),
             Self::Parts { expanded, .. } => &expanded.machine.components,
         }
     }
 }
 
-/// Returns the machine of a level with its layers expanded; a machine without inner ones is
+/// Expands a level to a flat machine, with its abstraction. A machine without inner machines is
 /// unchanged.
 pub(super) fn finish(level: Level) -> Machine {
     if level.nested.iter().all(Option::is_none) {
         return level.machine;
     }
     let mut flat = expand(&level, NestedTreatment::Flat, &BTreeSet::new()).machine;
-    let abstracted = expand(&level, NestedTreatment::Abstracted, &BTreeSet::new()).machine;
+    let abstraction = expand(&level, NestedTreatment::Abstracted, &BTreeSet::new()).machine;
     let spans: Vec<_> = level.machine.components.iter().map(|c| c.span).collect();
     let nested = level.nested.into_iter().zip(spans);
     let inner = nested.filter_map(|(nested, span)| {
         let nested = nested?;
-        Some(Inner {
+        Some(InnerMachine {
             name: nested.name,
             machine: Arc::new(finish(nested.level)),
             span,
@@ -85,15 +88,20 @@ pub(super) fn finish(level: Level) -> Machine {
     });
     flat.layers = Layers {
         inner: inner.collect(),
-        abstracted: Some(Arc::new(abstracted)),
+        abstraction: Some(Arc::new(abstraction)),
     };
     flat
 }
 
-/// Expands the layers. `wanted` are wires of the level that are read from outside.
-pub(super) fn expand(level: &Level, how: NestedTreatment, wanted: &BTreeSet<usize>) -> FlatMachine {
+/// Expands the inner machines of a level. `requested` contains the wires of the level that are read
+/// from outside.
+pub(super) fn expand(
+    level: &Level,
+    how: NestedTreatment,
+    requested: &BTreeSet<usize>,
+) -> FlatMachine {
     let mut read = mentioned(&level.machine, how);
-    read.extend(wanted);
+    read.extend(requested);
     let components = level.machine.components.iter().zip(&level.nested);
     let pieces: Vec<Piece<'_>> = components
         .enumerate()
@@ -101,7 +109,7 @@ pub(super) fn expand(level: &Level, how: NestedTreatment, wanted: &BTreeSet<usiz
             None => Piece::Own(component),
             Some(inner) => {
                 let first = level.machine.first_wire(index);
-                let outputs = 0..inner.seen.len();
+                let outputs = 0..inner.visible.len();
                 let read = outputs.filter(|o| read.contains(&(first + o))).collect();
                 piece(inner, component, how, &read)
             }
@@ -116,45 +124,48 @@ pub(super) fn expand(level: &Level, how: NestedTreatment, wanted: &BTreeSet<usiz
     }
 }
 
+/// Returns the replacement of an inner machine. `read` contains the outputs of its view that are
+/// read.
 fn piece<'l>(
     inner: &'l Nested,
     component: &Component,
     how: NestedTreatment,
     read: &BTreeSet<usize>,
 ) -> Piece<'l> {
-    if let (NestedTreatment::Abstracted, Some(promised)) = (how, inner.flat.refines.first()) {
-        return promise(inner, promised, component, read);
+    if let (NestedTreatment::Abstracted, Some(refined)) = (how, inner.flat.refines.first()) {
+        return contract_piece(inner, refined, component, read);
     }
-    let mut wanted = BTreeSet::new();
+    let mut requested = BTreeSet::new();
     for output in read {
-        if let VisibleItem::Wire(wire) = inner.seen[*output] {
-            wanted.insert(wire);
+        if let VisibleItem::Wire(wire) = inner.visible[*output] {
+            requested.insert(wire);
         }
     }
     Piece::Parts {
         inner,
-        expanded: Box::new(expand(&inner.level, how, &wanted)),
+        expanded: Box::new(expand(&inner.level, how, &requested)),
     }
 }
 
-/// Returns one component with the contract, and with the additional wires that are read.
-fn promise<'l>(
+/// Replaces an inner machine by one component with the contract that it refines, with additional
+/// outputs for other wires that are read.
+fn contract_piece<'l>(
     inner: &Nested,
-    promised: &RefinedContract,
+    refined: &RefinedContract,
     component: &Component,
     read: &BTreeSet<usize>,
 ) -> Piece<'l> {
-    let mut specification = Specification::clone(&promised.specification);
+    let mut specification = Specification::clone(&refined.specification);
     let own: Vec<VarId> = specification.outputs().collect();
     let known = |expr: &Expr| {
-        let is = |v: &VarId| promised.bindings[v.index()].as_ref() == Some(expr);
+        let is = |v: &VarId| refined.bindings[v.index()].as_ref() == Some(expr);
         own.iter().position(is)
     };
-    let mut outputs = vec![None; inner.seen.len()];
+    let mut outputs = vec![None; inner.visible.len()];
     let mut count = own.len();
     for &output in read {
-        let found = match inner.seen[output] {
-            VisibleItem::Promised(v) => own.iter().position(|o| *o == v),
+        let found = match inner.visible[output] {
+            VisibleItem::OfContract(v) => own.iter().position(|o| *o == v),
             VisibleItem::Done | VisibleItem::Wire(_) => known(&inner.values[output]),
         };
         outputs[output] = Some(found.unwrap_or_else(|| {
@@ -164,16 +175,16 @@ fn promise<'l>(
             count - 1
         }));
     }
-    specification.timing = inner.timing(promised);
-    // Inputs that the contract takes from outside, through those of the inner machine.
-    let inputs = promised.specification.inputs();
+    specification.timing = inner.timing(refined);
+    // The inputs of the contract, over the wires to which the inner machine's inputs are bound.
+    let inputs = refined.specification.inputs();
     let bindings = inputs.filter_map(|v| {
-        let binding = promised.bindings[v.index()].as_ref()?;
+        let binding = refined.bindings[v.index()].as_ref()?;
         Some(binding.substitute(&mut |w, _| component.bindings[w.index()].clone()))
     });
-    Piece::Promise {
+    Piece::Contract {
         component: Box::new(Component {
-            contract: promised.contract.clone(),
+            contract: refined.contract.clone(),
             bindings: bindings.collect(),
             specification: Arc::new(specification),
             ..component.clone()
@@ -182,21 +193,21 @@ fn promise<'l>(
     }
 }
 
-/// Positions in the new machine.
+/// Positions of components and wires in the expanded machine.
 struct Places<'l> {
     level: &'l Level,
     pieces: &'l [Piece<'l>],
-    /// For every component of every piece, its index among the new components.
+    /// For every component of every piece, its index in the expanded machine.
     indices: Vec<Vec<usize>>,
-    /// First wire of every new component.
+    /// First wire of every component of the expanded machine.
     firsts: Vec<usize>,
     /// Number of wires.
     count: usize,
 }
 
 impl<'l> Places<'l> {
-    /// Assigns the positions. Coordinators of all layers come first, since they answer before all
-    /// others. Watches come last, since they see all others.
+    /// Assigns the positions. Coordinators of all layers come first, since they set their outputs
+    /// before all other components; watches come last, since they read those of all others.
     fn new(level: &'l Level, pieces: &'l [Piece<'l>]) -> Self {
         let all = pieces.iter().enumerate().flat_map(|(i, piece)| {
             let components = piece.components().iter().enumerate();
@@ -224,7 +235,8 @@ impl<'l> Places<'l> {
         }
     }
 
-    /// Returns a wire of the level.
+    /// Returns the value of a wire of the level over the wires of the expanded machine; `None` if
+    /// it was not requested.
     fn wire(&self, wire: usize) -> Option<Expr> {
         let machine = &self.level.machine;
         if wire < machine.plant.len() {
@@ -235,14 +247,14 @@ impl<'l> Places<'l> {
         let output = wire - machine.first_wire(index);
         match &self.pieces[index] {
             Piece::Own(_) => Some(self.output(index, 0, output)),
-            Piece::Promise { outputs, .. } => Some(self.output(index, 0, outputs[output]?)),
+            Piece::Contract { outputs, .. } => Some(self.output(index, 0, outputs[output]?)),
             Piece::Parts { inner, expanded } => {
-                let expr = match inner.seen[output] {
+                let expr = match inner.visible[output] {
                     VisibleItem::Wire(wire) => expanded.values[wire].clone()?,
                     VisibleItem::Done => expanded.machine.done.clone()?,
-                    VisibleItem::Promised(v) => {
-                        let promised = expanded.machine.refines.first()?;
-                        promised.bindings[v.index()].clone()?
+                    VisibleItem::OfContract(v) => {
+                        let refined = expanded.machine.refines.first()?;
+                        refined.bindings[v.index()].clone()?
                     }
                 };
                 Some(self.inside(index, &expr))
@@ -256,17 +268,17 @@ impl<'l> Places<'l> {
         ))
     }
 
-    /// Converts an expression over a level's wires.
+    /// Converts an expression over the wires of the level to the wires of the expanded machine.
     fn over(&self, expr: &Expr) -> Expr {
         expr.substitute(&mut |w, time| {
             let value = self
                 .wire(w.index())
-                .expect("a wire that was asked for; please report this");
+                .expect("a requested wire; please report this");
             at(&value, time)
         })
     }
 
-    /// Converts an expression over the wires of an expanded inner machine.
+    /// Converts an expression over the wires of an expanded inner machine to those of this one.
     fn inside(&self, index: usize, expr: &Expr) -> Expr {
         let Piece::Parts { expanded, .. } = &self.pieces[index] else {
             return self.over(expr);
@@ -292,7 +304,7 @@ fn at(expr: &Expr, time: Time) -> Expr {
     expr.substitute(&mut |w, _| Expr::Var(w, time))
 }
 
-/// Returns the level's wires that are read within it.
+/// Returns the wires that are read within a machine.
 fn mentioned(machine: &Machine, how: NestedTreatment) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
     let mut see = |expr: &Expr| {
@@ -309,8 +321,8 @@ fn mentioned(machine: &Machine, how: NestedTreatment) -> BTreeSet<usize> {
     for formula in rules.into_iter().flat_map(Side::all) {
         see(&formula.expr);
     }
-    for promised in &machine.refines {
-        promised.bindings.iter().flatten().for_each(&mut see);
+    for refined in &machine.refines {
+        refined.bindings.iter().flatten().for_each(&mut see);
     }
     for orders in &machine.orders {
         orders.when.iter().for_each(&mut see);
@@ -349,7 +361,7 @@ fn assemble(
     }
     let wire = |w: usize| {
         let value = values[w].as_ref();
-        RealExpr::of_wires(value.expect("a wire that was asked for; please report this"))
+        RealExpr::of_wires(value.expect("a requested wire; please report this"))
     };
     let writes = match how {
         NestedTreatment::Flat => old
@@ -357,7 +369,7 @@ fn assemble(
             .iter()
             .map(|(p, x)| (*p, x.substitute(&RealExpr::Property, &wire)))
             .collect(),
-        // Proofs know nothing of a part's numbers.
+        // Proofs do not refer to properties of parts.
         NestedTreatment::Abstracted => Vec::new(),
     };
     let nested = || level.nested.iter().flatten();
@@ -384,13 +396,13 @@ fn assemble(
         refines: old
             .refines
             .iter()
-            .map(|promised| RefinedContract {
-                bindings: promised
+            .map(|refined| RefinedContract {
+                bindings: refined
                     .bindings
                     .iter()
                     .map(|b| b.as_ref().map(|b| places.over(b)))
                     .collect(),
-                ..promised.clone()
+                ..refined.clone()
             })
             .collect(),
         guarantees: rules(&old.guarantees, old.wire_count(), places),
@@ -399,25 +411,25 @@ fn assemble(
     }
 }
 
-/// Returns the skills that the machine calls, and those of the inner machines that were expanded.
-fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
-    let over = |orders: &Orders| Orders {
+/// Returns the skill sets that the machine calls, and those that expanded inner machines call.
+fn orders(own: &[SkillOrders], places: &Places<'_>) -> Vec<SkillOrders> {
+    let over = |orders: &SkillOrders| SkillOrders {
         when: orders.when.iter().map(|e| places.over(e)).collect(),
         ..orders.clone()
     };
-    let mut all: Vec<Orders> = own.iter().map(over).collect();
+    let mut all: Vec<SkillOrders> = own.iter().map(over).collect();
     for (index, piece) in places.pieces.iter().enumerate() {
         let Piece::Parts { inner, expanded } = piece else {
             continue;
         };
         all.extend(expanded.machine.orders.iter().map(|orders| {
-            Orders {
+            SkillOrders {
                 when: orders
                     .when
                     .iter()
                     .map(|e| places.inside(index, e))
                     .collect(),
-                of: match orders.of.as_str() {
+                caller: match orders.caller.as_str() {
                     "" => inner.name.clone(),
                     deeper => format!("{}.{deeper}", inner.name),
                 },
@@ -428,7 +440,8 @@ fn orders(own: &[Orders], places: &Places<'_>) -> Vec<Orders> {
     all
 }
 
-/// Returns a component at its new position. `holder` is the inner machine's own path.
+/// Converts a component to its new position. `holder` is the component that it replaces or is part
+/// of.
 fn placed(
     places: &Places<'_>,
     index: usize,
@@ -444,14 +457,14 @@ fn placed(
     };
     if let Piece::Parts { inner, .. } = piece {
         placed.name = format!("{}.{}", inner.name, component.name);
-        placed.time = component.time.as_ref().map(|t| inner.timed(t));
+        placed.time = component.time.as_ref().map(|t| inner.outer_time(t));
         placed.watts = inner.over_properties(&component.watts);
         placed.span = holder.span;
     }
     placed
 }
 
-/// Returns the components that an operation runs.
+/// Returns the components of the expanded machine that one element of an operation's sequence runs.
 fn sequence(places: &Places<'_>, (index, operation): (usize, Option<usize>)) -> Vec<usize> {
     let new = &places.indices[index];
     match (&places.pieces[index], operation) {
@@ -460,11 +473,12 @@ fn sequence(places: &Places<'_>, (index, operation): (usize, Option<usize>)) -> 
             performed.iter().map(|part| new[*part]).collect()
         }
         (Piece::Parts { .. }, None) => Vec::new(),
-        (Piece::Own(_) | Piece::Promise { .. }, _) => vec![new[0]],
+        (Piece::Own(_) | Piece::Contract { .. }, _) => vec![new[0]],
     }
 }
 
-/// Converts the machine's own guarantees: the variables of monitors follow the wires.
+/// Converts the machine's guarantees. The ids of monitor variables follow those of wires; `before`
+/// is the old number of wires.
 fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
     let put = |formulas: &[Formula]| -> Vec<Formula> {
         let moved = formulas.iter().map(|f| Formula {
@@ -492,13 +506,14 @@ fn rules(rules: &Rules, before: usize, places: &Places<'_>) -> Rules {
 }
 
 impl Nested {
-    /// Returns the timing of a contract that replaces a machine. A `moore` contract alone does not
-    /// make it a Moore machine: all its outputs must be bound to components that answer first.
-    fn timing(&self, promised: &RefinedContract) -> Timing {
-        let specification = &promised.specification;
+    /// Returns the timing of the component that replaces this machine. It is a Moore component if
+    /// the contract is `moore`, and all of its outputs depend only on Moore components of the
+    /// machine.
+    fn timing(&self, refined: &RefinedContract) -> Timing {
+        let specification = &refined.specification;
         let first = specification.outputs().all(|v| {
-            let binding = promised.bindings[v.index()].as_ref();
-            binding.is_none_or(|b| answers_first(&self.flat, b))
+            let binding = refined.bindings[v.index()].as_ref();
+            binding.is_none_or(|b| is_set_early(&self.flat, b))
         });
         match (specification.timing, first) {
             (Timing::Moore, true) => Timing::Moore,
@@ -506,14 +521,14 @@ impl Nested {
         }
     }
 
-    /// Returns the variable of an output of the view.
+    /// Returns the id of an output of the view in the view's specification.
     fn output(&self, output: usize) -> VarId {
         VarId((self.level.machine.plant.len() + output) as u32)
     }
 }
 
 /// Returns whether all wires that an expression reads are set from the beginning of the step.
-pub(super) fn answers_first(machine: &Machine, expr: &Expr) -> bool {
+pub(super) fn is_set_early(machine: &Machine, expr: &Expr) -> bool {
     let mut first = true;
     expr.for_each_var(&mut |v, _| {
         let wire = v.index();
@@ -526,9 +541,9 @@ pub(super) fn answers_first(machine: &Machine, expr: &Expr) -> bool {
     first
 }
 
-/// Returns everything visible of a machine from outside, as a contract without formulas: its plant
-/// wires are the inputs.
-pub(super) fn view(machine: &Machine, seen: &[VisibleItem]) -> Specification {
+/// Returns the view of a machine: a contract without formulas, with the machine's plant wires as
+/// inputs and the visible items as outputs.
+pub(super) fn view(machine: &Machine, visible: &[VisibleItem]) -> Specification {
     let inputs = machine.plant.iter().map(|input| Variable {
         name: input.name.clone(),
         owner: Owner::Environment,
@@ -537,9 +552,9 @@ pub(super) fn view(machine: &Machine, seen: &[VisibleItem]) -> Specification {
         unit: input.unit.clone(),
         span: input.span,
     });
-    let outputs = seen.iter().map(|seen| {
-        let (name, domain, unit, span) = match seen {
-            VisibleItem::Promised(v) => {
+    let outputs = visible.iter().map(|item| {
+        let (name, domain, unit, span) = match item {
+            VisibleItem::OfContract(v) => {
                 let variable = machine.refines[0].specification.variable(*v);
                 let Variable {
                     name,

@@ -1,22 +1,22 @@
-//! Inputs set by an operation for the actions that it runs,
+//! Inputs that an operation sets for the actions that it runs:
 //! `operation shift: pick, move(tx = 2, ty = 1), place`.
 //!
-//! While the operation runs, the input has the value given there; otherwise the one it is bound to
-//! in the action, if any. An action that runs several times in one operation gets the same values
-//! each time, since only the coordinator knows the position in the sequence. A second instance of
-//! the action distinguishes the two.
+//! While the operation runs, the input has the value given there, otherwise the value to which the
+//! action binds it, if any. An action that runs several times in one operation has to get the same
+//! values each time, since only the coordinator knows the position in the sequence. To use
+//! different values, declare a second action with the same contract.
 
 use super::Parts;
 use crate::contract::elaborate::{Findings, VariableTable, nearest};
-use crate::contract::scope::double;
-use crate::contract::shape::way;
+use crate::contract::scope::duplicate_name;
+use crate::contract::shape::leaf_path;
 use crate::contract::value::{Term, Type};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{BinaryOp, Domain, Specification, Time, VarId};
 use linewright_core::source::SourceMap;
 use linewright_syntax::ast::{self, MachineItem};
 
-/// The values that one operation sets for an action.
+/// Input values that one operation sets for an action.
 pub(super) struct Job<'a> {
     /// Name of the operation.
     pub operation: &'a ast::Name,
@@ -24,12 +24,13 @@ pub(super) struct Job<'a> {
     pub arguments: &'a [ast::Argument],
 }
 
-/// Returns the component that performs an element of a sequence: `left` of `left.fetch`.
+/// Returns the name of the component that performs an element of a sequence: `left` for
+/// `left.fetch`.
 pub(super) fn performer(run: &str) -> &str {
     run.split('.').next().unwrap_or(run)
 }
 
-/// Returns the operations that run an action, in order, each once.
+/// Returns one job for each operation that runs an action, in order.
 pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> {
     let mut found = Vec::new();
     for item in &machine.items {
@@ -54,8 +55,8 @@ pub(super) fn jobs<'a>(machine: &'a ast::Machine, action: &str) -> Vec<Job<'a>> 
     found
 }
 
-/// Reports operations that set something that is no input, set it twice, or set it differently for
-/// two runs of one action.
+/// Reports operations that set an unknown input, set an input twice, or set the inputs of one
+/// action differently in two runs.
 pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &SourceMap) {
     for item in &parts.machine.items {
         let MachineItem::Operation { name, sequence, .. } = item else {
@@ -79,13 +80,13 @@ pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &Source
                         codes::OPERATION,
                         run.name.span,
                         format!(
-                            "`{}` sets other inputs of `{}` here than where it runs before",
+                            "`{}` sets the inputs of `{}` differently than in its earlier run",
                             name.text, run.name.text
                         ),
                     )
-                    .with_label(first.name.span, "it runs here")
+                    .with_label(first.name.span, "the earlier run")
                     .with_help(format!(
-                        "give both runs the same, or declare a second action with the contract of `{}` for this one",
+                        "set the same values in both runs, or declare a second action with the contract of `{}`",
                         run.name.text
                     )),
                 );
@@ -97,7 +98,7 @@ pub(super) fn check(findings: &mut Findings, parts: &Parts<'_>, sources: &Source
 fn inputs_exist(findings: &mut Findings, run: &ast::OperationCall, specification: &Specification) {
     let mut known: Vec<&str> = specification
         .inputs()
-        .map(|id| way(&specification.variable(id).name).0)
+        .map(|id| leaf_path(&specification.variable(id).name).0)
         .collect();
     known.dedup();
     for (i, argument) in run.arguments.iter().enumerate() {
@@ -116,12 +117,13 @@ fn inputs_exist(findings: &mut Findings, run: &ast::OperationCall, specification
         }
         let mut earlier = run.arguments[..i].iter().map(|a| &a.name);
         if let Some(first) = earlier.find(|n| n.text == name.text) {
-            findings.push(double(name, first.span));
+            findings.push(duplicate_name(name, first.span));
         }
     }
 }
 
-/// Returns whether two runs get the same arguments, as written.
+/// Returns whether two runs have the same arguments, compared as text without regard to white space
+/// and order.
 fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
     let words = |x: &ast::Argument| -> Vec<String> {
         let text = sources.text(x.value.span).split_whitespace();
@@ -132,9 +134,10 @@ fn same(sources: &SourceMap, a: &[ast::Argument], b: &[ast::Argument]) -> bool {
     a.len() == b.len() && a.iter().all(|x| b.iter().any(|y| given(y, x)))
 }
 
-/// Returns the operation for one of several coordinators: the one that runs, if it knows it, and
-/// else `none`. `None` if the wire itself has that type.
-pub(super) fn job_of(variables: &VariableTable, ty: &Type) -> Option<Term> {
+/// Returns the value of an `operation` input whose type has only some of the machine's operations,
+/// for one of several coordinators: the running operation if its type has it, otherwise `none`.
+/// `None` if the type has no `none`, or is the type of the wire itself.
+pub(super) fn known_operation(variables: &VariableTable, ty: &Type) -> Option<Term> {
     let (Type::Enum(own), Some(Domain::Enum { labels, .. })) =
         (ty, variables.domains.first()?.as_ref())
     else {
@@ -153,7 +156,7 @@ pub(super) fn job_of(variables: &VariableTable, ty: &Type) -> Option<Term> {
     }))
 }
 
-/// Returns "this operation runs", over the wires.
+/// Returns the condition over wires that this operation runs; `None` if there is no such operation.
 pub(super) fn runs(variables: &VariableTable, operation: &str) -> Option<Term> {
     let Some(Domain::Enum { labels, .. }) = variables.domains.first()?.as_ref() else {
         return None;

@@ -1,4 +1,5 @@
-//! Resolution of machines: instantiates contracts, numbers wires, resolves expressions.
+//! Resolution of machines: instantiates the contracts of components, numbers the wires, and
+//! resolves expressions.
 
 mod component;
 mod expand;
@@ -12,14 +13,14 @@ mod same_step;
 mod settings;
 
 pub(super) use properties::{
-    PropertyType, assigned, element_names, property_type, property_values, see_property,
+    PropertyType, assigned, declare_property, element_names, property_type, property_values,
 };
-pub(super) use settings::{failures, positive};
+pub(super) use settings::{failures, non_negative};
 
 use super::elaborate::{Elaborator, Findings, nearest};
 use super::instantiate::{self, Arguments, instantiate};
 use super::machine::{Layers, Machine, PlantInput, Property, PropertyKind, Rules};
-use super::scope::{self, Decl, Scope, double, stands_twice};
+use super::scope::{self, Decl, Scope, duplicate_name, duplicate_statement};
 use component::{component, scope_of_wires};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Domain, Specification, Timing};
@@ -34,22 +35,25 @@ use std::sync::Arc;
 /// Default maximum number of steps of an operation.
 const DEFAULT_STEP_LIMIT: u64 = 10_000;
 
+/// Declarations of a machine that have been resolved so far.
 struct Parts<'a> {
     machine: &'a ast::Machine,
     properties: Vec<(Property, Option<Domain>)>,
-    /// Index of the first element and type, by name.
+    /// Properties by name: index of the first element, and type.
     property_types: BTreeMap<String, (usize, PropertyType)>,
     plant: Vec<PlantInput>,
+    /// Plant wires by name: one, or one per element of an array.
     plant_entries: BTreeMap<String, Vec<usize>>,
-    /// Components; an inner machine has its view as its contract.
+    /// Components with their contracts; the contract of an inner machine is its view.
     components: Vec<(&'a ast::Component, Arc<Specification>)>,
-    /// For every component, its inner machine, if it is one.
+    /// For every component, the inner machine if the component is one.
     nested: Vec<Option<Nested>>,
-    /// Enclosing machines, the outermost first, and this one's name.
+    /// Names of the enclosing machines, outermost first, and of this machine.
     path: Vec<&'a str>,
 }
 
-/// Resolves a machine with these arguments. `None` if there is an error; the findings give it.
+/// Resolves a machine with these arguments. Returns `None` if there is an error, which is added to
+/// the findings.
 pub(super) fn machine(
     scope: &Scope<'_>,
     sources: &SourceMap,
@@ -61,7 +65,8 @@ pub(super) fn machine(
     level(scope, sources, machine, given, call, &[], findings).map(expand::finish)
 }
 
-/// Resolves a machine as written, with its layers. `path` are the enclosing machines.
+/// Resolves a machine without expanding its inner machines. `path` contains the names of the
+/// enclosing machines.
 fn level(
     scope: &Scope<'_>,
     sources: &SourceMap,
@@ -86,7 +91,7 @@ fn level(
             _ => None,
         })
         .collect();
-    scope::settle(&mut e, &decls);
+    scope::evaluate_all(&mut e, &decls);
     let mut parts = Parts {
         machine,
         properties: Vec::new(),
@@ -98,7 +103,7 @@ fn level(
         path: [path, &[machine.header.name.text.as_str()]].concat(),
     };
     let result = build(&mut e, &mut parts, scope, sources);
-    let broken = e.findings.refused();
+    let broken = e.findings.has_errors();
     findings.append(&mut e.findings.list);
     if broken { None } else { result }
 }
@@ -110,7 +115,7 @@ fn build<'a>(
     sources: &SourceMap,
 ) -> Option<Level> {
     let machine = parts.machine;
-    no_doubles(&mut e.findings, machine);
+    report_duplicates(&mut e.findings, machine);
     declare_properties(e, parts);
     instantiate_components(e, parts, scope, sources);
     let (operations, performed) = operations(&mut e.findings, parts);
@@ -139,7 +144,7 @@ fn build<'a>(
         span: machine.header.name.span,
     };
     settings::numbers(e, machine, &mut model);
-    if e.findings.refused() {
+    if e.findings.has_errors() {
         return None;
     }
     let properties = parts.properties.len();
@@ -168,15 +173,15 @@ fn build<'a>(
     model.properties = parts.properties.iter().map(|(p, _)| p.clone()).collect();
     model.operations = operations;
     settings(e, parts, &mut model, &mut wires, properties);
-    model.refines = promises::refined(e, &mut wires, parts, scope, sources);
+    model.refines = promises::refined_contracts(e, &mut wires, parts, scope, sources);
     model.orders = orders::orders(&mut wires, parts, scope);
     model.guarantees = promises::guarantees(&mut wires, parts, sources);
-    for watching in orders::watching(&mut wires.findings, &model) {
-        orders::add(&mut model, watching);
+    for watch in orders::watches(&mut wires.findings, &model) {
+        orders::add(&mut model, watch);
         parts.nested.push(None);
     }
     e.findings.absorb(&mut wires.findings);
-    let says_done = machine
+    let has_done = machine
         .items
         .iter()
         .any(|i| matches!(i, MachineItem::Done(_)));
@@ -184,16 +189,16 @@ fn build<'a>(
         .items
         .iter()
         .any(|i| matches!(i, MachineItem::Operation { .. }));
-    if has_operations != says_done {
+    if has_operations != has_done {
         e.findings.error_with(
             codes::OPERATION,
             machine.header.name.span,
             if has_operations {
-                "this machine has operations, but does not say when one is done"
+                "this machine has operations, but no `done` condition"
             } else {
-                "this machine says when an operation is done, but has none"
+                "this machine has a `done` condition, but no operations"
             },
-            "a machine has both `operation ...` and `done ...`, or neither (a belt that is only stepped)",
+            "write both `operation ...` and `done ...`, or neither for a machine that is only stepped, such as a conveyor",
         );
     }
     Some(Level {
@@ -204,16 +209,17 @@ fn build<'a>(
     })
 }
 
-/// Reports duplicates of statements and names that are allowed only once.
-fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
+/// Reports names that are declared twice, and second occurrences of statements that are allowed
+/// only once.
+fn report_duplicates(findings: &mut Findings, machine: &ast::Machine) {
     let parameters = machine.header.parameters.iter().map(|p| &p.name);
     let mut names: BTreeMap<&str, Span> = BTreeMap::new();
     for name in parameters {
         if let Some(first) = names.insert(&name.text, name.span) {
-            findings.push(double(name, first));
+            findings.push(duplicate_name(name, first));
         }
     }
-    // Operations have a separate name space: one with a single action may share its name.
+    // Operations have a separate name space: an operation with a single action can have its name.
     let mut operations: BTreeMap<&str, Span> = BTreeMap::new();
     let mut rules: BTreeMap<&str, Span> = BTreeMap::new();
     let mut once: BTreeMap<&str, Span> = BTreeMap::new();
@@ -228,7 +234,7 @@ fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
                 // Formulas have a separate name space, too.
                 let first = name.as_ref().and_then(|n| rules.insert(&n.text, n.span));
                 if let (Some(name), Some(first)) = (name, first) {
-                    findings.push(double(name, first));
+                    findings.push(duplicate_name(name, first));
                 }
                 continue;
             }
@@ -236,7 +242,7 @@ fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
             MachineItem::Type(t) => &t.name,
             MachineItem::Operation { name, .. } => {
                 if let Some(first) = operations.insert(&name.text, name.span) {
-                    findings.push(double(name, first));
+                    findings.push(duplicate_name(name, first));
                 }
                 continue;
             }
@@ -248,14 +254,14 @@ fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
             | MachineItem::Failures(x, _) => {
                 let (word, help) = match item {
                     MachineItem::Done(_) => ("done", "join the two with `or`"),
-                    MachineItem::Step(_) => ("step", "leave one of the two out"),
-                    MachineItem::IdlePower(_) => ("idle power", "leave one of the two out"),
-                    MachineItem::Power(_) => ("power", "add the two numbers up"),
-                    MachineItem::Limit(_) => ("limit", "leave one of the two out"),
-                    _ => ("failures", "leave one of the two out"),
+                    MachineItem::Step(_) => ("step", "remove one of the two"),
+                    MachineItem::IdlePower(_) => ("idle power", "remove one of the two"),
+                    MachineItem::Power(_) => ("power", "add the two numbers"),
+                    MachineItem::Limit(_) => ("limit", "remove one of the two"),
+                    _ => ("failures", "remove one of the two"),
                 };
                 if let Some(first) = once.insert(word, x.span) {
-                    findings.push(stands_twice(word, x.span, first, help));
+                    findings.push(duplicate_statement(word, x.span, first, help));
                 }
                 continue;
             }
@@ -264,7 +270,7 @@ fn no_doubles(findings: &mut Findings, machine: &ast::Machine) {
             }
         };
         if let Some(first) = names.insert(&name.text, name.span) {
-            findings.push(double(name, first));
+            findings.push(duplicate_name(name, first));
         }
     }
 }
@@ -298,14 +304,15 @@ fn declare_properties<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
                 ty.domain.clone(),
             ));
         }
-        see_property(e, &typed.name.text, &ty);
+        declare_property(e, &typed.name.text, &ty);
         parts
             .property_types
             .insert(typed.name.text.clone(), (first, ty));
     }
 }
 
-/// Returns a component's contract with the component's arguments; reports errors of the call.
+/// Instantiates the contract of a component with the component's arguments. Reports errors in the
+/// reference and its arguments.
 fn instance<'a>(
     e: &mut Elaborator<'a>,
     scope: &Scope<'_>,
@@ -341,13 +348,13 @@ fn instance<'a>(
         Some(c.contract.span),
         &mut found,
     );
-    let instance = called(&mut e.findings, c, found, "contract", instance)?;
+    let instance = checked_call(&mut e.findings, c, found, "contract", instance)?;
     Some(instance.specification)
 }
 
-/// Handles the result of a call. Errors within the contract or machine (`what`) are reported once,
-/// at its declaration; here only errors of the call.
-fn called<T>(
+/// Returns the result of instantiating a contract or machine (`what`), and adds the findings that
+/// concern the arguments. Errors within the contract or machine are reported at its declaration.
+fn checked_call<T>(
     findings: &mut Findings,
     c: &ast::Component,
     found: Vec<Diagnostic>,
@@ -356,7 +363,7 @@ fn called<T>(
 ) -> Option<T> {
     let calls = found.into_iter().filter(|d| {
         let argument = |s: Span| c.arguments.iter().any(|a| a.value.span == s);
-        // None of several machines that contain each other would report it itself.
+        // Machines that contain each other are reported only here.
         d.code == codes::MACHINE_IN_ITSELF
             || d.code == codes::ARGUMENT
                 && d.span.is_some_and(|s| s == c.contract.span || argument(s))
@@ -366,7 +373,7 @@ fn called<T>(
     if result.is_some() {
         return result;
     }
-    // Without arguments, its declaration is wrong.
+    // Without arguments, the error is in the declaration, and is reported there.
     if c.arguments.is_empty() {
         findings.tainted = true;
     } else if findings.list.len() == before {
@@ -375,7 +382,7 @@ fn called<T>(
             codes::NAME_UNKNOWN,
             c.contract.span,
             format!("the {what} `{name}` cannot be used with these arguments"),
-            format!("see the findings of `{name}`, or other arguments"),
+            format!("correct the errors in `{name}`, or use other arguments"),
         );
     }
     None
@@ -425,7 +432,7 @@ fn instantiate_components<'a>(
                     format!("the coordinator `{}` is not a `moore` contract", c.name.text),
                 )
                 .with_help(format!(
-                    "write `moore contract {}`: a coordinator answers before it sees what the actions do in the same step",
+                    "write `moore contract {}`: a coordinator sets its outputs before it sees those of the actions in the same step",
                     c.contract.text
                 )),
             );

@@ -1,22 +1,21 @@
-//! Inner machines: their visible outputs, their inputs, and the use of their numbers.
+//! Inner machines: their inputs, their visible outputs, and the values of their properties.
 //!
-//! From outside, an inner machine is a component like others. Its inputs are its plant wires: the
-//! wire `operation`, its signals and its abstractions. Its outputs are the outputs of the contract
-//! that it refines (the first, if there are several), `done`, and all its wires under their own
-//! names: `left.pick.stage`. If names are equal, the contract's takes precedence.
+//! To the outer machine, an inner machine is a component like any other. Its inputs are its plant
+//! wires: the wire `operation`, its signals and its abstractions. Its outputs are the outputs of
+//! the contract that it refines (the first, if there are several), `done`, and all its wires under
+//! their own names: `left.pick.stage`. If names clash, the output of the contract takes precedence.
 //!
-//! Its `step`, `limit`, `failures`, `write` and `idle power` apply only when it works alone. The
-//! times and powers of its actions, and its power in addition to them, apply in the outer machine
-//! as well.
+//! Its `step`, `limit`, `failures`, `write` and `idle power` apply only if it is used by itself.
+//! The times and powers of its actions, and its own `power`, apply in the outer machine as well.
 
-use super::expand::{NestedTreatment, answers_first, expand, view};
+use super::expand::{NestedTreatment, expand, is_set_early, view};
 use super::properties::{PropertyType, assigned, assigned_array};
-use super::{Parts, called, level};
+use super::{Parts, checked_call, level};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::instantiate;
 use crate::contract::machine::{ActionTime, Machine, RealExpr};
 use crate::contract::scope::Scope;
-use crate::contract::shape::way;
+use crate::contract::shape::leaf_path;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::{Expr, Specification, Timing, VarId};
 use linewright_core::source::SourceMap;
@@ -24,17 +23,18 @@ use linewright_syntax::ast;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// A machine as written: an inner machine is a component whose contract is its view.
+/// A machine before its inner machines are expanded: each is a component whose contract is the
+/// inner machine's view.
 #[derive(Debug, Clone)]
 pub(super) struct Level {
-    /// Machine of the level.
+    /// The machine, with its inner machines as components.
     pub machine: Machine,
-    /// For every component, its inner machine, if it is one.
+    /// For every component, the inner machine if the component is one.
     pub nested: Vec<Option<Nested>>,
-    /// For every operation the components that it runs, each with the operation of that component
-    /// if it is a machine.
+    /// For every operation, the components that it runs, each with the index of the component's
+    /// operation if the component is a machine.
     pub performed: Vec<Vec<(usize, Option<usize>)>>,
-    /// Types of properties by name, with the index of the first element.
+    /// Properties by name: index of the first element, and type.
     pub properties: BTreeMap<String, (usize, PropertyType)>,
 }
 
@@ -43,31 +43,31 @@ pub(super) struct Level {
 pub(super) struct Nested {
     /// Name within the outer machine.
     pub name: String,
-    /// The machine with its layers.
+    /// The machine before expansion.
     pub level: Level,
-    /// The machine without layers.
+    /// The machine after expansion of its inner machines.
     pub flat: Machine,
-    /// Meaning of each output of its view.
-    pub seen: Vec<VisibleItem>,
-    /// Value of each output of its view, over the wires of the flat machine.
+    /// Outputs of the view.
+    pub visible: Vec<VisibleItem>,
+    /// Value of each output of the view, over the wires of the flat machine.
     pub values: Vec<Expr>,
-    /// Properties over those of the outer machine, where they are bound.
+    /// Value of each property over the properties of the outer machine; `None` if it is not bound.
     pub properties: Vec<Option<RealExpr>>,
 }
 
-/// An output of a machine's view.
+/// An output of an inner machine's view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum VisibleItem {
-    /// A variable of the contract that it refines.
-    Promised(VarId),
-    /// Whether its operation is done.
+    /// A variable of the contract that the machine refines.
+    OfContract(VarId),
+    /// Whether the operation of the machine has ended.
     Done,
-    /// A wire of its level.
+    /// A wire of [`Level::machine`].
     Wire(usize),
 }
 
-/// Returns the inner machine of a component, with its view as a contract; reports errors of the
-/// call.
+/// Resolves a component that is an inner machine: returns it with its view as a contract. Reports
+/// errors in the reference and its arguments.
 pub(super) fn nested<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -88,7 +88,7 @@ pub(super) fn nested<'a>(
             codes::MACHINE_IN_ITSELF,
             c.contract.span,
             format!("`{name}` contains itself: {}", circle.join(" -> ")),
-            "a machine is made of smaller ones: leave one of them out, or give it a machine of its own",
+            "break the cycle: remove one of these components, or use another machine for it",
         );
         return None;
     }
@@ -108,21 +108,22 @@ pub(super) fn nested<'a>(
         &parts.path,
         &mut found,
     );
-    let level = called(&mut e.findings, c, found, "machine", inner)?;
+    let level = checked_call(&mut e.findings, c, found, "machine", inner)?;
     let flat = expand(&level, NestedTreatment::Flat, &BTreeSet::new());
-    let seen = seen(&level.machine);
-    let specification = Arc::new(view(&level.machine, &seen));
-    let value = |seen: &VisibleItem| match seen {
-        VisibleItem::Promised(v) => flat.machine.refines[0].bindings[v.index()].clone(),
+    let visible = visible_items(&level.machine);
+    let specification = Arc::new(view(&level.machine, &visible));
+    let value = |item: &VisibleItem| match item {
+        VisibleItem::OfContract(v) => flat.machine.refines[0].bindings[v.index()].clone(),
         VisibleItem::Done => flat.machine.done.clone(),
         VisibleItem::Wire(wire) => flat.values[*wire].clone(),
     };
-    let values: Option<Vec<Expr>> = seen.iter().map(value).collect();
+    let values: Option<Vec<Expr>> = visible.iter().map(value).collect();
     let nested = Nested {
         name: c.name.text.clone(),
-        values: values.expect("all that is seen of a flat machine; please report this"),
+        values: values
+            .expect("a flat machine has a value for every visible item; please report this"),
         flat: flat.machine,
-        seen,
+        visible,
         properties: Vec::new(),
         level,
     };
@@ -134,7 +135,7 @@ fn unknown(findings: &mut Findings, scope: &Scope<'_>, c: &ast::Component) {
     let help = match nearest(&c.contract.text, known) {
         _ if scope.contracts.contains_key(c.contract.text.as_str()) => {
             format!(
-                "it is a contract: write `action {}: {}`",
+                "`{1}` is a contract: write `action {0}: {1}`",
                 c.name.text, c.contract.text
             )
         }
@@ -149,16 +150,16 @@ fn unknown(findings: &mut Findings, scope: &Scope<'_>, c: &ast::Component) {
     );
 }
 
-/// Returns everything visible of a machine, each name once.
-fn seen(machine: &Machine) -> Vec<VisibleItem> {
+/// Returns the outputs of a machine's view, each name once.
+fn visible_items(machine: &Machine) -> Vec<VisibleItem> {
     let mut found = Vec::new();
     let mut names: BTreeSet<String> = BTreeSet::new();
-    if let Some(promised) = machine.refines.first() {
-        let specification = &promised.specification;
+    if let Some(refined) = machine.refines.first() {
+        let specification = &refined.specification;
         for v in specification.outputs() {
-            if promised.bindings[v.index()].is_some() {
-                names.insert(way(&specification.variable(v).name).0.to_owned());
-                found.push(VisibleItem::Promised(v));
+            if refined.bindings[v.index()].is_some() {
+                names.insert(leaf_path(&specification.variable(v).name).0.to_owned());
+                found.push(VisibleItem::OfContract(v));
             }
         }
     }
@@ -180,16 +181,16 @@ fn seen(machine: &Machine) -> Vec<VisibleItem> {
 }
 
 impl Nested {
-    /// Returns which outputs of the view are set from the beginning of a step.
-    pub fn early(&self) -> Vec<bool> {
+    /// Returns, for each output of the view, whether it is set from the beginning of a step.
+    pub fn early_outputs(&self) -> Vec<bool> {
         self.values
             .iter()
-            .map(|value| answers_first(&self.flat, value))
+            .map(|value| is_set_early(&self.flat, value))
             .collect()
     }
 
-    /// Returns whether an input is read before the end of the step: by components that read before
-    /// they answer, or by an output of the view itself.
+    /// Returns whether an input is read before the end of the step: by a Mealy component, or by the
+    /// value of an output of the view.
     pub fn is_read_early(&self, input: usize) -> bool {
         let reads = |expr: &Expr| {
             let mut found = false;
@@ -206,32 +207,32 @@ impl Nested {
         components.chain(&self.values).any(reads)
     }
 
-    /// Returns a time of one of its actions, over the properties of the outer machine.
-    pub fn timed(&self, time: &ActionTime) -> ActionTime {
+    /// Converts the time of an inner action to the properties of the outer machine.
+    pub fn outer_time(&self, time: &ActionTime) -> ActionTime {
         match time {
             ActionTime::PerStep(x) => ActionTime::PerStep(self.over_properties(x)),
             ActionTime::PerExecution(x) => ActionTime::PerExecution(self.over_properties(x)),
         }
     }
 
-    /// Converts an expression over its properties to those of the outer machine.
+    /// Converts an expression over the inner machine's properties to those of the outer machine.
     pub fn over_properties(&self, value: &RealExpr) -> RealExpr {
         let property = |i: usize| {
             let bound = self.properties.get(i).cloned().flatten();
-            // Unbound ones were reported.
+            // Unbound properties that matter were reported.
             bound.unwrap_or(RealExpr::Number(self.flat.properties[i].default))
         };
         value.substitute(&property, &RealExpr::Wire)
     }
 
-    /// Returns the number of elements of a property.
-    fn properties_of(&self, name: &str) -> Option<usize> {
+    /// Returns the number of elements of a property; 1 for a scalar.
+    fn property_length(&self, name: &str) -> Option<usize> {
         let (_, ty) = self.level.properties.get(name)?;
         Some(ty.length.unwrap_or(1))
     }
 
-    /// Returns the properties that times and powers of its actions depend on.
-    fn needed(&self) -> BTreeSet<usize> {
+    /// Returns the properties on which the times and powers of the inner actions depend.
+    fn needed_properties(&self) -> BTreeSet<usize> {
         let mut found = BTreeSet::new();
         let mut see = |x: &RealExpr| {
             x.for_each(&mut |x| {
@@ -249,22 +250,22 @@ impl Nested {
         found
     }
 
-    /// Returns the operation that an element of a sequence names: `left.fetch`, or `left` if there
-    /// is only one.
+    /// Returns the operation that an element of a sequence selects: `left.fetch`, or `left` if the
+    /// machine has only one operation. Reports an element that selects none.
     pub fn operation(&self, findings: &mut Findings, run: &ast::Name) -> Option<usize> {
         let operations = &self.flat.operations;
-        let said = run.text.split_once('.').map(|(_, operation)| operation);
+        let selected = run.text.split_once('.').map(|(_, operation)| operation);
         let names: Vec<&str> = operations.iter().map(|o| o.name.as_str()).collect();
         let known = match names.as_slice() {
-            [] => "it is a machine without operations".to_owned(),
+            [] => "this machine has no operations".to_owned(),
             names => format!("its operations are {}", names.join(", ")),
         };
-        match (said, operations.len()) {
+        match (selected, operations.len()) {
             (None, 1) => return Some(0),
             (None, _) => findings.error_with(
                 codes::OPERATION,
                 run.span,
-                format!("which operation of `{}` runs here is not said", run.text),
+                format!("no operation of `{}` is selected", run.text),
                 match names.first() {
                     Some(first) => format!("write `{}.{first}`; {known}", run.text),
                     None => known,
@@ -289,8 +290,8 @@ impl Nested {
     }
 }
 
-/// Returns the values of an inner machine's properties in the outer one: as declared, else the
-/// property of the same name.
+/// Returns the values of an inner machine's properties in the outer machine: as bound, or else the
+/// outer property of the same name, type and unit; `None` if there is neither.
 pub(super) fn bind_properties<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -301,10 +302,10 @@ pub(super) fn bind_properties<'a>(
     let count = parts.properties.len();
     for (name, (first, ty)) in &nested.level.properties {
         let length = ty.length.unwrap_or(1);
-        let said = decl.bindings.iter().filter(|b| b.name.text == *name);
-        let mut is_said = false;
-        for b in said {
-            is_said = true;
+        let bindings = decl.bindings.iter().filter(|b| b.name.text == *name);
+        let mut has_binding = false;
+        for b in bindings {
+            has_binding = true;
             let element = PropertyType {
                 length: None,
                 ..ty.clone()
@@ -330,7 +331,7 @@ pub(super) fn bind_properties<'a>(
                 bound[start + i] = Some(term.to_real(count));
             }
         }
-        if let (false, Some((own, found))) = (is_said, parts.property_types.get(name))
+        if let (false, Some((own, found))) = (has_binding, parts.property_types.get(name))
             && (&found.unit, &found.domain, found.length) == (&ty.unit, &ty.domain, ty.length)
         {
             for i in 0..length {
@@ -338,28 +339,28 @@ pub(super) fn bind_properties<'a>(
             }
         }
     }
-    missing(&mut e.findings, decl, nested, &bound);
+    report_missing(&mut e.findings, decl, nested, &bound);
     bound
 }
 
-/// Reports unbound properties that times and powers depend on.
-fn missing(
+/// Reports unbound properties on which times and powers depend.
+fn report_missing(
     findings: &mut Findings,
     decl: &ast::Component,
     nested: &Nested,
     bound: &[Option<RealExpr>],
 ) {
     if decl.broken {
-        // A part that could not be parsed may bind it.
+        // The text that could not be parsed may contain the binding.
         findings.tainted = true;
         return;
     }
-    for i in nested.needed() {
+    for i in nested.needed_properties() {
         let name = &nested.flat.properties[i].name;
-        let root = way(name).0;
+        let root = leaf_path(name).0;
         // A wrong binding was reported.
-        let said = decl.bindings.iter().any(|b| b.name.text == root);
-        if bound[i].is_some() || said && nested.properties_of(root) == Some(1) {
+        let has_binding = decl.bindings.iter().any(|b| b.name.text == root);
+        if bound[i].is_some() || has_binding && nested.property_length(root) == Some(1) {
             continue;
         }
         let inner = &decl.name.text;
@@ -367,30 +368,30 @@ fn missing(
             codes::INPUT_UNBOUND,
             decl.name.span,
             format!(
-                "the property `{name}` of `{inner}` is bound to nothing, and what its actions take depends on it"
+                "the property `{name}` of `{inner}` is not bound, but times or powers of its actions depend on it"
             ),
-            format!("write `{root} = ...` in `{inner}`: a property or parameter of this machine, or a number"),
+            format!("write `{root} = ...` in `{inner}`, with a property or parameter of this machine, or a number"),
         );
     }
 }
 
-/// Reports settings that apply to actions and not to machines.
-pub(super) fn no_settings(findings: &mut Findings, decl: &ast::Component) {
-    let said = [
+/// Reports settings of an inner machine that are allowed only for actions.
+pub(super) fn reject_settings(findings: &mut Findings, decl: &ast::Component) {
+    let settings = [
         decl.when.as_ref().map(|x| ("when", x.span)),
         decl.time.as_ref().map(|(x, _)| ("time", x.span)),
         decl.power.as_ref().map(|x| ("power", x.span)),
     ];
-    for (word, span) in said.into_iter().flatten() {
+    for (word, span) in settings.into_iter().flatten() {
         findings.error_with(
             codes::OPERATION,
             span,
             format!(
-                "`{}` is a machine; `{word}` belongs to actions",
+                "`{}` is a machine; `{word}` is allowed only for actions",
                 decl.name.text
             ),
             format!(
-                "leave it out here; the actions of `{}` say it themselves",
+                "remove it; declare it in the actions of `{}`",
                 decl.contract.text
             ),
         );

@@ -1,17 +1,17 @@
-//! The skills that a machine calls: each set with one condition over wires per skill.
+//! Skill sets that a machine calls, with one condition over wires per skill.
 //!
-//! The rules of a set are used twice. Rules about the calls of one coordinator are guarantees of
-//! its contract, so its synthesized controller keeps them ([`guarantee`]). And all rules are
-//! assumptions of a component that only watches ([`watching`]): they are then proved like any other
-//! assumption, and checked by the library in every step.
+//! The rules of a set are used twice. Rules about the calls of one coordinator become guarantees of
+//! its contract, so that its synthesized controller keeps them ([`guarantee`]). All rules become
+//! assumptions of a component that only observes ([`watches`]), so that they are proved like any
+//! other assumption, and checked at run time in every step.
 
 use super::Parts;
 use super::component::scope_of_wires;
 use crate::contract::elaborate::{Elaborator, Findings};
-use crate::contract::machine::{Component, Machine, Orders, PlantSource, RealExpr, Role};
+use crate::contract::machine::{Component, Machine, PlantSource, RealExpr, Role, SkillOrders};
 use crate::contract::scope::Scope;
 use crate::contract::skills::{level, listed, near_or_all};
-use crate::order::lower::{AT_FIRST, Condition, lower, rules_of};
+use crate::order::lower::{Condition, INITIAL_SUFFIX, lower, rules_of};
 use crate::order::{Level, Skills};
 use linewright_automata::bound::BoundExceeded;
 use linewright_core::diagnostics::{Diagnostic, codes};
@@ -23,12 +23,12 @@ use linewright_syntax::ast::{self, MachineItem};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Returns the sets of skills that the machine calls, every skill bound.
+/// Resolves the skill sets that the machine calls, with the condition of each skill.
 pub(super) fn orders<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
     scope: &Scope<'_>,
-) -> Vec<Orders> {
+) -> Vec<SkillOrders> {
     let decls = parts.machine.items.iter().filter_map(|item| match item {
         MachineItem::Skills(decl) => Some(decl),
         _ => None,
@@ -40,17 +40,17 @@ pub(super) fn orders<'a>(
         if let Some(first) = sets.insert(&set.text, set.span) {
             wires.findings.push(
                 Diagnostic::error(
-                    codes::NAME_DOUBLE,
+                    codes::NAME_DUPLICATE,
                     set.span,
-                    format!("the skills of `{}` appear twice", set.text),
+                    format!("the skill set `{}` appears twice", set.text),
                 )
                 .with_label(first, "first here")
-                .with_help("leave one of the two out"),
+                .with_help("remove one of the two"),
             );
         }
         let level = level(decl.level.as_ref(), &Level::ALL, &mut wires.findings.list);
-        // Errors in the conditions are reported even if there are errors in the set.
-        let called = called(wires, decl);
+        // Conditions are resolved before the set, so that their errors are reported in any case.
+        let called = bound_skills(wires, decl);
         let Some(skills) = skills(&mut wires.findings, scope, set) else {
             continue;
         };
@@ -59,18 +59,18 @@ pub(super) fn orders<'a>(
             wires.findings.tainted = true;
             continue;
         };
-        orders.push(Orders {
+        orders.push(SkillOrders {
             skills,
             level,
             when,
-            of: String::new(),
+            caller: String::new(),
             span: set.span,
         });
     }
     orders
 }
 
-/// Returns the set with a name; errors in the set itself were reported.
+/// Returns the skill set with this name. A set with errors has been reported at its declaration.
 fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Option<Arc<Skills>> {
     match scope.skills.get(name.text.as_str()) {
         Some(Some(skills)) => Some(Arc::clone(skills)),
@@ -82,12 +82,12 @@ fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Optio
             let known = scope.skills.keys().copied();
             let help = match known.len() {
                 0 => "import the file that declares it".to_owned(),
-                _ => near_or_all(&name.text, known, "those in sight are"),
+                _ => near_or_all(&name.text, known, "the skill sets in scope are"),
             };
             findings.error_with(
                 codes::NAME_UNKNOWN,
                 name.span,
-                format!("there are no skills `{}`", name.text),
+                format!("there is no skill set `{}`", name.text),
                 help,
             );
             None
@@ -95,10 +95,12 @@ fn skills(findings: &mut Findings, scope: &Scope<'_>, name: &ast::Name) -> Optio
     }
 }
 
-/// By name of the skill: its place, and the condition, unless there is an error in it.
+/// Bindings by the name of the skill: position, and condition; `None` if the condition has an
+/// error.
 type BoundSkills<'a> = BTreeMap<&'a str, (Span, Option<Expr>)>;
 
-fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> BoundSkills<'a> {
+/// Resolves the conditions of skills; reports skills that are bound twice.
+fn bound_skills<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> BoundSkills<'a> {
     let mut called = BoundSkills::new();
     for call in &decl.calls {
         let term = wires.boolean(&call.value, Time::Now);
@@ -107,7 +109,7 @@ fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> BoundSki
         if let Some((first, _)) = called.get(name.text.as_str()) {
             wires.findings.push(
                 Diagnostic::error(
-                    codes::NAME_DOUBLE,
+                    codes::NAME_DUPLICATE,
                     name.span,
                     format!("`{}` is bound twice", name.text),
                 )
@@ -121,8 +123,7 @@ fn called<'a>(wires: &mut Elaborator<'a>, decl: &'a ast::SkillCalls) -> BoundSki
     called
 }
 
-/// Returns one condition per skill, in the order of the skills. `None` if there is an error; it was
-/// reported.
+/// Returns one condition per skill, in the order of the skills; `None` if an error was reported.
 fn conditions(
     findings: &mut Findings,
     decl: &ast::SkillCalls,
@@ -143,7 +144,7 @@ fn conditions(
         .map(|(skill, _)| skill.name.as_str())
         .collect();
     for (unknown, (span, _)) in &called {
-        // A misspelled name is more likely one of those missing than one already present.
+        // A misspelled name probably stands for a missing skill, so these are suggested first.
         let known = missing.iter().copied();
         let all = skills.skills.iter().map(|s| s.name.as_str());
         let help = match linewright_core::diagnostics::nearest(unknown, known) {
@@ -158,7 +159,7 @@ fn conditions(
         );
     }
     if decl.broken {
-        // A part that could not be parsed may bind them.
+        // The text that could not be parsed may contain their bindings.
         findings.tainted = true;
         return None;
     }
@@ -167,26 +168,27 @@ fn conditions(
             codes::INPUT_UNBOUND,
             decl.set.span,
             format!(
-                "it is not said when {} of `{name}` {} called in this machine",
+                "{} of `{name}` {} not bound in this machine",
                 listed(missing.iter().copied()),
                 if missing.len() == 1 { "is" } else { "are" },
             ),
-            format!("write `{first} = ...` here: a condition over the machine's wires, such as `component.output = value`; `false` for what it never calls"),
+            format!("write `{first} = ...`, with a condition over the machine's wires such as `component.output = value`, or `false` if the machine never calls the skill"),
         );
         return None;
     }
     bound.into_iter().map(|b| b?.1).collect()
 }
 
-/// Maximum number of wire values tried to find out whether two skills can be called at once.
-const MOST_TRIED: u64 = 1 << 12;
+/// Maximum number of combinations of values that are tried to find out whether a condition can
+/// hold.
+const MAX_TRIED: u64 = 1 << 12;
 
-/// Adds the rules about the calls of one coordinator to the guarantees of its contract. Errors are
-/// reported later, by [`orders`].
+/// Adds the rules about the calls of one coordinator to the guarantees of its contract. Does not
+/// report errors; [`orders`] reports them later.
 pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &Scope<'_>) {
     let mut wires = scope_of_wires(&e.names, parts);
     let orders = orders(&mut wires, parts, scope);
-    if e.findings.refused() || wires.findings.refused() {
+    if e.findings.has_errors() || wires.findings.has_errors() {
         return;
     }
     let mut first = parts.plant.len();
@@ -200,7 +202,7 @@ pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &S
         }
         let mut kept = Specification::clone(specification);
         for orders in &orders {
-            // Over the coordinator's own variables; `None` if it depends on others, too.
+            // Converts a condition to the coordinator's variables; `None` if it depends on others.
             let own = |expr: &Expr| {
                 let mut all = true;
                 let over = expr.substitute(&mut |v, time| {
@@ -213,14 +215,14 @@ pub(super) fn guarantee<'a>(e: &Elaborator<'a>, parts: &mut Parts<'a>, scope: &S
             let when = orders.when.iter();
             let when: Vec<Option<Condition>> =
                 when.map(|w| own(w).map(Condition::rising)).collect();
-            // A rule that is too large is reported by the watch.
+            // `watches` reports a rule that is too large.
             let _ = add_rules(&mut kept, orders, &when, Party::Machine);
         }
         parts.components[index].1 = Arc::new(kept);
     }
 }
 
-/// The side that has to keep the rules.
+/// The party that has to keep the rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Party {
     /// The rules are guarantees.
@@ -229,11 +231,11 @@ enum Party {
     Plant,
 }
 
-/// Adds the rules, if all their skills have a condition, to a specification. The definitions of
-/// their variables are always guarantees.
+/// Adds the rules whose skills all have a condition to a specification. The definitions of their
+/// variables are always guarantees.
 fn add_rules(
     specification: &mut Specification,
-    orders: &Orders,
+    orders: &SkillOrders,
     when: &[Option<Condition>],
     party: Party,
 ) -> Result<(), BoundExceeded> {
@@ -247,17 +249,17 @@ fn add_rules(
         let id = VarId(variables.len() as u32);
         let taken = |name: &str| variables.iter().any(|v| v.name == name);
         let mut lowered = lower(&orders.skills, &rule, &conditions, id, taken)?;
-        if !lowered.speaks_of.iter().all(|s| when[*s].is_some()) {
+        if !lowered.mentioned_skills.iter().all(|s| when[*s].is_some()) {
             continue;
         }
         specification.variables.extend(lowered.variable);
         if party == Party::Machine {
-            // Conditions on step 0 that no call can break are not needed.
-            let broken = |f: &Formula| f.expr.clone().not();
+            // Conditions on step 0 that cannot be violated are not needed.
+            let violation = |f: &Formula| f.expr.clone().not();
             lowered
                 .rule
                 .initial
-                .retain(|f| !is_never(&broken(f), specification));
+                .retain(|f| !is_never(&violation(f), specification));
         }
         extend(&mut specification.guarantees, lowered.definitions);
         extend(side(specification, party), lowered.rule);
@@ -280,7 +282,8 @@ fn extend(side: &mut Side, more: Side) {
     side.safety.extend(more.safety);
 }
 
-/// Returns formulas that two skills of one component are not called at once, where they could be.
+/// Returns, for each two skills of one component that could be called at once, the formulas that
+/// forbid it.
 fn at_once(
     skills: &Skills,
     when: &[Option<Condition>],
@@ -307,7 +310,7 @@ fn at_once(
             };
             let rising = x.begins().and(y.begins());
             found.push(Side {
-                initial: vec![formula(both.not(), AT_FIRST)],
+                initial: vec![formula(both.not(), INITIAL_SUFFIX)],
                 safety: vec![formula(rising.not(), "")],
                 ..Side::default()
             });
@@ -316,7 +319,8 @@ fn at_once(
     found
 }
 
-/// Returns whether the expression is never true, if there are few enough values to try.
+/// Returns whether the expression is never true; `false` if there are more than [`MAX_TRIED`]
+/// combinations of values to try.
 fn is_never(expr: &Expr, specification: &Specification) -> bool {
     let mut variables: Vec<VarId> = Vec::new();
     expr.for_each_var(&mut |v, _| {
@@ -326,7 +330,7 @@ fn is_never(expr: &Expr, specification: &Specification) -> bool {
     });
     let size = |v: &VarId| specification.variable(*v).domain.size();
     let count = variables.iter().map(size).try_fold(1_u64, u64::checked_mul);
-    if count.is_none_or(|c| c > MOST_TRIED) {
+    if count.is_none_or(|c| c > MAX_TRIED) {
         return false;
     }
     let mut values = vec![0; specification.variables.len()];
@@ -353,25 +357,25 @@ fn is_never(expr: &Expr, specification: &Specification) -> bool {
     }
 }
 
-/// Returns the skills that are called by requesting an operation, and the condition that one has
-/// ended: the next request is then a new call, even for the same operation. `None` if no skill is
-/// called like this.
-fn by_operation(model: &Machine, orders: &Orders) -> Option<(Expr, Vec<usize>)> {
+/// Returns the condition that an operation has ended, and the skills whose conditions depend on the
+/// requested operation. After the end, the next request is a new call, even for the same operation.
+/// Returns `None` if there are no such skills.
+fn by_operation(model: &Machine, orders: &SkillOrders) -> Option<(Expr, Vec<usize>)> {
     let mut plant = model.plant.iter();
     let operation = plant.position(|p| matches!(p.source, PlantSource::Operation))?;
-    let asks = |expr: &Expr| {
-        let mut asks = false;
-        expr.for_each_var(&mut |v, _| asks |= v.index() == operation);
-        asks
+    let depends = |expr: &Expr| {
+        let mut depends = false;
+        expr.for_each_var(&mut |v, _| depends |= v.index() == operation);
+        depends
     };
     let skills: Vec<usize> = (0..orders.when.len())
-        .filter(|s| asks(&orders.when[*s]))
+        .filter(|s| depends(&orders.when[*s]))
         .collect();
     let done = model.done.clone().filter(|_| !skills.is_empty())?;
     Some((done, skills))
 }
 
-/// Returns the input that the operation has ended, with a name that no skill has.
+/// Returns an input for the condition that the operation has ended, with an unused name.
 fn ended_input(specification: &Specification, span: Span) -> Variable {
     let mut name = "operation_ended".to_owned();
     while specification.variables.iter().any(|v| v.name == name) {
@@ -387,9 +391,9 @@ fn ended_input(specification: &Specification, span: Span) -> Variable {
     }
 }
 
-/// Returns a component per set of skills, which watches that its orders are kept.
-pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Component> {
-    let mut watching = Vec::new();
+/// Returns a component per skill set that observes the calls, and assumes that the orders are kept.
+pub(super) fn watches(findings: &mut Findings, model: &Machine) -> Vec<Component> {
+    let mut watches = Vec::new();
     for orders in &model.orders {
         let mut specification = Specification {
             name: orders.skills.name.clone(),
@@ -412,14 +416,14 @@ pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Componen
         let mut when: Vec<Condition> = (0..orders.skills.skills.len() as u32)
             .map(|i| Condition::rising(Expr::now(VarId(i))))
             .collect();
-        if let Some((ended, anew)) = by_operation(model, orders) {
+        if let Some((ended, restarts)) = by_operation(model, orders) {
             let id = VarId(specification.variables.len() as u32);
             specification
                 .variables
                 .push(ended_input(&specification, orders.span));
             bindings.push(ended);
-            for skill in anew {
-                when[skill].anew = Expr::now(id);
+            for skill in restarts {
+                when[skill].restarts = Expr::now(id);
             }
         }
         let when: Vec<_> = when.into_iter().map(Some).collect();
@@ -427,8 +431,11 @@ pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Componen
             findings.error_with(
                 codes::TOO_LARGE,
                 orders.span,
-                format!("the orders of `{}` are too large to be watched: {error}", orders.skills.name),
-                "fewer repetitions in a sequence, or several sets of fewer skills, make them smaller",
+                format!(
+                    "the orders of `{}` are too large: {error}",
+                    orders.skills.name
+                ),
+                "use fewer repetitions in sequences, or split the skill set",
             );
             continue;
         }
@@ -436,7 +443,7 @@ pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Componen
         while model.components.iter().any(|c| c.name == name) {
             name.push('_');
         }
-        watching.push(Component {
+        watches.push(Component {
             name,
             contract: orders.skills.name.clone(),
             role: Role::Watch,
@@ -448,19 +455,19 @@ pub(super) fn watching(findings: &mut Findings, model: &Machine) -> Vec<Componen
             span: orders.span,
         });
     }
-    watching
+    watches
 }
 
-/// Adds a component after all others. The variables of the machine's own monitors follow the wires,
-/// and are renumbered.
+/// Adds a component after all others. Renumbers the variables of the machine's monitors, whose ids
+/// follow those of the wires.
 pub(super) fn add(model: &mut Machine, component: Component) {
     let before = model.wire_count();
     let more = component.specification.outputs().count();
-    let moved = |formulas: &mut Vec<Formula>| {
+    let renumber = |formulas: &mut Vec<Formula>| {
         for formula in formulas {
             formula.expr = formula.expr.substitute(&mut |v, time| {
-                let behind = if v.index() < before { 0 } else { more };
-                Expr::Var(VarId((v.index() + behind) as u32), time)
+                let offset = if v.index() < before { 0 } else { more };
+                Expr::Var(VarId((v.index() + offset) as u32), time)
             });
         }
     };
@@ -474,7 +481,7 @@ pub(super) fn add(model: &mut Machine, component: Component) {
             &mut side.safety,
             &mut side.justice,
         ] {
-            moved(formulas);
+            renumber(formulas);
         }
     }
     model.components.push(component);

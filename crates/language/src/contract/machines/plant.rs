@@ -1,4 +1,5 @@
-//! Plant inputs: the operation, signals, and abstractions of properties.
+//! Resolution of operations and plant inputs: the wire `operation`, signals, and abstractions of
+//! properties.
 
 use super::Parts;
 use super::jobs::performer;
@@ -13,11 +14,11 @@ use linewright_core::gr1::Domain;
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, ExprKind, Machine, MachineItem, OperationCall};
 
-/// A component to run, and its operation if it is a machine.
+/// A component that an operation runs, and the component's operation if it is a machine (indices).
 type Run = (usize, Option<usize>);
 
-/// Returns the operations, each with the components that it runs, and the plant wire that selects
-/// one: wire 0.
+/// Resolves the operations, and adds the plant wire that selects one (wire 0). Also returns, for
+/// each operation, the components that it runs.
 pub(super) fn operations(
     findings: &mut Findings,
     parts: &mut Parts<'_>,
@@ -36,8 +37,8 @@ pub(super) fn operations(
     if declared.is_empty() {
         return (Vec::new(), Vec::new());
     }
-    // The type of the wire is that of the input bound to `operation`; if several coordinators have
-    // operations, the wire has those of all.
+    // The type of the wire is the type of the input that is bound to `operation`. If there are
+    // several such types, the wire has the labels of all.
     let mut bound: Vec<(Domain, Span)> = Vec::new();
     for (c, s) in &parts.components {
         let chosen = c.bindings.iter().filter(|b| is_operation(&b.value));
@@ -97,15 +98,18 @@ pub(super) fn operations(
                 codes::OPERATION,
                 name.span,
                 match bound.len() {
-                    0 | 1 => format!("the coordinator does not know the job `{}`", name.text),
-                    _ => format!("no coordinator knows the job `{}`", name.text),
+                    0 | 1 => format!(
+                        "the coordinator does not know the operation `{}`",
+                        name.text
+                    ),
+                    _ => format!("no coordinator knows the operation `{}`", name.text),
                 },
             )
-            .with_help(format!("its jobs are {}", labels.join(", ")));
+            .with_help(format!("the known operations are {}", labels.join(", ")));
             if let [(_, span)] = bound.as_slice()
                 && span.file == name.span.file
             {
-                finding = finding.with_label(*span, "the job is chosen here");
+                finding = finding.with_label(*span, "they are declared here");
             }
             findings.push(finding);
             continue;
@@ -129,7 +133,8 @@ pub(super) fn operations(
     (result, performed)
 }
 
-/// Returns what a name in a sequence runs. `alone` tells whether it is the operation's own name.
+/// Resolves a name in a sequence. `alone` is whether the name is that of the operation itself,
+/// which has no sequence.
 fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool) -> Option<Run> {
     let who = performer(&name.text);
     let is = |(c, _): &(&ast::Component, _)| c.name.text == who && !c.is_coordinator();
@@ -141,7 +146,7 @@ fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool
                 findings.error_with(
                     codes::NAME_UNKNOWN,
                     name.span,
-                    format!("`{who}` is an action, and has no operations"),
+                    format!("`{who}` is an action, which has no operations"),
                     format!("write `{who}`"),
                 );
                 None
@@ -156,8 +161,8 @@ fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool
         findings.error_with(
             codes::OPERATION,
             name.span,
-            format!("no action is called `{who}`"),
-            "name the actions after a colon: `operation emptying: pick, turn, place`",
+            format!("there is no action `{who}`"),
+            "list the actions after a colon: `operation emptying: pick, turn, place`",
         );
         return None;
     }
@@ -168,7 +173,7 @@ fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool
         .map(|(c, _)| c.name.text.as_str());
     let help = match nearest(who, known) {
         Some(near) => format!("did you mean `{near}`?"),
-        None => "name actions of this machine, in the order in which they run".to_owned(),
+        None => "list the actions of this machine in the order in which they run".to_owned(),
     };
     findings.error_with(
         codes::NAME_UNKNOWN,
@@ -179,11 +184,12 @@ fn run(findings: &mut Findings, parts: &Parts<'_>, name: &ast::Name, alone: bool
     None
 }
 
-/// Returns whether a binding is the wire with the running operation.
+/// Returns whether a binding is the name of the wire `operation`.
 pub(super) fn is_operation(value: &ast::Expr) -> bool {
     matches!(&value.kind, ExprKind::Path(p) if p.len() == 1 && p[0].text == "operation")
 }
 
+/// Resolves signals and abstractions, and adds their wires.
 pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
     let properties = parts.properties.len();
     for item in &parts.machine.items {
@@ -199,9 +205,9 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
         let n = length.unwrap_or(1);
         let mut sources: Vec<PlantSource> = Vec::new();
         if signal {
-            // A script is counted like a contract's values.
-            let counted = e.dialect.real && unit.is_none();
-            let real = std::mem::replace(&mut e.dialect.real, counted);
+            // The values of a script are whole numbers, as in a contract.
+            let real_values = e.dialect.real && unit.is_none();
+            let real = std::mem::replace(&mut e.dialect.real, real_values);
             let ty = measured(&domain, unit);
             let mut script = Vec::new();
             for value in &typed.values {
@@ -210,11 +216,11 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
                     Some(Term::Int(i)) => e.findings.error_with(
                         codes::ARGUMENT,
                         value.span,
-                        format!("{} is outside {}", domain.show(i), domain.describe()), "use a value of that range, or make the range larger"),
+                        format!("{} is outside {}", domain.show(i), domain.describe()), "use a value in this range, or extend the range"),
                     Some(_) => e.findings.error_with(
                         codes::NOT_CONSTANT,
                         value.span,
-                        "a signal's script is made of constants", "use numbers, constants and parameters; what depends on the part is an `abstract`"),
+                        "the values of a signal have to be constant", "use numbers, constants and parameters; use `abstract` for a value that depends on the part"),
                     None => {}
                 }
             }
@@ -262,7 +268,7 @@ pub(super) fn declare_plant<'a>(e: &mut Elaborator<'a>, parts: &mut Parts<'a>) {
     }
 }
 
-/// Returns whether the machine declares an action of this name, even an unusable one.
+/// Returns whether the machine declares an action with this name, even if it has errors.
 fn is_action(machine: &Machine, name: &str) -> bool {
     machine.items.iter().any(
         |i| matches!(i, MachineItem::Component(c) if !c.is_coordinator() && c.name.text == name),

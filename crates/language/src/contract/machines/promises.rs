@@ -1,5 +1,4 @@
-//! Promises of a machine as a whole: the contracts that it is claimed to refine, and its guarantees
-//! over all wires.
+//! Contracts that a machine is declared to refine, and its guarantees over all wires.
 
 use super::component::binding;
 use super::{Parts, instance};
@@ -7,15 +6,16 @@ use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::formula::{Label, classify};
 use crate::contract::machine::{RefinedContract, Rules};
 use crate::contract::scope::Scope;
-use crate::contract::shape::way;
+use crate::contract::shape::leaf_path;
 use linewright_core::diagnostics::codes;
 use linewright_core::gr1::monitors::Monitors;
 use linewright_core::gr1::{Domain, Expr, Owner, Side, Specification, VarId, Variable};
 use linewright_core::source::SourceMap;
 use linewright_syntax::ast::{self, MachineItem};
 
-/// Returns the contracts that the machine is claimed to refine, every variable bound.
-pub(super) fn refined<'a>(
+/// Resolves the contracts that the machine is declared to refine, with the values of their
+/// variables.
+pub(super) fn refined_contracts<'a>(
     e: &mut Elaborator<'a>,
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -32,7 +32,7 @@ pub(super) fn refined<'a>(
         let Some(specification) = instance(e, scope, sources, decl) else {
             continue;
         };
-        known(&mut wires.findings, decl, &specification);
+        check_names(&mut wires.findings, decl, &specification);
         let bindings = bindings(wires, parts, decl, &specification);
         refined.extend(bindings.map(|bindings| RefinedContract {
             contract: decl.contract.text.clone(),
@@ -44,16 +44,16 @@ pub(super) fn refined<'a>(
     refined
 }
 
-/// Checks that every binding is for an existing variable.
-fn known(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
+/// Reports bindings of unknown variables.
+fn check_names(findings: &mut Findings, decl: &ast::Component, specification: &Specification) {
     let mut known: Vec<&str> = specification
         .variables
         .iter()
-        .map(|v| way(&v.name).0)
+        .map(|v| leaf_path(&v.name).0)
         .collect();
     known.dedup();
     for b in &decl.bindings {
-        if !known.contains(&way(&b.name.text).0) {
+        if !known.contains(&leaf_path(&b.name.text).0) {
             let help = match nearest(&b.name.text, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => format!("its variables are {}", known.join(", ")),
@@ -68,15 +68,15 @@ fn known(findings: &mut Findings, decl: &ast::Component, specification: &Specifi
     }
 }
 
-/// Returns the value of every variable: as declared, else the wire of its name. `None` if one is
-/// missing; it was reported.
+/// Returns the value of every variable of the contract: as bound, or else the wire of the same
+/// name; `None` for variables of monitors. Returns `None` if an error was reported.
 fn bindings<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,
     decl: &'a ast::Component,
     specification: &Specification,
 ) -> Option<Vec<Option<Expr>>> {
-    // Inputs and outputs are bound alike.
+    // All variables are bound like inputs.
     let mut all = specification.clone();
     for variable in &mut all.variables {
         variable.owner = Owner::Environment;
@@ -90,9 +90,12 @@ fn bindings<'a>(
             bound.push(None);
             continue;
         }
-        let root = way(&variable.name).0;
-        let said = decl.bindings.iter().any(|b| way(&b.name.text).0 == root);
-        if said {
+        let root = leaf_path(&variable.name).0;
+        let has_binding = decl
+            .bindings
+            .iter()
+            .any(|b| leaf_path(&b.name.text).0 == root);
+        if has_binding {
             let expr = binding(wires, parts, decl, &all, &all.variables[i]);
             complete &= expr.is_some();
             bound.push(expr);
@@ -103,7 +106,7 @@ fn bindings<'a>(
             continue;
         }
         if variable.owner == Owner::Environment {
-            complete &= from_outside(&mut wires.findings, parts, decl, variable, bound.last());
+            complete &= check_input(&mut wires.findings, parts, decl, variable, bound.last());
         }
     }
     if decl.broken {
@@ -115,13 +118,13 @@ fn bindings<'a>(
             codes::INPUT_UNBOUND,
             decl.contract.span,
             format!(
-                "it is not said what {} of `{}` {} in this machine",
+                "{} of `{}` {} not bound in this machine",
                 listed(&missing),
                 decl.contract.text,
                 if missing.len() == 1 { "is" } else { "are" },
             ),
             format!(
-                "write `{} = ...` behind `refines {}`: a wire of the machine, such as `component.output`",
+                "write `{} = ...` after `refines {}`, with a wire of the machine such as `component.output`",
                 missing[0], decl.contract.text
             ),
         );
@@ -130,31 +133,31 @@ fn bindings<'a>(
     complete.then_some(bound)
 }
 
-/// Checks that an input of the contract is set by the plant here, too: assumptions about it cannot
-/// be made about the machine.
-fn from_outside(
+/// Checks that an input of the contract is bound only to wires that the plant sets, since the
+/// contract's assumptions are about the environment. Reports other bindings, and returns `false`.
+fn check_input(
     findings: &mut Findings,
     parts: &Parts<'_>,
     decl: &ast::Component,
     variable: &Variable,
     bound: Option<&Option<Expr>>,
 ) -> bool {
-    let mut outside = true;
+    let mut is_plant = true;
     if let Some(Some(expr)) = bound {
-        expr.for_each_var(&mut |v, _| outside &= v.index() < parts.plant.len());
+        expr.for_each_var(&mut |v, _| is_plant &= v.index() < parts.plant.len());
     }
-    if !outside {
+    if !is_plant {
         findings.error_with(
             codes::INPUT_UNBOUND,
             decl.contract.span,
             format!(
-                "the input `{}` of `{}` is bound to what the machine itself sets",
+                "the input `{}` of `{}` is bound to an output of the machine itself",
                 variable.name, decl.contract.text
             ),
-            "bind it to a signal, an abstraction or `operation`: what the contract assumes of its inputs, the machine's plant has to keep",
+            "bind it to a signal, an abstraction or `operation`: the plant has to keep the contract's assumptions about its inputs",
         );
     }
-    outside
+    is_plant
 }
 
 fn listed(names: &[String]) -> String {
@@ -162,7 +165,7 @@ fn listed(names: &[String]) -> String {
     quoted.join(", ")
 }
 
-/// A wire: its component, its name there, and its domain.
+/// A wire: its component (`None` for the plant), its name in the component, and its domain.
 type Wire<'a> = (Option<&'a str>, &'a str, &'a Domain);
 
 /// Returns all wires in order.
@@ -185,8 +188,9 @@ fn wire_names<'a>(parts: &'a Parts<'_>) -> Vec<Wire<'a>> {
     names
 }
 
-/// Returns the wire for a variable's name: the plant's of that name, `pick_a_stage` for `stage` of
-/// `pick_a`, or the only component's output of that name.
+/// Returns the wire for a variable by its name, if the domains are equal: the plant's wire of this
+/// name, `stage` of `pick_a` for `pick_a_stage`, or the output of this name if only one component
+/// has one.
 fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
     let only = |fits: &dyn Fn(&Wire<'_>) -> bool| -> Option<VarId> {
         let mut found = wires.iter().enumerate().filter(|(_, w)| fits(w));
@@ -207,7 +211,7 @@ fn wire_of(wires: &[Wire<'_>], name: &str, domain: &Domain) -> Option<VarId> {
         .or_else(|| only(&|(of, own, _)| of.is_some() && *own == name))
 }
 
-/// Resolves guarantees of the machine as a whole.
+/// Resolves the guarantees of the machine over all wires.
 pub(super) fn guarantees<'a>(
     wires: &mut Elaborator<'a>,
     parts: &Parts<'a>,

@@ -9,14 +9,14 @@ use linewright_core::gr1::{Domain, Time, VarId};
 use linewright_syntax::ast;
 use std::sync::Arc;
 
-/// Type of a property, as seen by plant expressions.
+/// Type of a property in plant expressions.
 #[derive(Debug, Clone)]
 pub(in crate::contract) struct PropertyType {
-    /// Displayed unit, such as `deg`; empty for a bare number.
+    /// Declared unit, such as `deg`; empty for a bare number.
     pub unit: String,
-    /// Finite domain, for truth values, ranges and labels.
+    /// Domain of truth values, labels or a range of whole numbers; `None` for real numbers.
     pub domain: Option<Domain>,
-    /// Number of elements, for an array.
+    /// Number of elements of an array; `None` for a scalar.
     pub length: Option<usize>,
 }
 
@@ -42,7 +42,7 @@ pub(in crate::contract) fn property_type<'a>(
                 e.findings.error_with(
                     codes::DOMAIN_EMPTY,
                     length.span,
-                    format!("an array has 1 to {MAX_EXPANSION} elements, not {n}"),
+                    format!("an array must have 1 to {MAX_EXPANSION} elements, not {n}"),
                     "give the array a length in that range",
                 );
                 return None;
@@ -52,7 +52,7 @@ pub(in crate::contract) fn property_type<'a>(
                 e.findings.error_with(
                     codes::TYPE_MISMATCH,
                     of.span,
-                    "arrays of arrays are not known",
+                    "arrays of arrays are not supported",
                     "use one array with `rows * columns` elements",
                 );
                 return None;
@@ -73,8 +73,8 @@ pub(in crate::contract) fn property_type<'a>(
     }
 }
 
-/// Returns the value of a property, in its declared unit: a constant, or a list of constants for an
-/// array.
+/// Evaluates the constant value of a property in its declared unit, one number per element. Without
+/// a value, returns the smallest value of the domain, or 0.
 pub(in crate::contract) fn property_values<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -98,10 +98,7 @@ pub(in crate::contract) fn property_values<'a>(
                 if ty.length.is_some() {
                     format!("{} values for {n} elements", values.len())
                 } else {
-                    format!(
-                        "{} values, but this is one value and no array",
-                        values.len()
-                    )
+                    format!("{} values, but the property is not an array", values.len())
                 },
                 "write one value for each element, or a single value for all of them",
             );
@@ -124,10 +121,10 @@ pub(in crate::contract) fn property_values<'a>(
             );
             return None;
         };
-        let counted = ty.domain.is_some() && dimension != Dimension::None;
+        let is_measured = ty.domain.is_some() && dimension != Dimension::None;
         let fits = match (&ty.domain, &found) {
-            (Some(_), Type::Number(d)) if counted && *d == dimension => true,
-            (Some(_), Type::Int) if counted => true,
+            (Some(_), Type::Number(d)) if is_measured && *d == dimension => true,
+            (Some(_), Type::Int) if is_measured => true,
             (Some(d), Type::Int | Type::Bool | Type::Enum(_)) => {
                 *d != Domain::Bool && found == Type::Int && Type::of(d) == Type::Int
                     || Type::of(d) == found
@@ -141,10 +138,10 @@ pub(in crate::contract) fn property_values<'a>(
             _ => false,
         };
         if !fits {
-            let wanted = ty
-                .domain
-                .as_ref()
-                .map_or_else(|| dimension.word().to_owned(), |d| Type::of(d).describe());
+            let wanted = ty.domain.as_ref().map_or_else(
+                || dimension.describe().to_owned(),
+                |d| Type::of(d).describe(),
+            );
             e.findings.mismatch(value.span, &wanted, &found);
             return None;
         }
@@ -153,7 +150,7 @@ pub(in crate::contract) fn property_values<'a>(
             Type::Number(d) if d != Dimension::None => number / factor,
             _ => number,
         };
-        let number = if counted {
+        let number = if is_measured {
             let near = number.round();
             if (number - near).abs() > 1e-9 * near.abs().max(1.0) {
                 e.findings.error_with(
@@ -175,7 +172,7 @@ pub(in crate::contract) fn property_values<'a>(
                 codes::PROPERTY,
                 value.span,
                 format!("{number} is outside {}", d.describe()),
-                "use a value of that range, or make the range larger where the property is declared",
+                "use a value in this range, or extend the range in the declaration of the property",
             );
             return None;
         }
@@ -184,8 +181,8 @@ pub(in crate::contract) fn property_values<'a>(
     Some(numbers)
 }
 
-/// Brings a property into an elaborator's scope under new ids; returns the ids.
-pub(in crate::contract) fn see_property(
+/// Declares a property as a variable of an elaborator; returns the ids of its elements.
+pub(in crate::contract) fn declare_property(
     e: &mut Elaborator<'_>,
     name: &str,
     ty: &PropertyType,
@@ -206,7 +203,7 @@ pub(in crate::contract) fn see_property(
     ids
 }
 
-/// Returns the names of a property's elements.
+/// Returns the names of a property's elements: `h[0]`, `h[1]`; the name itself for a scalar.
 pub(in crate::contract) fn element_names(name: &str, ty: &PropertyType) -> Vec<String> {
     match ty.length {
         None => vec![name.to_owned()],
@@ -214,8 +211,8 @@ pub(in crate::contract) fn element_names(name: &str, ty: &PropertyType) -> Vec<S
     }
 }
 
-/// Resolves a real expression assigned to a property: a value with a dimension is converted to the
-/// property's unit, a bare number is taken to be in it.
+/// Elaborates a scalar that is assigned to a property, in the property's unit. A bare number is
+/// already in that unit if the property is real.
 pub(in crate::contract) fn assigned<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -226,8 +223,8 @@ pub(in crate::contract) fn assigned<'a>(
     converted(&mut e.findings, ty, term, &found, value)
 }
 
-/// Resolves an array assigned to an array property; `value` must have the same length. Errors are
-/// reported.
+/// Elaborates an array that is assigned to an array property of length `n`. Reports a different
+/// length.
 pub(in crate::contract) fn assigned_array<'a>(
     e: &mut Elaborator<'a>,
     ty: &PropertyType,
@@ -262,7 +259,7 @@ pub(in crate::contract) fn assigned_array<'a>(
     }
 }
 
-/// Converts a term to the unit of a property.
+/// Converts a term to the unit of a property; reports a term of the wrong type.
 fn converted(
     findings: &mut Findings,
     ty: &PropertyType,
@@ -273,11 +270,11 @@ fn converted(
     let expected = ty.domain.as_ref().map(Type::of);
     let (dimension, factor) = unit(&ty.unit);
     match (&expected, found) {
-        // A range with a unit: the plant does not round, so a value that is not a whole number is
-        // reported when it occurs.
+        // A range with a unit. The plant does not round the quotient; a value that is not a whole
+        // number is reported at run time.
         (Some(Type::Int), Type::Number(d)) if dimension != Dimension::None => {
             if *d != dimension {
-                findings.mismatch(value.span, dimension.word(), found);
+                findings.mismatch(value.span, dimension.describe(), found);
                 return None;
             }
             let quotient = linewright_core::gr1::BinaryOp::Div;
@@ -290,7 +287,7 @@ fn converted(
         (Some(Type::Int), Type::Int)
             if dimension != Dimension::None && constant_real(&term) != Some(0.0) =>
         {
-            findings.mismatch(value.span, dimension.word(), found);
+            findings.mismatch(value.span, dimension.describe(), found);
             None
         }
         (Some(want), _) if want == found => Some(term),
@@ -315,7 +312,7 @@ fn converted(
             }
         }
         _ => {
-            let want = expected.map_or_else(|| dimension.word().to_owned(), |t| t.describe());
+            let want = expected.map_or_else(|| dimension.describe().to_owned(), |t| t.describe());
             findings.mismatch(value.span, &want, found);
             None
         }

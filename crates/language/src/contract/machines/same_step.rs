@@ -1,17 +1,18 @@
-//! Who may read whose answer within a step.
+//! Check of the order in which components read and set wires within a step.
 //!
-//! A component that reads before it answers may read the wires that are already set: the plant's
-//! values, the outputs of Moore components from the beginning of the step, and the answers of
-//! components declared earlier. An inner machine is treated as a whole, with two exceptions:
-//! outputs of its own Moore components are set from the beginning, and inputs that only those read
-//! may come later.
+//! A Mealy component reads its inputs before it sets its outputs. It can read only wires that are
+//! already set: those of the plant and of Moore components, which are set at the beginning of the
+//! step, and those of components that are declared earlier. An inner machine is treated as one
+//! Mealy component, with two exceptions: outputs of its Moore components are set at the beginning,
+//! and inputs that only its Moore components read can be set later.
 
 use super::Parts;
 use crate::contract::elaborate::Findings;
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Expr, Timing};
 
-/// Reports inputs that a component reads too early. `firsts` are the first wires of all components.
+/// Reports inputs that a component reads before they are set. `firsts` contains the first wire of
+/// each component.
 pub(super) fn check(
     findings: &mut Findings,
     parts: &Parts<'_>,
@@ -24,15 +25,15 @@ pub(super) fn check(
         return;
     }
     for (place, (expr, id)) in bindings.iter().zip(specification.inputs()).enumerate() {
-        let within_a_step = parts.nested[index]
+        let is_read_in_step = parts.nested[index]
             .as_ref()
             .is_none_or(|nested| nested.is_read_early(place));
-        if !within_a_step {
+        if !is_read_in_step {
             continue;
         }
         let mut offending = None;
         expr.for_each_var(&mut |v, _| {
-            if !is_there(parts, index, firsts, v.index()) {
+            if !is_set_before(parts, index, firsts, v.index()) {
                 offending = Some(v.index());
             }
         });
@@ -51,11 +52,11 @@ pub(super) fn check(
         let (what, help) = if owner == index {
             (
                 format!("`{name}` reads its own output in the same step"),
-                "make the contract `moore`, or drop the feedback".to_owned(),
+                "make the contract `moore`, or remove the feedback".to_owned(),
             )
         } else {
             (
-                format!("`{name}` reads `{other}`, which answers after it in the same step"),
+                format!("`{name}` reads `{other}`, which sets its outputs later in the same step"),
                 format!(
                     "declare `{other}` before `{name}`, or make one of the two contracts `moore`"
                 ),
@@ -66,7 +67,7 @@ pub(super) fn check(
 }
 
 /// Returns whether a wire is set when a component reads it.
-fn is_there(parts: &Parts<'_>, index: usize, firsts: &[usize], wire: usize) -> bool {
+fn is_set_before(parts: &Parts<'_>, index: usize, firsts: &[usize], wire: usize) -> bool {
     if wire < parts.plant.len() {
         return true;
     }
@@ -75,6 +76,6 @@ fn is_there(parts: &Parts<'_>, index: usize, firsts: &[usize], wire: usize) -> b
     };
     let early = parts.nested[owner]
         .as_ref()
-        .is_some_and(|nested| nested.early()[wire - firsts[owner]]);
+        .is_some_and(|nested| nested.early_outputs()[wire - firsts[owner]]);
     early || owner < index || parts.components[owner].1.timing == Timing::Moore
 }

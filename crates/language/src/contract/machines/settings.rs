@@ -1,18 +1,19 @@
-//! Numeric settings and plant expressions of a machine.
+//! Numeric settings of a machine, its `done` condition and its writes to the part.
 
 use super::Parts;
 use super::properties::{PropertyType, assigned, assigned_array};
 use crate::contract::elaborate::{Elaborator, Findings, nearest};
 use crate::contract::machine::{Failures, Machine, PropertyKind, RealExpr};
 use crate::contract::value::Dimension;
-use crate::contract::{GREATEST_WATTS, LONGEST_SECONDS, SHORTEST_SECONDS, is_duration};
+use crate::contract::{MAX_SECONDS, MAX_WATTS, MIN_SECONDS, is_duration};
 use linewright_core::diagnostics::{Diagnostic, codes};
 use linewright_core::gr1::{Time, VarId};
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, MachineItem};
 use std::collections::BTreeMap;
 
-/// Resolves the settings and plant expressions of a machine.
+/// Resolves the `done` condition and the writes of a machine. `properties` is the number of
+/// properties.
 pub(super) fn settings<'a>(
     e: &mut Elaborator<'a>,
     parts: &Parts<'a>,
@@ -20,7 +21,7 @@ pub(super) fn settings<'a>(
     wires: &mut Elaborator<'a>,
     properties: usize,
 ) {
-    // Writes see properties and wires: wires get ids after the properties.
+    // Writes can read properties and wires. The ids of wires follow those of properties.
     let mut both = Elaborator::new(e.names.clone());
     both.dialect.real = true;
     both.variables.clone_from(&e.variables);
@@ -36,7 +37,7 @@ pub(super) fn settings<'a>(
         both.names.constants.remove(name);
         both.names.variables.entry(name.clone()).or_insert(entry);
     }
-    // Place where each property is written.
+    // Position of the first write to each property.
     let mut written: BTreeMap<usize, Span> = BTreeMap::new();
     for item in &parts.machine.items {
         let before = model.writes.len();
@@ -65,7 +66,7 @@ pub(super) fn settings<'a>(
                     e.findings.error_with(
                         codes::PROPERTY,
                         name.span,
-                        format!("`{}` is a parameter, which no part carries", name.text),
+                        format!("`{}` is a parameter, which parts do not carry", name.text),
                         format!("write to a property: `property {}: ...`", name.text),
                     );
                     continue;
@@ -116,15 +117,14 @@ pub(super) fn settings<'a>(
             _ => {}
         }
         if let MachineItem::Write { name, .. } = item {
-            written_once(&mut e.findings, name, &model.writes[before..], &mut written);
+            check_written_once(&mut e.findings, name, &model.writes[before..], &mut written);
         }
     }
     e.findings.absorb(&mut both.findings);
 }
 
-/// Reports a property that is already written, by itself or with its array: otherwise the later
-/// value would win silently.
-fn written_once(
+/// Reports a property that has already been written, by itself or with its array.
+fn check_written_once(
     findings: &mut Findings,
     name: &ast::Name,
     writes: &[(usize, RealExpr)],
@@ -137,12 +137,12 @@ fn written_once(
     if let Some(first) = first {
         findings.push(
             Diagnostic::error(
-                codes::NAME_DOUBLE,
+                codes::NAME_DUPLICATE,
                 name.span,
                 format!("`{}` is written twice", name.text),
             )
             .with_label(first, "first here")
-            .with_help("leave one of the two out, or join them: `if ... then ... else ...`"),
+            .with_help("remove one of the two, or combine them: `if ... then ... else ...`"),
         );
     }
 }
@@ -152,17 +152,17 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
     for item in &machine.items {
         match item {
             MachineItem::Step(x) => {
-                if let Some(v) = positive(e, x, Dimension::Time) {
+                if let Some(v) = non_negative(e, x, Dimension::Time) {
                     model.step_seconds = v;
                 }
             }
             MachineItem::Power(x) => {
-                if let Some(v) = positive(e, x, Dimension::Power) {
+                if let Some(v) = non_negative(e, x, Dimension::Power) {
                     model.base_watts = v;
                 }
             }
             MachineItem::IdlePower(x) => {
-                if let Some(v) = positive(e, x, Dimension::Power) {
+                if let Some(v) = non_negative(e, x, Dimension::Power) {
                     model.idle_watts = v;
                 }
             }
@@ -171,8 +171,8 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
                 Some(_) => e.findings.error_with(
                     codes::ARGUMENT,
                     x.span,
-                    "the step limit is at least 1",
-                    "write the number of steps after which an operation has failed: `limit 500 steps`",
+                    "the step limit must be at least 1",
+                    "write the number of steps after which an operation counts as failed: `limit 500 steps`",
                 ),
                 None => {}
             },
@@ -182,9 +182,9 @@ pub(super) fn numbers<'a>(e: &mut Elaborator<'a>, machine: &'a ast::Machine, mod
     }
 }
 
-/// Resolves a quantity that is not negative; a duration must be measurable in a run, a power must
-/// give a valid energy.
-pub(in crate::contract) fn positive<'a>(
+/// Resolves a constant quantity that is not negative. Reports a duration that [`is_duration`]
+/// rejects, and a power above [`MAX_WATTS`].
+pub(in crate::contract) fn non_negative<'a>(
     e: &mut Elaborator<'a>,
     x: &'a ast::Expr,
     dimension: Dimension,
@@ -199,18 +199,18 @@ pub(in crate::contract) fn positive<'a>(
             } else {
                 "this has no finite value"
             },
-            "write a number from 0 upwards, with its unit",
+            "write a number that is at least 0, with its unit",
         );
         return None;
     }
     let unmeasured = match dimension {
         Dimension::Time if !is_duration(value) => Some((
             format!("{value:e} s is not a valid duration"),
-            format!("write 0 s, or a time from {SHORTEST_SECONDS:e} s to {LONGEST_SECONDS:e} s"),
+            format!("write 0 s, or a time from {MIN_SECONDS:e} s to {MAX_SECONDS:e} s"),
         )),
-        Dimension::Power if value > GREATEST_WATTS => Some((
-            format!("{value:e} W is more power than a run can add up"),
-            format!("write a power up to {GREATEST_WATTS:e} W"),
+        Dimension::Power if value > MAX_WATTS => Some((
+            format!("{value:e} W is more power than a run supports"),
+            format!("write a power up to {MAX_WATTS:e} W"),
         )),
         _ => None,
     };
@@ -229,8 +229,8 @@ pub(in crate::contract) fn failures<'a>(
     mttr: &'a ast::Expr,
 ) -> Option<Failures> {
     let (a, b) = (
-        positive(e, mtbf, Dimension::Time),
-        positive(e, mttr, Dimension::Time),
+        non_negative(e, mtbf, Dimension::Time),
+        non_negative(e, mttr, Dimension::Time),
     );
     let (a, b) = (a?, b?);
     if a == 0.0 {
@@ -238,7 +238,7 @@ pub(in crate::contract) fn failures<'a>(
             codes::ARGUMENT,
             mtbf.span,
             "the mean time between failures must be longer than 0",
-            "leave `failures` out where nothing fails",
+            "remove `failures` if the machine never fails",
         );
         return None;
     }

@@ -1,14 +1,14 @@
-//! Resolution of a set of skills to [`order::Skills`](Skills): components, their situations, the
-//! effect of each skill.
+//! Resolution of a skill set to [`order::Skills`](Skills): components, their situations, the
+//! effects of skills, and orders.
 //!
-//! A set is independent of the file around it, so it is resolved once and shared by every machine
-//! that calls its skills. Orders may mention components that are declared after them.
+//! A skill set does not depend on the rest of its file, so it is resolved once and shared by every
+//! machine that calls its skills. Orders can mention components that are declared after them.
 
 mod regex;
 mod rules;
 
-use super::scope::double;
-use crate::order::{Component, Level, MOST_SKILLS, Skill, Skills};
+use super::scope::duplicate_name;
+use crate::order::{Component, Level, MAX_SKILLS, Skill, Skills};
 use linewright_core::diagnostics::{Code, Diagnostic, codes, has_errors, nearest};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{self, SkillItem};
@@ -16,9 +16,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Maximum number of names listed in one message.
-const MOST_LISTED: usize = 12;
-/// Maximum number of names compared with an unknown one.
-const MOST_COMPARED: usize = 4 * MOST_SKILLS;
+const MAX_LISTED: usize = 12;
+/// Maximum number of names that are compared with an unknown name.
+const MAX_COMPARED: usize = 4 * MAX_SKILLS;
 
 struct Resolver<'a> {
     set: &'a ast::SkillSet,
@@ -28,11 +28,11 @@ struct Resolver<'a> {
     component_index: BTreeMap<&'a str, usize>,
     skill_index: BTreeMap<&'a str, usize>,
     findings: Vec<Diagnostic>,
-    /// Whether something is missing that was reported elsewhere.
+    /// Whether the set depends on text with an error that was reported elsewhere.
     tainted: bool,
 }
 
-/// Resolves a set of skills. `None` if there is an error; the findings give it.
+/// Resolves a skill set. Returns `None` if there is an error, which is added to the findings.
 pub(super) fn skills(
     set: &ast::SkillSet,
     sources: &SourceMap,
@@ -53,11 +53,11 @@ pub(super) fn skills(
             resolver.component(component);
         }
     }
-    resolver.count();
+    resolver.check_count();
     let rules = resolver.rules();
-    let sound = !resolver.tainted && !has_errors(&resolver.findings);
+    let is_usable = !resolver.tainted && !has_errors(&resolver.findings);
     findings.append(&mut resolver.findings);
-    sound.then(|| {
+    is_usable.then(|| {
         Arc::new(Skills {
             name: set.name.text.clone(),
             doc: set.doc.clone(),
@@ -86,7 +86,7 @@ impl<'a> Resolver<'a> {
         match self.component_index.get(decl.name.text.as_str()) {
             Some(first) => {
                 let first = self.components[*first].span;
-                self.findings.push(double(&decl.name, first));
+                self.findings.push(duplicate_name(&decl.name, first));
             }
             None => {
                 self.component_index.insert(&decl.name.text, index);
@@ -95,11 +95,11 @@ impl<'a> Resolver<'a> {
         let mut labels: BTreeMap<&str, Span> = BTreeMap::new();
         for label in &decl.situations {
             if let Some(first) = labels.insert(&label.text, label.span) {
-                self.findings.push(double(label, first));
+                self.findings.push(duplicate_name(label, first));
             }
         }
         if decl.initial.is_none() {
-            self.no_initial(decl);
+            self.report_missing_initial(decl);
         }
         let initial = decl
             .initial
@@ -117,16 +117,13 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    fn no_initial(&mut self, decl: &ast::SkillComponent) {
+    fn report_missing_initial(&mut self, decl: &ast::SkillComponent) {
         if let (Some(first), Some(last)) = (decl.situations.first(), decl.situations.last()) {
             self.error(
                 codes::SKILL,
                 first.span.to(last.span),
-                format!(
-                    "it is not said which of these `{}` is in at the start",
-                    decl.name.text
-                ),
-                format!("write it behind them: `{{...}} = {}`", first.text),
+                format!("the initial situation of `{}` is missing", decl.name.text),
+                format!("write it after the situations: `{{...}} = {}`", first.text),
             );
         }
     }
@@ -134,7 +131,7 @@ impl<'a> Resolver<'a> {
     fn skill(&mut self, decl: &'a ast::SkillComponent, component: usize, skill: &'a ast::Skill) {
         if let Some(first) = self.skill_index.get(skill.name.text.as_str()) {
             let first = self.skills[*first].span;
-            self.findings.push(double(&skill.name, first));
+            self.findings.push(duplicate_name(&skill.name, first));
         } else {
             let index = self.skills.len();
             self.skill_index.insert(&skill.name.text, index);
@@ -148,19 +145,19 @@ impl<'a> Resolver<'a> {
                     codes::SKILL,
                     effect.span,
                     format!("`{name}` leads to a situation, but `{of}` has none"),
-                    format!("declare them, `component {of}: {{{0}, ...}} = {0}`, or write `{name}` alone", effect.text),
+                    format!("declare situations, `component {of}: {{{0}, ...}} = {0}`, or write only `{name}`", effect.text),
                 );
                 None
             }
             (None, Some(first)) => {
-                // A part that could not be parsed may have been its situation.
+                // The text that could not be parsed may contain the situation.
                 if !decl.broken {
                     let known = decl.situations.iter().map(|s| s.text.as_str());
                     let near = nearest(name, known).unwrap_or(&first.text);
                     self.error(
                         codes::SKILL,
                         skill.name.span,
-                        format!("it is not said where `{name}` leads `{of}`"),
+                        format!("the situation to which `{name}` leads `{of}` is missing"),
                         format!("write `{name} -> {near}`: each skill of `{of}` leads to one of its situations"),
                     );
                 }
@@ -190,8 +187,8 @@ impl<'a> Resolver<'a> {
         found
     }
 
-    /// Checks that a set has skills, and not too many.
-    fn count(&mut self) {
+    /// Reports a set without skills, or with more than [`MAX_SKILLS`].
+    fn check_count(&mut self) {
         let name = &self.set.name;
         if self.skills.is_empty() && !self.tainted {
             self.error(
@@ -201,18 +198,19 @@ impl<'a> Resolver<'a> {
                 "add a component with its skills: `component gripper: {open, closed} = open { Grip -> closed ... }`",
             );
         }
-        if let Some(skill) = self.skills.get(MOST_SKILLS) {
+        if let Some(skill) = self.skills.get(MAX_SKILLS) {
             let (span, count) = (skill.span, self.skills.len());
             self.error(
                 codes::DOMAIN_EMPTY,
                 span,
-                format!("`{}` has {count} skills, and a set has at most {MOST_SKILLS}", name.text),
-                "make two sets of it, each with the components that its orders refer to; a machine may call the skills of several",
+                format!("`{}` has {count} skills, but a set can have at most {MAX_SKILLS}", name.text),
+                "split it into two sets, each with the components to which its orders refer; a machine can call the skills of several sets",
             );
         }
     }
 
-    /// Returns the skill with a name. A part that could not be parsed may have declared it.
+    /// Returns the skill with this name. Reports an unknown name, unless text that could not be
+    /// parsed may declare it.
     fn find(&mut self, name: &ast::Name) -> Option<usize> {
         let found = self.skill_index.get(name.text.as_str()).copied();
         if found.is_none() {
@@ -235,7 +233,8 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// Returns the level that a word names, among these.
+/// Returns the level with this keyword, among `known`; valid if there is no keyword. Reports an
+/// unknown one.
 pub(super) fn level(
     word: Option<&ast::Name>,
     known: &[Level],
@@ -244,9 +243,9 @@ pub(super) fn level(
     let Some(word) = word else {
         return Some(Level::Valid);
     };
-    let found = known.iter().find(|level| level.word() == word.text);
+    let found = known.iter().find(|level| level.keyword() == word.text);
     if found.is_none() {
-        let known = known.iter().map(|level| level.word());
+        let known = known.iter().map(|level| level.keyword());
         findings.push(
             Diagnostic::error(
                 codes::NAME_UNKNOWN,
@@ -259,22 +258,23 @@ pub(super) fn level(
     found.copied()
 }
 
-/// Suggests a meaning of an unknown name: the nearest one, or all known names.
+/// Returns a help text for an unknown name: the most similar known name, or else all known names
+/// after the words `they_are`.
 pub(super) fn near_or_all<'n>(
     name: &str,
     known: impl Iterator<Item = &'n str> + Clone,
     they_are: &str,
 ) -> String {
-    match nearest(name, known.clone().take(MOST_COMPARED)) {
+    match nearest(name, known.clone().take(MAX_COMPARED)) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("{they_are} {}", listed(known)),
     }
 }
 
-/// Joins names with commas, at most the first [`MOST_LISTED`].
+/// Joins names with commas, at most the first [`MAX_LISTED`].
 pub(super) fn listed<'n>(names: impl Iterator<Item = &'n str> + Clone) -> String {
     let count = names.clone().count();
-    let shown: Vec<String> = names.take(MOST_LISTED).map(|n| format!("`{n}`")).collect();
+    let shown: Vec<String> = names.take(MAX_LISTED).map(|n| format!("`{n}`")).collect();
     match count.saturating_sub(shown.len()) {
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),

@@ -1,5 +1,5 @@
-//! Regular expressions over skills: resolves names, and bounds the size, since an automaton needs
-//! the repetitions expanded.
+//! Resolution of regular expressions over skills. Limits their size, since the automaton contains
+//! every repetition.
 
 use super::Resolver;
 use linewright_automata::regex::Regex;
@@ -7,22 +7,22 @@ use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, RegexKind, Times};
 
-/// Maximum number of repetitions.
-const MOST_TIMES: u64 = 1000;
+/// Maximum bound of a repetition.
+const MAX_TIMES: u64 = 1000;
 /// Maximum number of skills in a sequence, with repetitions expanded.
-const MOST_SIZE: u64 = 10_000;
+const MAX_SIZE: u64 = 10_000;
 
 impl Resolver<'_> {
-    /// Resolves a sequence, unless it becomes too large.
+    /// Resolves a sequence; reports one that is too large.
     pub(super) fn sequence(&mut self, regex: &ast::Regex) -> Option<Regex> {
         let resolved = self.regex(regex)?;
         let size = size(&resolved);
-        if size > MOST_SIZE {
+        if size > MAX_SIZE {
             self.error(
                 codes::TOO_LARGE,
                 regex.span,
-                format!("written out, this has more than {MOST_SIZE} skills"),
-                "repeat less often; orders such as `at most 20 of Grip between Down and Up` count without writing out",
+                format!("this has more than {MAX_SIZE} skills when repetitions are expanded"),
+                "use fewer repetitions, or an order such as `at most 20 of Grip between Down and Up`, which is not expanded",
             );
             return None;
         }
@@ -43,7 +43,7 @@ impl Resolver<'_> {
             }
             RegexKind::AnyOrder(names) => {
                 let separate =
-                    |a: &str, b: &str| format!("write what is meant: `({a} {b} | {b} {a})`");
+                    |a: &str, b: &str| format!("write both orders: `({a} {b} | {b} {a})`");
                 Regex::AnyOrder(self.at_once(names, separate)?)
             }
             RegexKind::Concat(parts) => Regex::Concat(self.parts(parts)?),
@@ -65,12 +65,12 @@ impl Resolver<'_> {
     fn times(&mut self, times: Times, span: Span) -> Option<(u32, Option<u32>)> {
         let (low, high) = times.bounds();
         let most = high.unwrap_or(0).max(low);
-        if most > MOST_TIMES {
+        if most > MAX_TIMES {
             self.error(
                 codes::TOO_LARGE,
                 span,
-                format!("this is repeated up to {most} times, and {MOST_TIMES} is the most"),
-                "write `*` where it does not matter how often, or repeat less often",
+                format!("this is repeated up to {most} times, but at most {MAX_TIMES} are allowed"),
+                "write `*` if the number does not matter, or use fewer repetitions",
             );
             return None;
         }
@@ -78,7 +78,7 @@ impl Resolver<'_> {
             self.error(
                 codes::DOMAIN_EMPTY,
                 span,
-                format!("`{times}` allows no number of times"),
+                format!("`{times}` is an empty range"),
                 "write the smaller number first",
             );
             return None;
@@ -88,12 +88,12 @@ impl Resolver<'_> {
     }
 }
 
-/// Returns the number of skills in an expression, with repetitions expanded.
+/// Returns the number of skills in an expression when repetitions are expanded.
 fn size(regex: &Regex) -> u64 {
     match regex {
         Regex::Nothing | Regex::Empty => 0,
         Regex::Letter(_) | Regex::AnyBut(_) => 1,
-        // Each set of called skills continues with each of the others.
+        // The automaton has a transition from each subset for each skill that is not in it.
         Regex::AnyOrder(skills) => {
             let sets = 1_u64.checked_shl(skills.len().saturating_sub(1) as u32);
             sets.unwrap_or(u64::MAX).saturating_mul(skills.len() as u64)

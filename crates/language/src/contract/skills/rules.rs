@@ -1,19 +1,19 @@
-//! Orders: resolves the skills and situations that they mention.
+//! Resolution of orders: the skills and situations that they mention.
 
 use super::{Resolver, level, near_or_all};
 use crate::contract::formula::one_line;
-use crate::contract::scope::double;
+use crate::contract::scope::duplicate_name;
 use crate::order::{Deletion, Event, Kind, Level, Rule};
 use linewright_core::diagnostics::codes;
 use linewright_core::source::Span;
 use linewright_syntax::ast::{self, OrderRule, SkillItem};
 use std::collections::BTreeMap;
 
-/// Maximum count of `at most N`.
-const MOST_COUNT: u64 = 1000;
+/// Maximum N of `at most N`.
+const MAX_COUNT: u64 = 1000;
 
 impl Resolver<'_> {
-    /// Resolves the rules that are free of errors.
+    /// Resolves the orders; omits those with errors, which are reported.
     pub(super) fn rules(&mut self) -> Vec<Rule> {
         let orders = self.set.items.iter().filter_map(|item| match item {
             SkillItem::Order(order) => Some(order),
@@ -25,7 +25,7 @@ impl Resolver<'_> {
             if let Some(name) = &order.name
                 && let Some(first) = names.insert(&name.text, name.span)
             {
-                self.findings.push(double(name, first));
+                self.findings.push(duplicate_name(name, first));
             }
             let level = self.level(order);
             let kind = self.kind(&order.rule);
@@ -37,15 +37,18 @@ impl Resolver<'_> {
             let (Some(kind), Some(level)) = (kind, level) else {
                 continue;
             };
-            let made_up = || format!("order {}", index + 1);
+            let generated = || format!("order {}", index + 1);
             rules.push(Rule {
-                name: order.name.as_ref().map_or_else(made_up, |n| n.text.clone()),
+                name: order
+                    .name
+                    .as_ref()
+                    .map_or_else(generated, |n| n.text.clone()),
                 requirement: order.requirement.clone(),
                 doc: order.doc.clone(),
                 level,
                 kind,
                 deletions,
-                // Without the deletions of a published model.
+                // The span excludes the deletions of a published model.
                 span: Span {
                     end: order.body.end,
                     ..order.span
@@ -58,12 +61,12 @@ impl Resolver<'_> {
 
     fn level(&mut self, order: &ast::Order) -> Option<Level> {
         let word = order.level.as_ref();
-        if let Some(arbitrary) = word.filter(|w| w.text == Level::Arbitrary.word()) {
+        if let Some(arbitrary) = word.filter(|w| w.text == Level::Arbitrary.keyword()) {
             self.error(
                 codes::SKILL,
                 arbitrary.span,
-                "at the level arbitrary nothing is forbidden, so that this order would never be kept",
-                "leave `at arbitrary` out, or write `at reasonable` for what is allowed and makes no sense",
+                "the level arbitrary forbids nothing, so this order would never apply",
+                "remove `at arbitrary`, or write `at reasonable` to forbid calls that are harmless but pointless",
             );
             return None;
         }
@@ -122,12 +125,12 @@ impl Resolver<'_> {
     }
 
     fn at_most(&mut self, (count, span): (u64, Span)) -> Option<u32> {
-        if count > MOST_COUNT {
+        if count > MAX_COUNT {
             self.error(
                 codes::TOO_LARGE,
                 span,
-                format!("an order counts up to {MOST_COUNT} at most"),
-                "count what is counted here in the machine's contract: `counter done: 0..5000 counts ...`",
+                format!("an order can count to at most {MAX_COUNT}"),
+                "count these calls in the machine's contract: `counter done: 0..5000 counts ...`",
             );
             return None;
         }
@@ -135,20 +138,19 @@ impl Resolver<'_> {
     }
 
     fn events(&mut self, events: &[ast::Event]) -> Option<Vec<Event>> {
-        // All of them are resolved, even if the first is wrong.
+        // All events are resolved, to report all findings at once.
         let events: Vec<Option<Event>> = events.iter().map(|e| self.event(e)).collect();
         events.into_iter().collect()
     }
 
     fn event(&mut self, event: &ast::Event) -> Option<Event> {
-        let separate = |a: &str, b: &str| {
-            format!("write a comma between them where either is meant: `{a}, {b}`")
-        };
+        let separate =
+            |a: &str, b: &str| format!("write a comma between them if either is meant: `{a}, {b}`");
         self.at_once(&event.skills, separate).map(Event)
     }
 
-    /// Resolves skills that are called at once, in ascending order: each once, and at most one per
-    /// component.
+    /// Resolves skills that are called at once, in ascending order. Reports two skills of one
+    /// component; `separate` returns the help text for them.
     pub(super) fn at_once(
         &mut self,
         names: &[ast::Name],
@@ -156,27 +158,27 @@ impl Resolver<'_> {
     ) -> Option<Vec<usize>> {
         let found: Vec<Option<usize>> = names.iter().map(|n| self.find(n)).collect();
         let found: Vec<usize> = found.into_iter().collect::<Option<_>>()?;
-        // By component, which is by skill.
-        let mut moved: BTreeMap<usize, usize> = BTreeMap::new();
-        let mut sound = true;
+        // For each component, the position of its skill in `names`.
+        let mut positions: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut is_valid = true;
         for (place, skill) in found.iter().enumerate() {
             let component = self.skills[*skill].component;
-            let Some(first) = moved.insert(component, place) else {
+            let Some(first) = positions.insert(component, place) else {
                 continue;
             };
-            sound = false;
+            is_valid = false;
             let (a, b) = (&names[first], &names[place]);
             let of = &self.components[component].name;
             if a.text == b.text {
                 self.error(
                     codes::SKILL,
                     b.span,
-                    format!("`{}` appears twice in what is called at once", b.text),
-                    "leave one of the two out; `never ... twice in a row` refers to calls one after the other",
+                    format!("`{}` appears twice in one call", b.text),
+                    "remove one of the two; for two calls in a row, write `never ... twice in a row`",
                 );
             } else {
                 let message = format!(
-                    "`{}` and `{}` belong to `{of}`, and are never called at once",
+                    "`{}` and `{}` belong to `{of}`, so they cannot be called at once",
                     a.text, b.text
                 );
                 self.error(
@@ -189,7 +191,7 @@ impl Resolver<'_> {
         }
         let mut skills = found;
         skills.sort_unstable();
-        sound.then_some(skills)
+        is_valid.then_some(skills)
     }
 
     fn deletion(&mut self, deletion: &ast::Deletion) -> Option<Deletion> {
@@ -200,31 +202,32 @@ impl Resolver<'_> {
         })
     }
 
-    /// Resolves situations of several components, in their order.
+    /// Resolves situations of several components, sorted by component. Reports two situations of
+    /// one component.
     fn side(&mut self, situations: &[ast::Situation]) -> Option<Vec<(usize, usize)>> {
         let found: Vec<_> = situations.iter().map(|s| self.situation(s)).collect();
         let found: Vec<(usize, usize)> = found.into_iter().collect::<Option<_>>()?;
         let mut places: BTreeMap<usize, usize> = BTreeMap::new();
-        let mut sound = true;
+        let mut is_valid = true;
         for (place, (component, _)) in found.iter().enumerate() {
             if let Some(first) = places.insert(*component, place) {
-                sound = false;
+                is_valid = false;
                 let (a, b) = (&situations[first], &situations[place]);
                 let message = format!(
-                    "`{}` and `{}` are situations of `{}`, which is in one at a time",
+                    "`{}` and `{}` are situations of `{}`, which is in only one at a time",
                     a.label.text, b.label.text, self.components[*component].name
                 );
                 self.error(
                     codes::SKILL,
                     a.span().to(b.span()),
                     message,
-                    "leave one of the two out, or write two transitions with a comma between them",
+                    "remove one of the two, or write two transitions with a comma between them",
                 );
             }
         }
         let mut sides = found;
         sides.sort_unstable();
-        sound.then_some(sides)
+        is_valid.then_some(sides)
     }
 
     fn situation(&mut self, situation: &ast::Situation) -> Option<(usize, usize)> {
@@ -232,7 +235,7 @@ impl Resolver<'_> {
         let is = |s: &String| *s == label.text;
         if let Some(name) = &situation.component {
             let Some(index) = self.component_index.get(name.text.as_str()).copied() else {
-                self.unknown(name, "component", |r| {
+                self.report_unknown(name, "component", |r| {
                     r.components.iter().map(|c| c.name.as_str()).collect()
                 });
                 return None;
@@ -243,7 +246,7 @@ impl Resolver<'_> {
             }
             let known: Vec<&str> = component.situations.iter().map(String::as_str).collect();
             let help = if known.is_empty() {
-                format!("`{}` is always in the same one: leave it out", name.text)
+                format!("`{}` has no situations: remove it", name.text)
             } else {
                 near_or_all(&label.text, known.into_iter(), "its situations are")
             };
@@ -258,7 +261,7 @@ impl Resolver<'_> {
         match found.as_slice() {
             [one] => Some(*one),
             [] => {
-                self.unknown(label, "situation", |r| {
+                self.report_unknown(label, "situation", |r| {
                     let all = r.components.iter().flat_map(|c| &c.situations);
                     all.map(String::as_str).collect()
                 });
@@ -273,15 +276,15 @@ impl Resolver<'_> {
                     codes::NAME_UNKNOWN,
                     label.span,
                     format!("`{}` is a situation of several components", label.text),
-                    format!("write which one is meant: {}", full.join(" or ")),
+                    format!("write {}", full.join(" or ")),
                 );
                 None
             }
         }
     }
 
-    /// Reports an undeclared name, unless a part that could not be parsed may have declared it.
-    fn unknown(&mut self, name: &ast::Name, what: &str, known: impl Fn(&Self) -> Vec<&str>) {
+    /// Reports an unknown name, unless text that could not be parsed may declare it.
+    fn report_unknown(&mut self, name: &ast::Name, what: &str, known: impl Fn(&Self) -> Vec<&str>) {
         self.tainted = true;
         if self.set.broken {
             return;

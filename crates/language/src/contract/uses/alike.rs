@@ -2,19 +2,20 @@
 //! `desired_angle`).
 //!
 //! Names that share words are common and usually fine: `turn` and `turn_done`, `part` and
-//! `part_ok`, `low` and `low_limit`. So three conditions have to be met for a finding. The two have
-//! the same side and type. The additional words of one only give the kind of thing (`_angle`,
-//! `_value`, `_cmd`), or one abbreviates the other. And they are not used together: no formula
-//! mentions one of them, or each formula mentions only one of the two, although someone who knew
-//! both would add the distinguishing word.
+//! `part_ok`, `low` and `low_limit`. So three conditions have to be met for a finding:
+//!
+//! - Both variables are inputs, outputs or internal, and have the same type.
+//! - The additional words of one name are generic (`_angle`, `_value`, `_cmd`), or one name
+//!   abbreviates the other.
+//! - They are not used together: no formula mentions one of them, or no formula mentions both.
 
 use super::mentions::Mentions;
-use linewright_core::diagnostics::{Diagnostic, codes, related, words};
+use linewright_core::diagnostics::{Diagnostic, codes, word_similarity, words};
 use linewright_core::source::{SourceMap, Span};
 use linewright_syntax::ast::{Contract, ContractItem, Domain, DomainKind, Name, Ownership};
 
-/// Words that only give the kind of thing a name is for.
-const KINDS: &[&str] = &[
+/// Words for quantities; they add no information to the name of a number or label.
+const QUANTITY_WORDS: &[&str] = &[
     "angle",
     "cell",
     "cmd",
@@ -41,15 +42,15 @@ const KINDS: &[&str] = &[
     "weight",
     "width",
 ];
-/// Such words for any type, including truth values.
-const MERE: &[&str] = &[
+/// Words that add no information to the name of any variable.
+const GENERIC_WORDS: &[&str] = &[
     "bit", "flag", "input", "output", "sig", "signal", "state", "status", "val", "value", "var",
     "variable",
 ];
 
-/// Maximum number of variables whose names are compared: more are probably generated, and the
-/// number of pairs grows with the square.
-const MOST_VARIABLES: usize = 1_000;
+/// Maximum number of variables whose names are compared. Larger contracts are probably generated,
+/// and the number of pairs grows quadratically.
+const MAX_VARIABLES: usize = 1_000;
 
 struct Variable<'a> {
     name: &'a Name,
@@ -58,16 +59,16 @@ struct Variable<'a> {
     domain: &'a Domain,
 }
 
-/// Finds the pairs of a contract, each reported at the unused name, or at the later one. `idle`
-/// tells which names are certainly unused.
+/// Returns a finding for each such pair of a contract, at the unused name, or else at the later
+/// one. `is_unused` returns whether a name is certainly unused.
 pub(super) fn find(
     contract: &Contract,
     sources: &SourceMap,
-    idle: impl Fn(&Name) -> bool,
+    is_unused: impl Fn(&Name) -> bool,
 ) -> Vec<Diagnostic> {
     let mut variables: Vec<Variable<'_>> = Vec::new();
     let mut formulas: Vec<Mentions<'_>> = Vec::new();
-    // Which formulas use a definition is not tracked.
+    // Names in definitions and counters; the formulas that use those are not tracked.
     let mut indirect = Mentions::default();
     for item in &contract.items {
         match item {
@@ -91,7 +92,7 @@ pub(super) fn find(
             _ => {}
         }
     }
-    if variables.len() > MOST_VARIABLES {
+    if variables.len() > MAX_VARIABLES {
         return Vec::new();
     }
     let same_type = |a: &Domain, b: &Domain| {
@@ -102,7 +103,7 @@ pub(super) fn find(
     for (i, second) in variables.iter().enumerate() {
         for first in &variables[..i] {
             if first.ownership != second.ownership
-                || !one_thing(first, second)
+                || !seem_equal(first, second)
                 || !same_type(first.domain, second.domain)
             {
                 continue;
@@ -113,7 +114,7 @@ pub(super) fn find(
                 let both = |f: &Mentions<'_>| f.has(&first.name.text) && f.has(&second.name.text);
                 indirect(first) || indirect(second) || formulas.iter().any(both)
             };
-            let (first_idle, second_idle) = (idle(first.name), idle(second.name));
+            let (first_idle, second_idle) = (is_unused(first.name), is_unused(second.name));
             findings.extend(match (first_idle, second_idle) {
                 (true, false) if uses(second) => Some(unused(first.name, second.name)),
                 (false, true) if uses(first) => Some(unused(second.name, first.name)),
@@ -124,26 +125,27 @@ pub(super) fn find(
             });
         }
     }
-    // A third name for the same thing adds nothing.
-    let mut told: Vec<Option<Span>> = Vec::new();
+    // A third name for the same thing is not reported again.
+    let mut shown: Vec<Option<Span>> = Vec::new();
     findings.retain(|f| {
-        let new = !told.contains(&f.span);
-        told.push(f.span);
+        let new = !shown.contains(&f.span);
+        shown.push(f.span);
         new
     });
     findings
 }
 
-fn one_thing(a: &Variable<'_>, b: &Variable<'_>) -> bool {
+/// Returns whether two names differ only in generic words or an abbreviation.
+fn seem_equal(a: &Variable<'_>, b: &Variable<'_>) -> bool {
     let truth = matches!(&a.domain.kind, DomainKind::Named(n) if n.text == "bool");
     let other = a.name.text != b.name.text;
-    let kin = other.then(|| related(&a.words, &b.words)).flatten();
-    kin.is_some_and(|kin| {
-        let mere = |w: &String| {
+    let similarity = other.then(|| word_similarity(&a.words, &b.words)).flatten();
+    similarity.is_some_and(|similarity| {
+        let is_generic = |w: &String| {
             let w = w.as_str();
-            MERE.contains(&w) || !truth && KINDS.contains(&w)
+            GENERIC_WORDS.contains(&w) || !truth && QUANTITY_WORDS.contains(&w)
         };
-        kin.words.iter().all(mere)
+        similarity.words.iter().all(is_generic)
     })
 }
 
@@ -169,9 +171,9 @@ fn mixed(later: &Name, earlier: &Name) -> Diagnostic {
 
 fn finding(at: &Name, other: &Name, message: String) -> Diagnostic {
     Diagnostic::warning(codes::NAMES_ALIKE, at.span, message)
-        .with_label(other.span, "the other one")
+        .with_label(other.span, "the other name")
         .with_help(format!(
-            "if they are one, drop `{}` and write `{}` everywhere; if not, give one a name that says what sets it apart",
+            "if they mean the same, remove `{}` and write `{}` everywhere; otherwise, rename one so that the difference is clear",
             at.text, other.text
         ))
 }

@@ -1,4 +1,4 @@
-//! The names that a piece of a file mentions, without those bound locally.
+//! The names that a part of a file mentions, without those that are bound within it.
 
 use linewright_syntax::ast::{
     self, ContractItem, DomainKind, Expr, ExprKind, Item, LineItem, MachineItem, StationItem,
@@ -6,10 +6,11 @@ use linewright_syntax::ast::{
 };
 use std::collections::BTreeSet;
 
-/// Names that occur, except quantified names and a definition's own parameters.
+/// Names that occur in a part of a file, except quantified names and the parameters of definitions.
 #[derive(Debug, Default)]
 pub(super) struct Mentions<'a> {
     names: BTreeSet<&'a str>,
+    /// Names that are bound at the current position.
     bound: Vec<&'a str>,
 }
 
@@ -18,7 +19,7 @@ impl<'a> Mentions<'a> {
         self.names.contains(name)
     }
 
-    /// Returns whether one of a type's labels occurs: they are written without their type.
+    /// Returns whether a label of a type occurs: labels are written without their type.
     pub fn has_label_of(&self, domain: &ast::Domain) -> bool {
         match &domain.kind {
             DomainKind::Labels(labels) => labels.iter().any(|l| self.has(&l.text)),
@@ -26,7 +27,7 @@ impl<'a> Mentions<'a> {
         }
     }
 
-    /// Marks a name as mentioned.
+    /// Adds a name, unless it is bound at the current position.
     pub fn name(&mut self, name: &'a str) {
         if !self.bound.contains(&name) {
             self.names.insert(name);
@@ -68,7 +69,7 @@ impl<'a> Mentions<'a> {
             }
             DomainKind::Record(members) => members.iter().for_each(|(_, d)| self.domain(d)),
             DomainKind::Named(name) => self.name(&name.text),
-            // A quantifier may range over an array with the name of a unit: `h`.
+            // A quantifier can range over an array with the name of a unit: `h`.
             DomainKind::Unit(name) => self.name(name),
             DomainKind::Labels(_) => {}
         }
@@ -231,7 +232,7 @@ impl<'a> Mentions<'a> {
     pub fn file(&mut self, file: &'a ast::File) {
         for item in &file.items {
             match item {
-                // A set of skills mentions nothing outside of it.
+                // A skill set mentions no names outside of itself.
                 Item::Import(_) | Item::Skills(_) => {}
                 Item::Type(t) => self.domain(&t.domain),
                 Item::Const(c) => self.constant(c),

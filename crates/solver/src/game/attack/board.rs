@@ -8,9 +8,9 @@ use linewright_core::gr1::Timing;
 
 /// The game from the environment's point of view.
 pub(super) struct Board<K: Kernel> {
-    /// The original relations, also for a machine that moves first.
+    /// The game with Mealy timing, so that no inputs are eliminated from the machine's safety.
     pub arena: Arena<K>,
-    /// Which side moves first.
+    /// Timing of the specification.
     pub timing: Timing,
     /// The environment's safety, and its invariants and domains in the next step.
     pub environment: K::Function,
@@ -20,9 +20,9 @@ pub(super) struct Board<K: Kernel> {
 
 /// One iteration of Z.
 pub(super) struct Stage<K: Kernel> {
-    /// Z before it.
+    /// Z before the iteration.
     pub before: K::Function,
-    /// Z after it.
+    /// Z after the iteration.
     pub reached: K::Function,
     /// How a goal is withheld from the machine; `None` for a forced step.
     pub starve: Option<StarvationStrategy<K>>,
@@ -32,14 +32,15 @@ pub(super) struct Stage<K: Kernel> {
 pub(super) struct StarvationStrategy<K: Kernel> {
     /// Index of the goal.
     pub goal: usize,
-    /// For every assumption, the Xs of its least fixpoint: from each, the environment reaches the
-    /// previous one or meets the assumption.
+    /// For every assumption, the successive Xs of its least fixpoint. From each X, the environment
+    /// reaches the previous X, or meets the assumption, or reaches an earlier stage.
     pub layers: Vec<Vec<K::Function>>,
 }
 
 impl<K: Kernel> Board<K> {
+    /// Builds the game with all formulas.
     pub fn new(formulas: &Formulas<K>, timing: Timing) -> Result<Self, Limit> {
-        let arena = formulas.arena_of(&Selection::All, SPLIT, Timing::Mealy)?;
+        let arena = formulas.arena_with_timing(&Selection::All, SPLIT, Timing::Mealy)?;
         let m = &arena.kernel;
         Ok(Self {
             environment: arena.environment_moves()?,
@@ -49,8 +50,8 @@ impl<K: Kernel> Board<K> {
         })
     }
 
-    /// The transitions (x, y, x′, y′) open to the machine that are not in `target`; for a machine
-    /// that moves second, whether it has one (x, y, x′).
+    /// Returns the machine's legal transitions that are not in `target`: (x, y, x′, y′) if the
+    /// machine moves first, otherwise the (x, y, x′) with such an answer.
     pub fn evasions(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         match self.timing {
@@ -59,14 +60,14 @@ impl<K: Kernel> Board<K> {
         }
     }
 
-    /// The environment's moves into `target`: (x, y, x′), or (x, y, y′, x′) if the machine moves
-    /// first.
+    /// Returns the environment's moves that force a transition of `target`: (x, y, x′), or (x, y,
+    /// y′, x′) if the machine moves first.
     pub fn moves(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let m = &self.arena.kernel;
         m.and_not(&self.environment, &self.evasions(target)?)
     }
 
-    /// `EPre`
+    /// Returns `EPre(target)`; see [`super`].
     pub fn predecessor(&self, target: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
         let free = m.not(&self.evasions(target)?)?;
@@ -78,20 +79,23 @@ impl<K: Kernel> Board<K> {
         m.and(&forced, &arena.states)
     }
 
-    /// The environment's choices in step 0 from which it wins in `region`: x, or (x, y) if the
-    /// machine moves first.
-    pub fn beginnings(&self, region: &K::Function) -> Result<K::Function, Limit> {
+    /// Returns the environment's choices in step 0 that force the play into `region`: x, or (x, y)
+    /// if the machine moves first.
+    pub fn winning_starts(&self, region: &K::Function) -> Result<K::Function, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
-        let lost = m.and_not(&arena.sys_initial, region)?;
+        let escapes = m.and_not(&arena.sys_initial, region)?;
         match self.timing {
-            Timing::Mealy => m.and_not(&arena.env_initial, &m.exists(&lost, &arena.outputs_now)?),
-            Timing::Moore => m.and_not(&arena.env_initial, &lost),
+            Timing::Mealy => {
+                m.and_not(&arena.env_initial, &m.exists(&escapes, &arena.outputs_now)?)
+            }
+            Timing::Moore => m.and_not(&arena.env_initial, &escapes),
         }
     }
 
+    /// Whether the environment can force the play into `region` in step 0.
     fn wins_initially(&self, region: &K::Function) -> Result<bool, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
-        let begin = self.beginnings(region)?;
+        let begin = self.winning_starts(region)?;
         Ok(match self.timing {
             Timing::Mealy => !m.is_false(&begin),
             Timing::Moore => {
@@ -101,7 +105,8 @@ impl<K: Kernel> Board<K> {
         })
     }
 
-    /// The stages up to the first from which the environment can start; `None` if there is none.
+    /// Returns the stages up to the first one from which the environment can start; `None` if the
+    /// machine wins.
     pub fn stages(&self) -> Result<Option<Vec<Stage<K>>>, Limit> {
         let (arena, m) = (&self.arena, &self.arena.kernel);
         let mut stages: Vec<Stage<K>> = Vec::new();
@@ -141,9 +146,9 @@ impl<K: Kernel> Board<K> {
         }
     }
 
-    /// States from which a goal can be withheld from the machine for ever, or `region` can be
-    /// reached; with the layers by assumption.
-    #[expect(clippy::type_complexity, reason = "a set and its layers")]
+    /// Returns the states from which the environment can withhold a goal from the machine for ever
+    /// or reach `region`, with the layers by assumption.
+    #[expect(clippy::type_complexity, reason = "a pair of a set and its layers")]
     fn starve(
         &self,
         goal: usize,

@@ -1,27 +1,28 @@
-//! A counterstrategy as explicit states with guards over the machine's outputs.
+//! Converts a counterstrategy to explicit states with guards over the machine's outputs.
 //!
-//! As with strategies ([`crate::game::explore`]), a state is what will be done next: the residual
-//! of the strategy for the known current step, and what is still missing for the pursued
-//! assumption. So if the environment moves first, there are at most as many states as inputs that
-//! it ever gives, times assumptions.
+//! As for strategies ([`crate::game::explore`]), a state is defined by the next behavior: the
+//! residual of the counterstrategy for the current step, and the steps that meet the pursued
+//! assumption. So if the environment moves first, the number of states is at most the number of
+//! different inputs that it gives, times the number of assumptions.
 
 use super::board::Board;
 use super::strategy::Strategy;
 use crate::game::cover::Cover;
-use crate::game::explore::{Explicit, Row};
+use crate::game::explore::{ExplicitStrategy, Row};
 use crate::symbolic::{Bit, Kernel, Limit, Limits};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 use std::collections::{HashMap, VecDeque};
 
 /// Maximum number of rows.
-const MOST_ROWS: usize = 200_000;
+const MAX_ROWS: usize = 200_000;
 
 /// Maximum number of states.
-const MOST_STATES: usize = 20_000;
+const MAX_STATES: usize = 20_000;
 
-/// The upcoming move, over next bits.
+/// A state of the counterstrategy: its next move, over next bits.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Key<F> {
+    /// Index of the pursued assumption.
     aim: usize,
     /// The inputs x′; as a function of the answer y′ if the machine moves first.
     given: F,
@@ -29,17 +30,17 @@ struct Key<F> {
     met: F,
 }
 
-/// A subset of the machine's answers, with the environment's next state.
+/// A set of steps, with the environment's next state.
 struct Class<K: Kernel> {
-    /// The valuations (x, y), as far as the given inputs allow; over current bits.
+    /// The valuations (x, y) of the step that are legal with the given inputs; over current bits.
     step: K::Function,
     to: usize,
 }
 
-/// Given inputs, and the successors for the machine's answers.
+/// The inputs that the environment gives, with the next states by the machine's answers.
 type Step<K> = (Vec<i64>, Vec<Class<K>>);
 
-/// Given inputs, and the bits that represent them.
+/// The inputs that the environment gives, and the bits that encode them.
 type Given = (Vec<i64>, Vec<(Bit, bool)>);
 
 struct Explorer<'a, K: Kernel> {
@@ -48,19 +49,22 @@ struct Explorer<'a, K: Kernel> {
     strategy: &'a Strategy<K>,
     inputs: Vec<VarId>,
     limits: &'a Limits,
+    /// The states.
     keys: Vec<Key<K::Function>>,
-    /// The steps (x′, y′) open to the machine, over next bits.
+    /// For each state, the steps (x′, y′) that are legal for the machine, over next bits.
     legal: Vec<K::Function>,
+    /// Index of each state.
     numbers: HashMap<Key<K::Function>, usize>,
 }
 
-/// Writes a counterstrategy state by state.
+/// Converts a counterstrategy to explicit states. The last state is entered after answers that
+/// break a guarantee.
 pub fn explore<K: Kernel>(
     board: &Board<K>,
     specification: &Specification,
     strategy: &Strategy<K>,
     limits: &Limits,
-) -> Result<Explicit, Limit> {
+) -> Result<ExplicitStrategy, Limit> {
     let m = &board.arena.kernel;
     let mut explorer = Explorer {
         board,
@@ -91,29 +95,30 @@ pub fn explore<K: Kernel>(
     }
 
     let cover = Cover::of_outputs(m, &board.arena.encoding, specification);
-    let mut room = MOST_ROWS;
+    let mut room = MAX_ROWS;
     let mut rows = Vec::new();
     let lost = explorer.keys.len();
     for state in 0..lost {
         rows.push(explorer.rows(state, lost, &cover, &mut room)?);
     }
-    // If every answer breaks a guarantee, nothing more is needed.
+    // After an answer that breaks a guarantee, the environment can give any inputs.
     let given = rows[start].first().map_or(Vec::new(), |r| r.output.clone());
     rows.push(vec![Row {
         cubes: vec![Vec::new()],
         output: given,
         to: lost,
     }]);
-    // The first state is that of step 0; no relevant transition leads back to it.
+    // The first state is that of step 0; no transition leads back to it.
     let initial = rows[start].clone();
-    Ok(trimmed(&Explicit {
+    Ok(remove_unreachable(&ExplicitStrategy {
         initial,
         states: rows,
     }))
 }
 
 impl<K: Kernel> Explorer<'_, K> {
-    /// Returns the state of a key, adds new legal steps to it, and returns whether there were any.
+    /// Finds or creates the state of a key and adds legal steps to it. Returns its index, and
+    /// whether the state or any of the steps are new.
     fn enter(
         &mut self,
         key: Key<K::Function>,
@@ -123,7 +128,7 @@ impl<K: Kernel> Explorer<'_, K> {
         let next = self.keys.len();
         let number = *self.numbers.entry(key.clone()).or_insert(next);
         if number == next {
-            if next >= MOST_STATES {
+            if next >= MAX_STATES {
                 return Err(Limit::Size);
             }
             self.keys.push(key);
@@ -136,7 +141,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok((number, fresh))
     }
 
-    /// For each input given in a state, the successors for the machine's answers.
+    /// Returns, for each input given in a state, the next states by the machine's answers.
     fn steps(&mut self, state: usize) -> Result<Vec<Step<K>>, Limit> {
         let m = self.m;
         let key = self.keys[state].clone();
@@ -152,7 +157,7 @@ impl<K: Kernel> Explorer<'_, K> {
                 if m.is_false(&part) {
                     continue;
                 }
-                // The step becomes the current one.
+                // The next step becomes the current one.
                 let part = m.unprime(&part)?;
                 let now: Vec<(Bit, bool)> = fixed
                     .iter()
@@ -167,7 +172,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(steps)
     }
 
-    /// Splits the current steps by the residuals they lead to.
+    /// Splits the set `part` of current steps by the states to which they lead.
     fn split(
         &mut self,
         aim: usize,
@@ -194,7 +199,7 @@ impl<K: Kernel> Explorer<'_, K> {
         }
         let key = Key {
             aim,
-            // Only steps that may be given matter.
+            // Only steps with the given inputs matter.
             met: m.and(met, &moves)?,
             given: moves,
         };
@@ -207,7 +212,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(())
     }
 
-    /// Adds the legal steps that follow a class. Returns whether any were new.
+    /// Adds the legal steps that follow a class. Returns whether any of them are new.
     fn extend(&mut self, class: &Class<K>) -> Result<bool, Limit> {
         let now = self.board.now();
         let legal = self.m.and_exists(&class.step, &self.board.answers, &now)?;
@@ -215,7 +220,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(self.enter(key, &legal)?.1)
     }
 
-    /// The distinct inputs (x′) of a set of steps, with their bits.
+    /// Returns the different inputs (x′) of a set of steps, with their bits.
     fn given(&self, steps: &K::Function) -> Result<Vec<Given>, Limit> {
         let m = self.m;
         let arena = &self.board.arena;
@@ -234,6 +239,7 @@ impl<K: Kernel> Explorer<'_, K> {
         Ok(found)
     }
 
+    /// Returns the rows of a state. `lost` is the state after answers that break a guarantee.
     fn rows(
         &mut self,
         state: usize,
@@ -256,8 +262,8 @@ impl<K: Kernel> Explorer<'_, K> {
                 });
             }
         }
-        // Answers that break a guarantee: if the machine moves first, the environment needs an
-        // input for them.
+        // Answers that break a guarantee need rows if the machine moves first, since the
+        // environment still gives inputs, or if every answer breaks one.
         let broken = m.and_not(&self.keys[state].given, &self.legal[state])?;
         let everything = m.is_false(&self.legal[state]);
         if everything || self.board.timing == Timing::Moore {
@@ -277,8 +283,8 @@ impl<K: Kernel> Explorer<'_, K> {
     }
 }
 
-/// Removes unreachable states.
-fn trimmed(explicit: &Explicit) -> Explicit {
+/// Removes unreachable states and numbers the others breadth-first.
+fn remove_unreachable(explicit: &ExplicitStrategy) -> ExplicitStrategy {
     let mut numbers: HashMap<usize, usize> = HashMap::new();
     let mut order = Vec::new();
     let mut queue: VecDeque<usize> = explicit.initial.iter().map(|r| r.to).collect();
@@ -298,7 +304,7 @@ fn trimmed(explicit: &Explicit) -> Explicit {
         })
         .collect()
     };
-    Explicit {
+    ExplicitStrategy {
         initial: renumber(&explicit.initial),
         states: order
             .iter()

@@ -1,40 +1,40 @@
-//! How the environment wins a game that the machine loses: the dual of the three-nested fixpoint,
-//! with its record.
+//! Computes how the environment wins a game that the machine loses: the dual of the three-nested
+//! fixpoint, with its stages.
 //!
 //! ```text
 //! Z = μZ. ⋁ⱼ νY. ⋀ᵢ μX. EPre( Z′ ∨ (¬Gⱼ ∧ Y′ ∧ (Aᵢ ∨ X′)) )
 //! ```
 //!
-//! `EPre` holds the states in which the environment has a legal move after which every legal answer
-//! of the machine lies in its argument; this includes states without a legal answer. The set is the
+//! `EPre(T)` is the set of states in which the environment has a legal move after which every legal
+//! answer of the machine is a transition of T; the machine may also have no legal answer. Z is the
 //! complement of the machine's winning region ([`super::fixpoint`]; after Könighofer, Hofferek and
 //! Bloem, "Debugging formal specifications: a practical approach using model-based diagnosis and
-//! counterstrategies", STTT 15, 2013). The steps of Z are kept as [`board::Stage`]s: either one
-//! more forced step, or a goal that can be withheld from the machine for ever while every
-//! assumption's justice is met again and again. The search ends with the first stage from which the
-//! environment can start, so the last stage is the lowest possible.
+//! counterstrategies", STTT 15, 2013). Each iteration of Z is kept as a [`board::Stage`]: either
+//! one more forced step, or a goal that the environment can withhold from the machine for ever
+//! while it meets every justice assumption infinitely often. The search ends with the first stage
+//! from which the environment can start, so the environment wins with the fewest stages.
 
 mod board;
 mod explore;
 mod play;
 mod strategy;
 
-use super::explore::Explicit;
+use super::explore::ExplicitStrategy;
 use super::reference::GuaranteeRef;
 use super::set_up;
 use crate::symbolic::{Kernel, Limit, Limits};
 use board::Board;
 use linewright_core::gr1::{Formula, Specification};
-pub use play::{Ending, Play};
+pub use play::{Ending, Play, PlayEnd};
 
 /// A counterstrategy as plain data, and the play between it and a machine that resists as long as
 /// it can.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attack {
-    /// The counterstrategy. Conditions refer to the machine's outputs by index; the `output` of a
-    /// row is what the environment gives. If the environment moves first, all rows of a state give
-    /// the same.
-    pub explicit: Explicit,
+    /// The counterstrategy. Its roles are swapped: conditions refer to the machine's outputs by
+    /// index, and the `output` of a row has the values of the machine's inputs. If the environment
+    /// moves first, all rows of a state have the same output.
+    pub explicit: ExplicitStrategy,
     /// A play in which the environment wins as early as it can, and the machine resists as long as
     /// it can.
     pub play: Play,
@@ -42,8 +42,9 @@ pub struct Attack {
 
 /// Computes the counterstrategy of a specification, or `None` if the machine wins.
 pub(super) fn attack_on<K: Kernel>(
+    end: PlayEnd,
     specification: &Specification,
-    beginning: &[Formula],
+    start: &[Formula],
     limits: &Limits,
 ) -> Result<Option<Attack>, Limit> {
     let (formulas, _) = set_up::set_up_default::<K>(specification, limits)?;
@@ -54,16 +55,30 @@ pub(super) fn attack_on<K: Kernel>(
     let strategy = strategy::Strategy::new(&board, specification, &stages)?;
     let explicit = explore::explore(&board, specification, &strategy, limits)?;
     let m = formulas.kernel();
-    let mut begin = m.constant(true);
-    for formula in beginning {
-        begin = m.and(&begin, &formulas.encoding().formula(m, &formula.expr)?)?;
+    let mut starting_states = m.constant(true);
+    for formula in start {
+        starting_states = m.and(
+            &starting_states,
+            &formulas.encoding().formula(m, &formula.expr)?,
+        )?;
     }
-    let play = play::play(&board, specification, &formulas, &strategy, &stages, &begin)?;
+    let play = play::play(
+        &board,
+        specification,
+        &formulas,
+        &strategy,
+        &stages,
+        &starting_states,
+        end,
+    )?;
     Ok(Some(Attack { explicit, play }))
 }
 
-/// The specification with only these guarantees.
-pub fn reduced(specification: &Specification, guarantees: &[GuaranteeRef]) -> Specification {
+/// Returns the specification with only these guarantees.
+pub fn select_guarantees(
+    specification: &Specification,
+    guarantees: &[GuaranteeRef],
+) -> Specification {
     use super::reference::GuaranteeKind as Kind;
     let all = &specification.guarantees;
     let keep = |kind: Kind, list: &[linewright_core::gr1::Formula]| {

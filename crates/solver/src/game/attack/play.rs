@@ -1,10 +1,17 @@
-//! The play that shows why a game is lost: the environment wins as early as it can, the machine
-//! resists as long as it can.
+//! Computes a play that shows why a game is lost: the environment wins as early as possible, and
+//! the machine resists as long as possible.
 //!
-//! In every step the machine takes the legal answer that leads to the highest stage, so that a play
-//! that ends in a clash is as long as the machine can make it; among equals it changes the fewest
-//! outputs. The play ends where no answer is legal, and names the guarantees that clash there; or
-//! it returns to an earlier step, and then a goal is withheld from the machine for ever.
+//! In every step, the machine takes a legal answer that leads to the highest stage, so that a play
+//! that ends in a clash is as long as possible. Of several such answers, it prefers those that keep
+//! the value of an output. The play ends in a step without a legal answer, and names the guarantees
+//! that clash there; or it returns to an earlier step, and the environment withholds a goal for
+//! ever.
+//!
+//! A safety guarantee without next values restricts the current step of a transition. So an answer
+//! that violates it is legal, but no step can follow. With [`PlayEnd::Violation`], such an answer
+//! counts as illegal, so that the play ends in the step that violates the guarantee. The machine
+//! does not lose a better answer this way, since the environment never gets stuck in a game that it
+//! wins.
 
 use super::board::{Board, Stage};
 use super::strategy::Strategy;
@@ -21,58 +28,70 @@ pub struct Play {
     /// step of a play that ends in a clash, only the inputs are meaningful; for a machine that
     /// moves first, its outputs too.
     pub steps: Vec<Vec<i64>>,
-    /// How it ends.
+    /// How the play ends.
     pub ending: Ending,
+}
+
+/// The step in which a play ends if it violates a safety guarantee without next values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlayEnd {
+    /// The step that violates the guarantee.
+    Violation,
+    /// The step after the violation, for which no legal move exists.
+    NoMove,
 }
 
 /// How a lost play ends.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
-    /// In the last step no answer keeps all of these guarantees, but some answer keeps any proper
-    /// subset of them.
+    /// In the last step, no answer keeps all of these guarantees, although every proper subset of
+    /// them can be kept.
     Clash(Vec<GuaranteeRef>),
-    /// The play repeats from this step for ever, and never meets this guarantee.
+    /// The play repeats its steps from `from` on for ever and never meets a justice guarantee.
     Starved {
-        /// Index of the step to which it returns.
+        /// Index of the step to which the play returns.
         from: usize,
-        /// The guarantee that is never met.
+        /// The justice guarantee that is never met.
         goal: GuaranteeRef,
     },
 }
 
 impl Play {
-    /// Converts the guarantees of a [reduced](super::reduced) specification to those of the whole;
-    /// `core` lists the ones that were kept.
+    /// Converts references to guarantees of a [reduced](super::select_guarantees) specification
+    /// into references to the original one. `core` lists the selected guarantees in ascending
+    /// order.
     #[must_use]
-    pub fn within(mut self, core: &[GuaranteeRef]) -> Self {
-        let whole = |guarantee: &mut GuaranteeRef| {
-            let mut alike = core.iter().filter(|g| g.kind == guarantee.kind);
-            if let Some(original) = alike.nth(guarantee.index) {
+    pub fn with_original_references(mut self, core: &[GuaranteeRef]) -> Self {
+        let restore = |guarantee: &mut GuaranteeRef| {
+            let mut of_kind = core.iter().filter(|g| g.kind == guarantee.kind);
+            if let Some(original) = of_kind.nth(guarantee.index) {
                 *guarantee = *original;
             }
         };
         match &mut self.ending {
-            Ending::Clash(rules) => rules.iter_mut().for_each(whole),
-            Ending::Starved { goal, .. } => whole(goal),
+            Ending::Clash(rules) => rules.iter_mut().for_each(restore),
+            Ending::Starved { goal, .. } => restore(goal),
         }
         self
     }
 }
 
-/// Computes a play. The machine starts within `beginning` if it can.
+/// Computes a play. The machine starts in a state of `start` if possible.
 pub fn play<K: Kernel>(
     board: &Board<K>,
     specification: &Specification,
     formulas: &Formulas<K>,
     strategy: &Strategy<K>,
     stages: &[Stage<K>],
-    beginning: &K::Function,
+    start: &K::Function,
+    end: PlayEnd,
 ) -> Result<Play, Limit> {
     let player = Player {
         board,
         m: &board.arena.kernel,
         specification,
         stages,
+        end,
     };
     let mut steps: Vec<Vec<i64>> = Vec::new();
     let mut seen: Vec<(usize, Vec<i64>)> = Vec::new();
@@ -81,16 +100,18 @@ pub fn play<K: Kernel>(
     // Moves of the upcoming step, over next bits, and the legal ones among them.
     let mut given = m.prime(&strategy.initial)?;
     let mut legal = m.prime(&board.arena.sys_initial)?;
-    let wished = m.and(&legal, &m.prime(beginning)?)?;
-    if !m.is_false(&m.and(&given, &wished)?) {
-        legal = wished;
+    let current_safety = player.current_safety(formulas)?;
+    let kept = m.all(current_safety.iter().map(|(_, f)| f))?;
+    let preferred = m.and(&legal, &m.prime(start)?)?;
+    if !m.is_false(&m.and(&given, &preferred)?) {
+        legal = preferred;
     }
     let mut met = m.constant(false);
     loop {
         m.limits().check_time()?;
-        let possible = m.and(&given, &legal)?;
-        let Some(step) = player.resist(&possible, steps.last())? else {
-            let bits = player.offered(&given, steps.last())?;
+        let possible = m.all([&given, &legal, &kept])?;
+        let Some(step) = player.best_step(&possible, steps.last())? else {
+            let bits = player.last_step(&given, steps.last())?;
             let last = player.valuation(&bits);
             let clash = player.clash(formulas, steps.last(), &last)?;
             steps.push(last);
@@ -125,11 +146,13 @@ struct Player<'a, K: Kernel> {
     m: &'a K,
     specification: &'a Specification,
     stages: &'a [Stage<K>],
+    end: PlayEnd,
 }
 
 impl<K: Kernel> Player<'_, K> {
-    /// Among these steps, over next bits, the one with which the machine holds out longest.
-    fn resist(
+    /// Returns the step, of these steps over next bits, with which the machine resists longest;
+    /// `None` if there are no steps.
+    fn best_step(
         &self,
         possible: &K::Function,
         before: Option<&Vec<i64>>,
@@ -148,15 +171,15 @@ impl<K: Kernel> Player<'_, K> {
             }
         }
         for output in self.specification.outputs() {
-            best = self.quiet(best, output, before)?;
+            best = self.keep_value(best, output, before)?;
         }
         let bits = m.witness(&best).unwrap_or_default();
         Ok(Some(self.valuation(&bits)))
     }
 
-    /// For each variable, restricts moves to those that do not change it, or else to those that set
-    /// its smallest value, if there are any.
-    fn quiet(
+    /// Restricts moves to those that keep the value of `variable`, or else to those that give it
+    /// the smallest possible value.
+    fn keep_value(
         &self,
         moves: K::Function,
         variable: VarId,
@@ -181,18 +204,45 @@ impl<K: Kernel> Player<'_, K> {
         Ok(moves)
     }
 
-    /// What is given when no answer is legal; for a machine that moves first, with its quietest
-    /// answer.
-    fn offered(&self, given: &K::Function, before: Option<&Vec<i64>>) -> Result<Vec<bool>, Limit> {
+    /// Returns the safety guarantees without next values, as conditions on the next step: a play
+    /// can continue after a step only if the step keeps them. Returns none for a machine that moves
+    /// first, since the inputs can then decide whether a step keeps them, and none for
+    /// [`PlayEnd::NoMove`].
+    fn current_safety(
+        &self,
+        formulas: &Formulas<K>,
+    ) -> Result<Vec<(GuaranteeRef, K::Function)>, Limit> {
+        if self.end == PlayEnd::NoMove || self.board.timing == Timing::Moore {
+            return Ok(Vec::new());
+        }
+        let safety = &self.specification.guarantees.safety;
+        let mut found = Vec::new();
+        for (guarantee, function) in formulas.step_guarantees(false)? {
+            if guarantee.kind == GuaranteeKind::Safety
+                && !safety[guarantee.index].expr.mentions_next()
+            {
+                found.push((guarantee, self.m.prime(&function)?));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Returns the valuation of the last step if no answer is legal; its outputs keep their values
+    /// where possible.
+    fn last_step(
+        &self,
+        given: &K::Function,
+        before: Option<&Vec<i64>>,
+    ) -> Result<Vec<bool>, Limit> {
         let m = self.m;
         let mut moves = m.and(given, &m.prime(&self.domains()?)?)?;
         for output in self.specification.outputs() {
-            moves = self.quiet(moves, output, before)?;
+            moves = self.keep_value(moves, output, before)?;
         }
         Ok(m.witness(&moves).unwrap_or_default())
     }
 
-    /// Every output has a value in its domain.
+    /// Returns the valuations in which every output has a value in its domain.
     fn domains(&self) -> Result<K::Function, Limit> {
         let (m, encoding) = (self.m, &self.board.arena.encoding);
         let mut within = m.constant(true);
@@ -202,7 +252,7 @@ impl<K: Kernel> Player<'_, K> {
         Ok(within)
     }
 
-    /// A minimal set of guarantees that no answer keeps together.
+    /// Returns a minimal set of guarantees that no answer keeps together in the last step.
     fn clash(
         &self,
         formulas: &Formulas<K>,
@@ -234,8 +284,12 @@ impl<K: Kernel> Player<'_, K> {
                 );
             }
         }
+        let mut rules = formulas.step_guarantees(before.is_none())?;
+        let current_safety = self.current_safety(formulas)?;
+        rules.retain(|(guarantee, _)| current_safety.iter().all(|(g, _)| g != guarantee));
+        rules.extend(current_safety);
         let mut left = Vec::new();
-        for (guarantee, function) in formulas.rules(before.is_none())? {
+        for (guarantee, function) in rules {
             left.push((guarantee, m.restrict(&function, &fixed)?));
         }
         left.retain(|(_, f)| !m.is_true(f));
@@ -254,7 +308,7 @@ impl<K: Kernel> Player<'_, K> {
         Ok(left.into_iter().map(|(guarantee, _)| guarantee).collect())
     }
 
-    /// The goal withheld from the machine in a state.
+    /// Returns the goal that the environment withholds from the machine in a state.
     fn goal(&self, state: &[i64]) -> Result<GuaranteeRef, Limit> {
         let m = self.m;
         let cube = self.cube(state, Time::Now)?;
@@ -267,7 +321,7 @@ impl<K: Kernel> Player<'_, K> {
                 });
             }
         }
-        unreachable!("a play left what the environment wins; please report this")
+        unreachable!("the play left the environment's winning region; please report this")
     }
 
     fn valuation(&self, bits: &[bool]) -> Vec<i64> {
@@ -290,7 +344,7 @@ impl<K: Kernel> Player<'_, K> {
 }
 
 impl<K: Kernel> Board<K> {
-    /// Bits of the current step.
+    /// Returns the bits of the current step.
     pub fn now(&self) -> BitSet {
         let arena = &self.arena;
         BitSet::new(arena.inputs_now.iter().chain(arena.outputs_now.iter()))

@@ -1,10 +1,10 @@
-//! From the stages of a lost game to a function: what the environment gives, by state and pursued
-//! assumption.
+//! Computes a deterministic counterstrategy from the stages of a lost game: the inputs that the
+//! environment gives, by state and pursued assumption.
 //!
-//! In a forced step it moves into the stage below. Where it withholds a goal from the machine, it
-//! moves into the layer below for the pursued assumption; when that assumption's justice is met, it
-//! pursues the next one. Among several moves it takes the one that changes the fewest inputs, one
-//! input after the other; otherwise the smallest values.
+//! In a stage with a forced step, the environment moves into an earlier stage. In a stage that
+//! withholds a goal from the machine, it moves into an earlier layer of the pursued assumption;
+//! when that assumption is met, it pursues the next one. Of several moves, it prefers those that
+//! keep the value of an input, one input after the other, and then those with the smallest values.
 
 use super::board::{Board, Stage};
 use crate::symbolic::{BitSet, Kernel, Limit};
@@ -12,16 +12,17 @@ use linewright_core::gr1::{Specification, Time};
 
 /// A deterministic counterstrategy.
 pub struct Strategy<K: Kernel> {
-    /// For every assumption that may be pursued, the moves: (x, y, x′), or (x, y, y′, x′) if the
+    /// The moves for every assumption that can be pursued: (x, y, x′), or (x, y, y′, x′) if the
     /// machine moves first.
     pub moves: Vec<K::Function>,
-    /// For each assumption, the transitions after which the next one is pursued.
+    /// For each assumption, the transitions that meet it, after which the next one is pursued.
     pub met: Vec<K::Function>,
     /// Moves in step 0, over current bits: x, or (x, y) if the machine moves first.
     pub initial: K::Function,
 }
 
 impl<K: Kernel> Strategy<K> {
+    /// Computes the counterstrategy from all stages.
     pub fn new(
         board: &Board<K>,
         specification: &Specification,
@@ -43,7 +44,7 @@ impl<K: Kernel> Strategy<K> {
             Some(stage) => stage.reached.clone(),
             None => m.constant(false),
         };
-        let begin = board.beginnings(&region)?;
+        let begin = board.winning_starts(&region)?;
         Ok(Self {
             moves,
             met: if starves {
@@ -55,14 +56,15 @@ impl<K: Kernel> Strategy<K> {
         })
     }
 
-    /// The assumption pursued after the one that was met.
+    /// Returns the assumption that is pursued after `aim` was met.
     pub fn after(&self, aim: usize) -> usize {
         (aim + 1) % self.moves.len()
     }
 }
 
 impl<K: Kernel> Stage<K> {
-    /// The moves from the states `fresh` of this stage that make progress.
+    /// Returns the moves from the states `fresh` of this stage that make progress while assumption
+    /// `aim` is pursued.
     fn moves(
         &self,
         board: &Board<K>,
@@ -90,6 +92,8 @@ impl<K: Kernel> Stage<K> {
     }
 }
 
+/// Restricts moves to one per state: inputs keep their value where possible, and otherwise take the
+/// smallest possible value.
 fn choose<K: Kernel>(
     board: &Board<K>,
     specification: &Specification,
@@ -103,6 +107,7 @@ fn choose<K: Kernel>(
     smallest(board, specification, relation, Time::Next)
 }
 
+/// Restricts the relation to the smallest current or next inputs, one input after the other.
 fn smallest<K: Kernel>(
     board: &Board<K>,
     specification: &Specification,
@@ -122,15 +127,15 @@ fn smallest<K: Kernel>(
     Ok(relation)
 }
 
-/// Restricts the relation to moves that satisfy `wish` wherever there is one.
+/// Restricts the relation to moves that satisfy `preferred`, wherever there are any.
 fn prefer<K: Kernel>(
     board: &Board<K>,
     relation: &K::Function,
-    wish: &K::Function,
+    preferred: &K::Function,
     chosen: &BitSet,
 ) -> Result<K::Function, Limit> {
     let m = &board.arena.kernel;
-    let wished = m.and(relation, wish)?;
-    let possible = m.exists(&wished, chosen)?;
-    m.or(&wished, &m.and_not(relation, &possible)?)
+    let satisfying = m.and(relation, preferred)?;
+    let possible = m.exists(&satisfying, chosen)?;
+    m.or(&satisfying, &m.and_not(relation, &possible)?)
 }

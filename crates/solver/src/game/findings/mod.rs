@@ -1,19 +1,19 @@
-//! Checks of the assumptions: contradictions, dead ends, and whether the machine can win by forcing
-//! a violation. In [`shape`]: guarantees that demand less than they seem to.
+//! Examines the assumptions: contradictions, dead ends, and whether the machine can win by forcing
+//! a violation. [`shape`] finds guarantees that demand less than they seem to.
 //!
 //! A specification is *well-separated* (Klein and Pnueli; Maoz and Ringert, "On well-separation of
 //! GR(1) specifications", FSE 2016) when the machine cannot force the environment to violate its
 //! assumptions. Only then does "safety first, strictly" equal the plain implication. The check is
 //! the same game with the machine's justice replaced by `false`, played from the states that can
-//! occur. As in that paper, it is made twice: for a machine that always keeps its own safety, and
-//! for an unrestricted one, which shows whether the assumptions are meaningful by themselves.
+//! occur. As in that paper, it is done twice: for a machine that keeps its own safety, and for an
+//! unrestricted one, which shows whether the assumptions are well-separated on their own.
 
 pub mod requests;
 pub mod shape;
 
 use super::arena::{Arena, Formulas, Selection};
 use super::fixpoint::winning_states;
-use super::lasting::together;
+use super::lasting::cooperating;
 use super::reachable::{self, reachable};
 use super::reference::{AssumptionRef, GuaranteeKind};
 use super::set_up::SPLIT;
@@ -21,40 +21,43 @@ use crate::symbolic::{Bit, Kernel, Limit};
 use linewright_core::gr1::{Specification, Time, VarId};
 use serde::{Deserialize, Serialize};
 
-/// The values of the variables of a specification, in its order. `None`: every value of the
-/// variable will do, given the others.
-pub type Situation = Vec<Option<i64>>;
+/// A set of valuations: the values of the variables in the order of the specification, `None` for a
+/// variable that can have any value.
+pub type PartialValuation = Vec<Option<i64>>;
 
-/// What is odd about the environment's side.
+/// Findings about the assumptions of a specification.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnvironmentFindings {
-    /// The environment's initial conditions and invariants contradict each other: every machine is
-    /// correct.
+    /// Whether the environment's initial conditions and invariants contradict each other. If so,
+    /// every machine is correct, and the other fields are empty.
     pub cannot_start: bool,
-    /// A first valuation after which the environment has no move.
-    pub stuck_at_start: Option<Situation>,
+    /// A valuation of step 0 after which the environment has no move.
+    pub stuck_at_start: Option<PartialValuation>,
     /// A valuation that can occur while both sides keep their safety, after which the environment
     /// has no move.
-    pub dead_end: Option<Situation>,
+    pub dead_end: Option<PartialValuation>,
     /// A valuation that can occur while both sides keep their safety, from which the machine can
-    /// keep its safety and force the environment to break an assumption. `None`: the specification
-    /// is well-separated.
-    pub forced: Option<Situation>,
-    /// In how many of the valuations that can occur it can do so, and how many can occur.
+    /// keep its safety and force the environment to break an assumption; `None` if the
+    /// specification is well-separated.
+    pub forced: Option<PartialValuation>,
+    /// Number of valuations that can occur and from which the machine can do so, and number of all
+    /// valuations that can occur.
     pub forced_states: [f64; 2],
-    /// The same for a machine that need not keep its safety: a valuation that can occur then.
-    pub forced_recklessly: Option<Situation>,
-    /// See [`Self::forced_recklessly`].
+    /// Like [`Self::forced`], for a machine that need not keep its safety.
+    pub forced_recklessly: Option<PartialValuation>,
+    /// Like [`Self::forced_states`], for a machine that need not keep its safety.
     pub forced_recklessly_states: [f64; 2],
-    /// Assumptions that can each be broken alone in this way.
+    /// Assumptions that the machine can force the environment to break even if they are the only
+    /// one.
     pub broken: Vec<AssumptionRef>,
-    /// No play keeps all assumptions, even with a cooperating machine that ignores its guarantees.
+    /// Whether no play keeps all assumptions, even with a cooperating machine that ignores its
+    /// guarantees.
     pub unsatisfiable: bool,
 }
 
 impl EnvironmentFindings {
     /// Whether the machine can never force the environment to break an assumption.
-    pub fn well_separated(&self) -> bool {
+    pub fn is_well_separated(&self) -> bool {
         !self.cannot_start && self.forced.is_none()
     }
 }
@@ -115,7 +118,7 @@ pub fn examine<K: Kernel>(
         goals: vec![m.constant(true)],
         ..reckless
     };
-    let hopeless = m.is_false(&m.and(&first, &together(&helped)?)?);
+    let hopeless = m.is_false(&m.and(&first, &cooperating(&helped)?)?);
 
     let situation = |set: &K::Function, within: &K::Function| {
         prime_implicant(arena, specification, set, within)
@@ -137,15 +140,15 @@ pub fn examine<K: Kernel>(
     })
 }
 
-/// A prime implicant of a set within a larger one: the fewest values, none of which can be left
-/// out, that together ensure that a state of the larger set belongs to the smaller. Variables are
-/// left out greedily, internal ones first.
+/// Returns a prime implicant of a set within a larger one: values that ensure that a state of the
+/// larger set belongs to the smaller one, none of which can be left out. Variables are left out
+/// greedily, internal ones first. `None` if the set is empty.
 fn prime_implicant<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     set: &K::Function,
     within: &K::Function,
-) -> Result<Option<Situation>, Limit> {
+) -> Result<Option<PartialValuation>, Limit> {
     let (m, encoding) = (&arena.kernel, &arena.encoding);
     let Some(bits) = m.witness(set) else {
         return Ok(None);
@@ -153,7 +156,7 @@ fn prime_implicant<K: Kernel>(
     let outside = m.and_not(within, set)?;
     let variables = &specification.variables;
     let ids = || (0..variables.len()).map(|i| VarId(i as u32));
-    let mut values: Situation = ids()
+    let mut values: PartialValuation = ids()
         .map(|v| Some(encoding.value(v, Time::Now, &bits)))
         .collect();
     let (internal, seen): (Vec<VarId>, Vec<VarId>) =
@@ -172,7 +175,7 @@ fn prime_implicant<K: Kernel>(
     Ok(Some(values))
 }
 
-/// The states from which the machine can make the environment break an assumption.
+/// Returns the states from which the machine can force the environment to break an assumption.
 fn forcing<K: Kernel>(arena: &Arena<K>) -> Result<K::Function, Limit> {
     winning_states(&Arena {
         goals: vec![arena.kernel.constant(false)],

@@ -1,9 +1,9 @@
-//! Checks whether an accepted request is always completed.
+//! Finds requests that need not be completed.
 //!
 //! A contract declares a request in one of two ways. It assumes that the request is held until it
 //! is done, `always (R and not D -> next R)`, where D is an output; or it has an output
-//! `turn_executed` or `turn_done` for an input that has the value `turn`. The property is
-//! `always eventually (not R or D)`: does every controller ensure it, can one, or none?
+//! `turn_executed` or `turn_done` for an input that has a value `turn`. The checked property is
+//! `always eventually (not R or D)`: whether all controllers ensure it, some, or none.
 
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
@@ -16,27 +16,28 @@ use serde::{Deserialize, Serialize};
 /// A request that need not be completed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Request {
-    /// Condition under which it is pending; over current values.
+    /// Condition under which the request is present; over current values.
     pub request: Expr,
-    /// Condition under which it is done; over current values.
+    /// Condition under which the request is done; over current values.
     pub done: Expr,
     /// The output that signals completion.
     pub output: VarId,
-    /// The assumption that it is held, if that declares it.
+    /// The assumption that the request is held; `None` if the output's name declares the request.
     pub held_by: Option<AssumptionRef>,
-    /// Whether some controller can ensure completion. If none can, it is completed only by chance.
+    /// Whether some controller can ensure completion.
     pub enforceable: bool,
 }
 
-/// Declared requests that need not be completed.
-pub fn open<K: Kernel>(
+/// Returns the declared requests that some controller leaves uncompleted. `reached` and `moves` are
+/// the states and steps that can occur.
+pub fn uncompleted<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     reached: &K::Function,
     moves: &K::Function,
 ) -> Result<Vec<Request>, Limit> {
     let m = &arena.kernel;
-    let mut open = Vec::new();
+    let mut found = Vec::new();
     for mut request in declared(specification) {
         let up = arena.encoding.formula(m, &request.request)?;
         let done = arena.encoding.formula(m, &request.done)?;
@@ -44,23 +45,23 @@ pub fn open<K: Kernel>(
         if m.is_false(&m.and(reached, &waiting)?) {
             continue;
         }
-        // A play of some controller that waits for ever and yet keeps all justice.
+        // Without a play that waits for ever and keeps all justice, every controller completes it.
         if m.is_false(&m.and(reached, &lasting(arena, moves, &waiting)?)?) {
             continue;
         }
         let mut goals = arena.goals.clone();
         goals.push(m.not(&waiting)?);
-        let asked = Arena {
+        let demanding = Arena {
             goals,
             ..arena.clone()
         };
-        request.enforceable = asked.wins_initially(&winning_states(&asked)?)?;
-        open.push(request);
+        request.enforceable = demanding.wins_initially(&winning_states(&demanding)?)?;
+        found.push(request);
     }
-    Ok(open)
+    Ok(found)
 }
 
-/// The requests that a specification declares.
+/// Returns the requests that a specification declares.
 fn declared(specification: &Specification) -> Vec<Request> {
     let mut found: Vec<Request> = Vec::new();
     for (assumption, formula) in all(&specification.assumptions) {
@@ -114,7 +115,7 @@ fn declared(specification: &Specification) -> Vec<Request> {
     found
 }
 
-/// The request and the output of `R and not D -> next R`.
+/// Returns R and the output D of a formula `R and not D -> next R`.
 fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
     let Expr::Binary(BinaryOp::Implies, before, after) = expr else {
         return None;
@@ -136,15 +137,15 @@ fn held(specification: &Specification, expr: &Expr) -> Option<(Expr, VarId)> {
             other => request.push(other.clone()),
         }
     }
-    let asked = after.conjuncts();
-    // All of it is held. If only a part were, that part could stay while the request changes.
+    let held_parts = after.conjuncts();
+    // All of R must be held. If only a part of R is held, the request can change.
     let kept = |r: &Expr| {
         let mut of_inputs = true;
         r.for_each_var(&mut |v, t| {
             of_inputs &= t == Time::Now && specification.variable(v).owner == Owner::Environment;
         });
         let next = r.substitute(&mut |v, _| Expr::next(v));
-        of_inputs && asked.contains(&&next)
+        of_inputs && held_parts.contains(&&next)
     };
     if !request.iter().all(kept) {
         return None;

@@ -1,11 +1,11 @@
-//! Finds where a realizable specification demands less than it seems to.
+//! Finds places where a realizable specification demands less than it seems to.
 //!
-//! Everything is evaluated on the plays that can occur: those in which the environment keeps its
+//! Formulas are evaluated on the plays that can occur: those in which the environment keeps its
 //! safety and the machine stays in its winning region, as every controller does. What never occurs
-//! in them occurs under no controller.
+//! in such a play occurs under no controller.
 
 use super::requests::{self, Request};
-use super::{Situation, prime_implicant};
+use super::{PartialValuation, prime_implicant};
 use crate::game::arena::Arena;
 use crate::game::fixpoint::winning_states;
 use crate::game::reachable::reachable;
@@ -18,77 +18,85 @@ use linewright_core::gr1::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Where a specification demands less than it seems to.
+/// Places where a specification demands less than it seems to.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Shape {
-    /// Guarantees that cannot be broken: the domains and the assumptions about steps ensure them.
+pub struct WeaknessFindings {
+    /// Guarantees that cannot be broken, because the domains and the assumptions other than justice
+    /// ensure them.
     pub unbreakable: Vec<GuaranteeRef>,
     /// Guarantees `P -> Q` whose P never holds.
     pub unreachable: Vec<GuaranteeRef>,
-    /// Assumptions `P -> Q` whose P never holds: they promise nothing.
+    /// Assumptions `P -> Q` whose P never holds, so that they have no effect.
     pub unneeded: Vec<AssumptionRef>,
-    /// Outputs that no guarantee restricts, although some formula mentions them.
+    /// Outputs that no guarantee restricts although some formula mentions them.
     pub unconstrained: Vec<VarId>,
-    /// Outputs that have one value in every play.
+    /// Outputs that never change in any play, with their value.
     pub constant: Vec<(VarId, i64)>,
-    /// Outputs without a frame.
+    /// Outputs that are undetermined in some situations.
     pub unframed: Vec<UnframedOutput>,
-    /// Whether a machine that never changes an output keeps everything.
+    /// Whether a machine that never changes an output keeps all guarantees, although the
+    /// specification has justice formulas.
     pub idle: bool,
     /// Requests that need not be completed.
     pub requests: Vec<Request>,
 }
 
-/// An output that may take any value in some situation, although a guarantee determines it in
+/// An output that can take any value in some situation, although a guarantee determines it in
 /// others.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UnframedOutput {
     /// The output.
     pub variable: VarId,
-    /// Current values after which its next one is free.
-    pub situation: Situation,
-    /// A guarantee that determines its next value elsewhere.
+    /// Current values after which the next value of the output is free.
+    pub situation: PartialValuation,
+    /// A guarantee that determines the next value of the output in other situations.
     pub fixed_by: GuaranteeRef,
 }
 
-/// Finds all of these. `region` is the winning region.
-pub fn shape<K: Kernel>(
+/// Finds the places where a specification demands less than it seems to; `region` is the winning
+/// region.
+pub fn find_weaknesses<K: Kernel>(
     arena: &Arena<K>,
     specification: &Specification,
     region: &K::Function,
-) -> Result<Shape, Limit> {
-    let look = Look::new(arena, specification, region)?;
-    Ok(Shape {
-        unbreakable: look.unbreakable()?,
-        unreachable: look.unreachable(&specification.guarantees)?,
-        unneeded: look.unreachable(&specification.assumptions)?,
-        unconstrained: look.unconstrained()?,
-        constant: look.constant()?,
-        unframed: look.unframed()?,
-        idle: look.idle()?,
-        requests: requests::open(arena, specification, &look.reached, &look.moves)?,
+) -> Result<WeaknessFindings, Limit> {
+    let inspection = Inspection::new(arena, specification, region)?;
+    Ok(WeaknessFindings {
+        unbreakable: inspection.unbreakable()?,
+        unreachable: inspection.unreachable(&specification.guarantees)?,
+        unneeded: inspection.unreachable(&specification.assumptions)?,
+        unconstrained: inspection.unconstrained()?,
+        constant: inspection.constant()?,
+        unframed: inspection.unframed()?,
+        idle: inspection.idle()?,
+        requests: requests::uncompleted(
+            arena,
+            specification,
+            &inspection.reached,
+            &inspection.moves,
+        )?,
     })
 }
 
-struct Look<'a, K: Kernel> {
+struct Inspection<'a, K: Kernel> {
     arena: &'a Arena<K>,
     m: &'a K,
     specification: &'a Specification,
     /// The states that can occur.
     reached: K::Function,
-    /// Steps possible from any state: the environment's moves, with answers that stay in the
-    /// winning region.
+    /// All steps from any state: moves of the environment with answers that stay in the winning
+    /// region.
     moves: K::Function,
 }
 
-impl<'a, K: Kernel> Look<'a, K> {
+impl<'a, K: Kernel> Inspection<'a, K> {
     fn new(
         arena: &'a Arena<K>,
         specification: &'a Specification,
         region: &K::Function,
     ) -> Result<Self, Limit> {
         let m = &arena.kernel;
-        let (reached, moves) = occurring(arena, region)?;
+        let (reached, moves) = reachable_play(arena, region)?;
         Ok(Self {
             arena,
             m,
@@ -107,7 +115,8 @@ impl<'a, K: Kernel> Look<'a, K> {
         all(&self.specification.guarantees)
     }
 
-    /// By kind of formula, what both sides' domains and the environment's rules allow.
+    /// Returns the guarantees that hold in all states or steps that the domains of both sides and
+    /// the environment's initial conditions, invariants and safety allow.
     fn unbreakable(&self) -> Result<Vec<GuaranteeRef>, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut domains = m.constant(true);
@@ -137,12 +146,12 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// The steps that can occur.
+    /// Returns the steps that can occur.
     fn steps(&self) -> Result<K::Function, Limit> {
         self.m.and(&self.reached, &self.moves)
     }
 
-    /// Formulas of a side whose condition never holds.
+    /// Returns the formulas of a side that have a conjunct whose condition never holds.
     fn unreachable(&self, side: &Side) -> Result<Vec<GuaranteeRef>, Limit> {
         let m = self.m;
         let steps = self.steps()?;
@@ -163,7 +172,7 @@ impl<'a, K: Kernel> Look<'a, K> {
             }
             let mut never = false;
             for antecedent in antecedents {
-                // If the plant has no step, what holds now still counts.
+                // A condition on current values also counts in states without a next step.
                 let among = if antecedent.mentions_next() || guarantee.kind == Kind::Initial {
                     among
                 } else {
@@ -179,7 +188,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// The outputs in the machine's interface.
+    /// Returns the outputs in the machine's interface that have more than one value.
     fn outputs(&self) -> impl Iterator<Item = VarId> {
         let specification = self.specification;
         specification.outputs().filter(|v| {
@@ -204,8 +213,8 @@ impl<'a, K: Kernel> Look<'a, K> {
             let mut restricted = false;
             for (_, formula) in self.guarantees() {
                 let function = self.encode(&formula.expr)?;
-                restricted |= self.matters(&function, v, Time::Now)?
-                    || self.matters(&function, v, Time::Next)?;
+                restricted |= self.affects(&function, v, Time::Now)?
+                    || self.affects(&function, v, Time::Next)?;
             }
             if !restricted {
                 found.push(v);
@@ -214,8 +223,8 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(found)
     }
 
-    /// Whether the value of a variable makes a difference to a formula.
-    fn matters(&self, function: &K::Function, v: VarId, time: Time) -> Result<bool, Limit> {
+    /// Whether the value of a variable affects a function, within the domains.
+    fn affects(&self, function: &K::Function, v: VarId, time: Time) -> Result<bool, Limit> {
         let (m, encoding) = (self.m, &self.arena.encoding);
         let bits = encoding.bit_set([v], time);
         let mut domains = m.constant(true);
@@ -275,23 +284,23 @@ impl<'a, K: Kernel> Look<'a, K> {
             let others = arena.outputs_next.iter();
             let others = BitSet::new(others.filter(|bit| !own.contains(*bit)));
             let within = arena.encoding.in_domain(m, v, Time::Next)?;
-            // Formulas about its next value impose nothing here, whatever the other variables are
-            // ...
-            let mut said = domains.clone();
+            // A situation counts if formulas about the next value of the output never restrict it
+            // there, for any values of the other outputs ...
+            let mut allowed = domains.clone();
             for (_, formula) in &setting {
-                said = m.and(&said, &self.encode(&formula.expr)?)?;
+                allowed = m.and(&allowed, &self.encode(&formula.expr)?)?;
             }
-            let possible = m.and(&m.exists(&said, &own)?, &domains)?;
-            let bound = m.exists(&m.and_not(&possible, &said)?, &arena.outputs_next)?;
-            // ... and each value is part of some answer.
+            let possible = m.and(&m.exists(&allowed, &own)?, &domains)?;
+            let bound = m.exists(&m.and_not(&possible, &allowed)?, &arena.outputs_next)?;
+            // ... and if each value of the output is part of some legal answer.
             let answered = m.exists(&answers, &others)?;
             let missing = m.exists(&m.and_not(&within, &answered)?, &own)?;
             let free = m.and_not(&m.and_not(&here, &bound)?, &missing)?;
             let Some(situation) = prime_implicant(arena, self.specification, &free, &here)? else {
                 continue;
             };
-            let fixer = self.fixer(v, &setting, &here)?;
-            if let Some(fixed_by) = fixer
+            let fixed_by = self.determining_guarantee(v, &setting, &here)?;
+            if let Some(fixed_by) = fixed_by
                 && self.wins_framed(v, &free)?
             {
                 found.push(UnframedOutput {
@@ -305,7 +314,7 @@ impl<'a, K: Kernel> Look<'a, K> {
     }
 
     /// Whether the machine still wins if an output keeps its value wherever it is free. If it does
-    /// not, the author intends a choice.
+    /// not, the choice is intended.
     fn wins_framed(&self, v: VarId, free: &K::Function) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut frame = m.or(&m.not(free)?, &arena.encoding.unchanged(m, v)?)?;
@@ -315,22 +324,22 @@ impl<'a, K: Kernel> Look<'a, K> {
         self.wins_with(vec![frame])
     }
 
-    /// Whether the machine wins with these additional rules.
+    /// Whether the machine wins under additional safety.
     fn wins_with(&self, more: Vec<K::Function>) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let mut parts: Vec<K::Function> = arena.system.parts().cloned().collect();
         parts.extend(more);
-        let ruled = Arena {
+        let restricted = Arena {
             system: Relation::new(m, &parts, &arena.outputs_next, SPLIT, arena.heuristics)?,
             ..arena.clone()
         };
-        ruled.wins_initially(&winning_states(&ruled)?)
+        restricted.wins_initially(&winning_states(&restricted)?)
     }
 
-    /// A guarantee that leaves an output a single next value, different from its current one, in
-    /// some possible situation. A guarantee that only keeps the value is itself a frame: where it
-    /// does not hold, the author intends a choice.
-    fn fixer(
+    /// Returns a guarantee that in some possible situation allows only a single next value of an
+    /// output, different from its current value. A guarantee that only preserves the value does not
+    /// count: where its condition does not hold, the choice is intended.
+    fn determining_guarantee(
         &self,
         v: VarId,
         setting: &[(GuaranteeRef, &Formula)],
@@ -359,7 +368,7 @@ impl<'a, K: Kernel> Look<'a, K> {
         Ok(None)
     }
 
-    /// Whether a machine that never changes an output wins, although there are goals.
+    /// Whether a machine that never changes an output wins although there are justice formulas.
     fn idle(&self) -> Result<bool, Limit> {
         let (arena, m) = (self.arena, self.m);
         let (a, g) = (
@@ -381,9 +390,9 @@ impl<'a, K: Kernel> Look<'a, K> {
     }
 }
 
-/// The states that can occur under some controller, and the steps possible from any state: the
-/// environment's moves, with answers that stay in the winning region.
-pub fn occurring<K: Kernel>(
+/// Returns the states that can occur under some controller, and all steps from any state: moves of
+/// the environment with answers that stay in the winning region.
+pub fn reachable_play<K: Kernel>(
     arena: &Arena<K>,
     region: &K::Function,
 ) -> Result<(K::Function, K::Function), Limit> {
@@ -391,7 +400,7 @@ pub fn occurring<K: Kernel>(
     let target = m.prime(region)?;
     let stays = match arena.timing {
         Timing::Mealy => target,
-        // Only answers that are correct for all inputs.
+        // Only answers that are legal for all inputs.
         Timing::Moore => m.and(&arena.for_all_inputs(&target)?, &target)?,
     };
     let moves = m.and(
@@ -408,7 +417,7 @@ pub fn occurring<K: Kernel>(
     Ok((reached, moves))
 }
 
-/// The condition under which a formula demands anything: P of `P -> Q`, P and R of `P -> (R -> Q)`.
+/// Returns the condition of an implication: P of `P -> Q`, and `P and R` of `P -> (R -> Q)`.
 pub fn antecedent(expr: &Expr) -> Option<Expr> {
     let Expr::Binary(BinaryOp::Implies, a, b) = expr else {
         return None;

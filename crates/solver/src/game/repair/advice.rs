@@ -7,42 +7,44 @@ use serde::{Deserialize, Serialize};
 /// Possible repairs of an unrealizable specification.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Advice {
-    /// The assumptions without which a proper subset of the core would already clash.
+    /// The assumptions that matter: without any one of them, a proper subset of the core would
+    /// already clash.
     pub matters: Vec<AssumptionRef>,
-    /// Even a cooperating plant cannot make all guarantees hold: no assumption repairs this.
+    /// Whether the formulas contradict each other: even a cooperating environment cannot make all
+    /// guarantees hold, so no assumption repairs the specification.
     pub contradictory: bool,
-    /// In that case, a minimal set of guarantees that contradict each other even so. Empty if the
-    /// assumptions alone are contradictory.
+    /// If the formulas are contradictory, a minimal set of guarantees that cannot hold together
+    /// even in a cooperating environment. Empty if the assumptions alone are contradictory.
     pub contradiction: Vec<GuaranteeRef>,
-    /// Assumptions, each of which makes it realizable; the least restrictive first.
+    /// Assumptions, each of which makes the specification realizable; the least restrictive first.
     pub assumptions: Vec<NewAssumption>,
-    /// If no single guarantee can be weakened: a minimal set of guarantees to leave out so that the
-    /// rest can be kept.
+    /// If weakening a single guarantee does not help: a minimal set of guarantees whose omission
+    /// makes the specification realizable. Otherwise empty.
     pub leave_out: Vec<GuaranteeRef>,
-    /// Guarantees of the core, each of which can be weakened to make it realizable; the smallest
-    /// loss first.
+    /// Weakenings of guarantees of the core, each of which makes the specification realizable; the
+    /// smallest loss first.
     pub weakenings: Vec<Weakening>,
 }
 
-/// An assumption that would help.
+/// An assumption that makes a specification realizable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NewAssumption {
     /// Kind of the assumption.
     pub kind: GuaranteeKind,
     /// The formula.
     pub formula: Expr,
-    /// Share (0 to 1) of the environment's steps that it forbids; for justice, of those in which
-    /// its condition does not hold.
+    /// Share (0 to 1) of the environment's steps that the assumption forbids; for justice, of the
+    /// steps that do not satisfy its formula.
     pub forbids: f64,
 }
 
-/// A guarantee that is weakened.
+/// A guarantee to weaken or to leave out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Weakening {
     /// The guarantee.
     pub guarantee: GuaranteeRef,
-    /// Condition under which it need not hold; `None` if it has to be left out.
+    /// Condition under which the guarantee need not hold; `None` to leave it out.
     pub unless: Option<Expr>,
-    /// Share (0 to 1) of all steps in which it need not hold.
+    /// Share (0 to 1) of all steps in which the guarantee need not hold.
     pub gives_up: f64,
 }

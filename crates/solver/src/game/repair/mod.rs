@@ -2,17 +2,17 @@
 //!
 //! The search descends a lattice of formulas built from the user's own conditions ([`vocabulary`]).
 //! The strongest formula of a family ("the input is always false", "the input never changes", "this
-//! guarantee is left out") is tried first: if it does not help, no weaker one does. If it helps,
-//! conditions are added as long as it still helps ("after the command it is false"), up to
-//! [`search::MOST_CONDITIONS`]. So a suggestion is *minimal*: with one more condition of the
-//! vocabulary it would not suffice. First the core alone is played, which is small. What repairs it
-//! is tried on the whole specification, and must leave an environment that can keep all
-//! assumptions: it has no dead end, cannot be forced to break an assumption where it could not be
-//! before, and some play keeps everything.
+//! guarantee is left out") is tried first: if it does not help, no weaker formula does. If it
+//! helps, conditions are added as long as the formula still helps ("after the command, the input is
+//! false"), up to [`search::MAX_CONDITIONS`]. So a suggestion is *minimal*: one more condition of
+//! the vocabulary would make it insufficient. Suggestions are first tried on the core alone, whose
+//! game is small, and then on the whole specification. A suggested assumption must also leave a
+//! usable environment: it adds no dead end, the machine cannot force a violation of the
+//! assumptions, and some play keeps all formulas.
 //!
 //! The idea of searching for restrictions of the environment in the user's terms is from Alur,
 //! Moarref and Topcu, "Counter-strategy guided refinement of GR(1) temporal logic specifications",
-//! FMCAD 2013; the ranking by restrictiveness is ours.
+//! FMCAD 2013. The ranking by restrictiveness is our addition.
 
 mod advice;
 mod search;
@@ -25,12 +25,12 @@ pub use vocabulary::negation;
 use super::arena::Selection;
 use super::attack::Play;
 use super::core::{assumptions_that_matter, quick_xplain};
-use super::reference::{GuaranteeRef, definitions};
+use super::reference::{GuaranteeRef, split_definitions};
 use super::set_up;
 use crate::symbolic::{Kernel, Limit, Limits};
 use linewright_core::gr1::Specification;
 
-/// Searches for repairs.
+/// Searches for repairs on kernel `K`; see [`super::advise`].
 pub(super) fn advise_on<K: Kernel>(
     specification: &Specification,
     core: &[GuaranteeRef],
@@ -40,12 +40,13 @@ pub(super) fn advise_on<K: Kernel>(
     let (formulas, _) = set_up::set_up_default::<K>(specification, limits)?;
     let matters = assumptions_that_matter(&formulas, core)?;
     let mut trials = trial::Trials::new(&formulas, specification, core)?;
-    let possible = |selection: &Selection<'_>| trial::Trials::possible(&formulas, selection);
-    let contradictory = !possible(&Selection::All)?;
-    let (definitions, asked) = definitions(&specification.guarantees);
-    let contradiction = if contradictory && possible(&Selection::Only(&definitions))? {
-        let mut clashes = |kept: &[GuaranteeRef]| Ok(!possible(&Selection::Only(kept))?);
-        let mut found = quick_xplain(&mut clashes, &definitions, false, &asked)?;
+    let is_satisfiable =
+        |selection: &Selection<'_>| trial::Trials::is_satisfiable(&formulas, selection);
+    let contradictory = !is_satisfiable(&Selection::All)?;
+    let (definitions, demands) = split_definitions(&specification.guarantees);
+    let contradiction = if contradictory && is_satisfiable(&Selection::Only(&definitions))? {
+        let mut clashes = |kept: &[GuaranteeRef]| Ok(!is_satisfiable(&Selection::Only(kept))?);
+        let mut found = quick_xplain(&mut clashes, &definitions, false, &demands)?;
         found.sort_unstable();
         found
     } else {

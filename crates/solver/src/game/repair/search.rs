@@ -1,44 +1,46 @@
-//! The descent of the lattice of suggestions: see [`super`].
+//! Searches the lattice of suggestions; see [`super`].
 
 use super::advice::{NewAssumption, Weakening};
 use super::trial::Trials;
 use super::vocabulary::{Word, negation};
-use crate::game::reference::{GuaranteeKind as Kind, GuaranteeRef, definitions};
+use crate::game::reference::{GuaranteeKind as Kind, GuaranteeRef, split_definitions};
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{BinaryOp, Expr, Specification, Time, VarId};
 
-/// Maximum number of conditions of a suggestion.
-const MOST_CONDITIONS: usize = 2;
+/// Maximum number of conditions in a suggestion.
+const MAX_CONDITIONS: usize = 2;
 
 /// Maximum number of suggestions of a kind.
-const MOST_SUGGESTIONS: usize = 3;
+const MAX_SUGGESTIONS: usize = 3;
 
 /// Maximum number of suggestions for the core that are tried on the whole specification.
-const MOST_WHOLE: usize = 40;
+const MAX_TRIED: usize = 40;
 
-/// A family of assumptions: the demand, and the step in which its conditions are evaluated.
+/// A family of assumptions `conditions -> demand` with the same demand.
 struct Family {
     kind: Kind,
-    /// The demand when all conditions hold.
-    wanted: Expr,
-    /// Whether conditions may mention outputs: those of the previous step, not of the one in which
-    /// the input is given.
-    before: bool,
+    /// What the environment must do if all conditions hold.
+    demand: Expr,
+    /// Whether conditions can mention outputs, because they are evaluated in an earlier step than
+    /// the demanded input.
+    allows_outputs: bool,
 }
 
 impl Family {
+    /// Returns the assumption with these conditions.
     fn with(&self, conditions: &[&Word]) -> Expr {
-        let wanted = self.wanted_under(conditions);
+        let demand = self.demand_under(conditions);
         let conditions = conditions.iter().map(|w| w.expr.clone());
         match conditions.reduce(Expr::and) {
-            None => wanted,
-            Some(all) => all.implies(wanted),
+            None => demand,
+            Some(all) => all.implies(demand),
         }
     }
 
-    /// The demand, shortened if a condition determines the value that stays.
-    fn wanted_under(&self, conditions: &[&Word]) -> Expr {
-        if let Expr::Binary(BinaryOp::Eq, after, before) = &self.wanted
+    /// Returns the demand. "The input stays" is simplified if a condition determines the input's
+    /// value.
+    fn demand_under(&self, conditions: &[&Word]) -> Expr {
+        if let Expr::Binary(BinaryOp::Eq, after, before) = &self.demand
             && matches!(**after, Expr::Var(_, Time::Next))
             && matches!(**before, Expr::Var(_, Time::Now))
         {
@@ -50,11 +52,11 @@ impl Family {
                 return (**after).clone().not();
             }
         }
-        self.wanted.clone()
+        self.demand.clone()
     }
 }
 
-/// The families, each starting from its strongest formula.
+/// Returns the families of assumptions to search.
 fn families(specification: &Specification, words: &[Word]) -> Vec<Family> {
     let mut families = Vec::new();
     let mut inputs: Vec<VarId> = Vec::new();
@@ -64,7 +66,7 @@ fn families(specification: &Specification, words: &[Word]) -> Vec<Family> {
                 inputs.push(v);
             }
         });
-        for (kind, wanted, before) in [
+        for (kind, demand, allows_outputs) in [
             (Kind::Justice, word.expr.clone(), true),
             (Kind::Invariant, word.expr.clone(), false),
             (Kind::Safety, word.next(), true),
@@ -72,8 +74,8 @@ fn families(specification: &Specification, words: &[Word]) -> Vec<Family> {
         ] {
             families.push(Family {
                 kind,
-                wanted,
-                before,
+                demand,
+                allows_outputs,
             });
         }
     }
@@ -82,46 +84,49 @@ fn families(specification: &Specification, words: &[Word]) -> Vec<Family> {
         if specification.variable(input).domain.size() > 1 {
             stays.push(Family {
                 kind: Kind::Safety,
-                wanted: Expr::next(input).equals(Expr::now(input)),
-                before: true,
+                demand: Expr::next(input).equals(Expr::now(input)),
+                allows_outputs: true,
             });
         }
     }
-    // "It stays" is easier to judge than "it becomes 3".
+    // "The input stays" is easier to judge than "the input becomes 3", so it comes first.
     stays.extend(families);
     stays
 }
 
-/// Assumptions that would help, the least restrictive first.
+/// Returns assumptions that make the specification realizable, the least restrictive first.
 pub fn assumptions<K: Kernel>(
     trials: &mut Trials<'_, K>,
     specification: &Specification,
     words: &[Word],
 ) -> Result<Vec<NewAssumption>, Limit> {
-    trials.begin();
+    trials.reset_games();
     let mut found: Vec<(usize, NewAssumption)> = Vec::new();
     for (number, family) in families(specification, words).iter().enumerate() {
-        if !trials.helps_core(family.kind, &family.wanted)? {
+        if !trials.helps_core(family.kind, &family.demand)? {
             continue;
         }
-        let may = |word: &Word| family.before || word.inputs;
-        let about = |word: &Word| {
+        let is_allowed = |word: &Word| family.allows_outputs || word.inputs;
+        let shares_variable = |word: &Word| {
             let mut same = false;
             if family.kind != Kind::Safety {
-                let mut mine = Vec::new();
-                family.wanted.for_each_var(&mut |v, _| mine.push(v));
+                let mut demanded = Vec::new();
+                family.demand.for_each_var(&mut |v, _| demanded.push(v));
                 word.expr
-                    .for_each_var(&mut |v, _| same |= mine.contains(&v));
+                    .for_each_var(&mut |v, _| same |= demanded.contains(&v));
             }
             same
         };
-        let conditions: Vec<&Word> = words.iter().filter(|w| may(w) && !about(w)).collect();
+        let conditions: Vec<&Word> = words
+            .iter()
+            .filter(|w| is_allowed(w) && !shares_variable(w))
+            .collect();
         let weakest = weaken(&conditions, &mut |chosen| {
             trials.helps_core(family.kind, &family.with(chosen))
         })?;
         for chosen in weakest {
             let formula = family.with(&chosen);
-            let forbids = trials.forbids(&formula)?;
+            let forbids = trials.forbidden_share(&formula)?;
             found.push((
                 number,
                 NewAssumption {
@@ -132,22 +137,25 @@ pub fn assumptions<K: Kernel>(
             ));
         }
     }
-    // A justice assumption forbids no step at all.
-    let steps = |a: &NewAssumption| a.kind != Kind::Justice;
+    // Justice assumptions come first, since they forbid no single step.
+    let restricts_steps = |a: &NewAssumption| a.kind != Kind::Justice;
     found.sort_by(|(m, a), (n, b)| {
         let by_share = a.forbids.total_cmp(&b.forbids);
-        steps(a).cmp(&steps(b)).then(by_share).then(m.cmp(n))
+        restricts_steps(a)
+            .cmp(&restricts_steps(b))
+            .then(by_share)
+            .then(m.cmp(n))
     });
     let mut chosen: Vec<(usize, NewAssumption)> = Vec::new();
     let mut meanings: Vec<(Kind, K::Function)> = Vec::new();
     for (tried, (number, candidate)) in found.into_iter().enumerate() {
-        if chosen.len() >= MOST_SUGGESTIONS || tried >= MOST_WHOLE {
+        if chosen.len() >= MAX_SUGGESTIONS || tried >= MAX_TRIED {
             break;
         }
-        // One of a family is enough, and two may be equivalent.
+        // Suggests at most one assumption of each family, and no two equivalent ones.
         let meaning = (candidate.kind, trials.encode(&candidate.formula)?);
         let known = meanings.contains(&meaning) || chosen.iter().any(|(n, _)| *n == number);
-        if !known && trials.mends(candidate.kind, &candidate.formula)? {
+        if !known && trials.helps_whole(candidate.kind, &candidate.formula)? {
             chosen.push((number, candidate));
             meanings.push(meaning);
         }
@@ -155,23 +163,24 @@ pub fn assumptions<K: Kernel>(
     Ok(chosen.into_iter().map(|(_, a)| a).collect())
 }
 
-/// Guarantees that could be weakened, the smallest loss first.
+/// Returns guarantees of the core that can be weakened or left out to make the specification
+/// realizable, the smallest loss first.
 pub fn weakenings<K: Kernel>(
     trials: &mut Trials<'_, K>,
     core: &[GuaranteeRef],
     words: &[Word],
 ) -> Result<Vec<Weakening>, Limit> {
     let specification = trials.specification;
-    trials.begin();
+    trials.reset_games();
     let mut found: Vec<Weakening> = Vec::new();
     let formula = |guarantee: GuaranteeRef| guarantee.formula(&specification.guarantees);
     for guarantee in core {
-        if formula(*guarantee).defines || !trials.mends_without(*guarantee, None)? {
+        if formula(*guarantee).defines || !trials.helps_whole_without(*guarantee, None)? {
             continue;
         }
-        // A formula that reads a monitor is not written by the author: the guarantee can only be
-        // left out as a whole.
-        if trials.is_of_monitor(*guarantee) {
+        // A formula that mentions a monitor was generated from a guarantee, which can only be left
+        // out as a whole.
+        if trials.mentions_monitor(*guarantee) {
             let name = &formula(*guarantee).name;
             if found.iter().all(|w| formula(w.guarantee).name != *name) {
                 found.push(Weakening {
@@ -183,8 +192,8 @@ pub fn weakenings<K: Kernel>(
             continue;
         }
         let mut best: Option<Weakening> = None;
-        // Conditions on inputs come first: an exception on its own outputs could always be made
-        // true by the machine.
+        // Conditions on inputs are preferred: the machine could make an exception about its own
+        // outputs true at will.
         for inputs_only in [true, false] {
             let mut conditions: Vec<Word> = Vec::new();
             for word in words.iter().filter(|w| w.inputs || !inputs_only) {
@@ -206,11 +215,11 @@ pub fn weakenings<K: Kernel>(
                 let Some(unless) = join(&chosen) else {
                     continue;
                 };
-                let gives_up = trials.holds(&unless)?;
+                let gives_up = trials.holding_share(&unless)?;
                 let better = best.as_ref().is_none_or(|b| gives_up < b.gives_up);
-                // The weakened guarantee must still demand something.
-                let asks = better && gives_up > 0.0 && trials.asks(*guarantee, &unless)?;
-                if asks && trials.mends_without(*guarantee, Some(&unless))? {
+                let demands =
+                    better && gives_up > 0.0 && trials.still_demands(*guarantee, &unless)?;
+                if demands && trials.helps_whole_without(*guarantee, Some(&unless))? {
                     best = Some(Weakening {
                         guarantee: *guarantee,
                         unless: Some(unless),
@@ -232,18 +241,18 @@ pub fn weakenings<K: Kernel>(
         let by_share = a.gives_up.total_cmp(&b.gives_up);
         by_share.then(a.guarantee.cmp(&b.guarantee))
     });
-    found.truncate(MOST_SUGGESTIONS);
+    found.truncate(MAX_SUGGESTIONS);
     Ok(found)
 }
 
-/// A minimal set of guarantees to leave out so that the rest can be kept: guarantees are added one
-/// after the other as long as that works.
+/// Returns a minimal set of guarantees whose omission makes the specification realizable. Adds
+/// guarantees one after the other, and leaves out each that would make the set unrealizable.
 pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>, Limit> {
-    let (mut kept, asked) = definitions(&trials.specification.guarantees);
+    let (mut kept, demands) = split_definitions(&trials.specification.guarantees);
     let mut left = Vec::new();
-    for guarantee in asked {
+    for guarantee in demands {
         kept.push(guarantee);
-        if !trials.keeps(&kept)? {
+        if !trials.is_realizable(&kept)? {
             kept.pop();
             left.push(guarantee);
         }
@@ -251,25 +260,25 @@ pub fn leave_out<K: Kernel>(trials: &Trials<'_, K>) -> Result<Vec<GuaranteeRef>,
     Ok(left)
 }
 
-/// The maximal sets of conditions for which something helps; it helps without any. Sets that only
-/// repeat another's meaning are not distinguished.
+/// Returns the maximal sets of conditions, of up to [`MAX_CONDITIONS`], for which `helps` holds; it
+/// must hold for the empty set. Equivalent sets can occur.
 fn weaken<'w>(
     conditions: &[&'w Word],
     helps: &mut impl FnMut(&[&Word]) -> Result<bool, Limit>,
 ) -> Result<Vec<Vec<&'w Word>>, Limit> {
     let mut level: Vec<Vec<usize>> = vec![Vec::new()];
     let mut maximal: Vec<Vec<usize>> = Vec::new();
-    for _ in 0..MOST_CONDITIONS {
+    for _ in 0..MAX_CONDITIONS {
         let mut next: Vec<Vec<usize>> = Vec::new();
         for chosen in &level {
             let mut grew = false;
             let from = chosen.last().map_or(0, |last| last + 1);
             for at in from..conditions.len() {
-                let contrary = |c: &&usize| {
+                let is_redundant = |c: &&usize| {
                     let other = &conditions[**c].expr;
                     *other == conditions[at].expr || *other == negation(conditions[at].expr.clone())
                 };
-                if chosen.iter().find(contrary).is_some() {
+                if chosen.iter().find(is_redundant).is_some() {
                     continue;
                 }
                 let mut longer = chosen.clone();
@@ -280,7 +289,7 @@ fn weaken<'w>(
                     next.push(longer);
                 }
             }
-            // A set of two may also be found starting from its other condition.
+            // A larger set that contains this one may have been found from another condition.
             let covered = next
                 .iter()
                 .any(|longer| chosen.iter().all(|c| longer.contains(c)));

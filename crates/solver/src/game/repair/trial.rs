@@ -1,26 +1,25 @@
-//! Tries a repair: first in the core's game, then in the whole game, then checks that an
-//! environment remains.
+//! Tries out repairs: on the core, on the whole specification, and on the remaining environment.
 
 use crate::game::arena::{Formulas, Selection};
 use crate::game::findings::{self, EnvironmentFindings, shape};
 use crate::game::fixpoint::{Iterations, winning_region};
-use crate::game::lasting::together;
+use crate::game::lasting::cooperating;
 use crate::game::reference::{GuaranteeKind, GuaranteeRef};
 use crate::game::set_up::SPLIT;
 use crate::symbolic::{Kernel, Limit};
 use linewright_core::gr1::{Expr, Specification, Time, Timing};
 
-/// Maximum number of games on the core in the search for repairs of one kind.
-const MOST_GAMES: usize = 600;
+/// Maximum number of games that a search for repairs of one kind solves for the core.
+const MAX_GAMES: usize = 600;
 
-/// The games of a search.
+/// Games for trying out repairs, with a limit on their number.
 pub struct Trials<'a, K: Kernel> {
     pub formulas: &'a Formulas<K>,
     pub specification: &'a Specification,
     core: &'a [GuaranteeRef],
     /// Findings about the original environment.
     environment: EnvironmentFindings,
-    /// The environment's steps, and all steps: the bases of the shares.
+    /// The environment's steps, and all steps: the reference sets of the shares.
     steps: [K::Function; 2],
     games: usize,
 }
@@ -53,14 +52,14 @@ impl<'a, K: Kernel> Trials<'a, K> {
         })
     }
 
-    /// Starts a search for another kind of repair.
-    pub fn begin(&mut self) {
+    /// Starts counting games anew, for another kind of repair.
+    pub fn reset_games(&mut self) {
         self.games = 0;
     }
 
-    /// Whether the number of games is used up.
-    pub fn spent(&self) -> bool {
-        self.games >= MOST_GAMES
+    /// Whether the maximum number of games is reached.
+    pub fn is_exhausted(&self) -> bool {
+        self.games >= MAX_GAMES
     }
 
     pub fn encode(&self, expr: &Expr) -> Result<K::Function, Limit> {
@@ -69,24 +68,24 @@ impl<'a, K: Kernel> Trials<'a, K> {
             .formula(self.formulas.kernel(), expr)
     }
 
-    /// Whether the core can be kept with one more assumption.
+    /// Whether one more assumption makes the core realizable. False if the games are exhausted.
     pub fn helps_core(&mut self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
-        if self.spent() {
+        if self.is_exhausted() {
             return Ok(false);
         }
         self.games += 1;
-        let more = self.formulas.assuming(kind, self.encode(expr)?);
+        let more = self.formulas.with_assumption(kind, self.encode(expr)?);
         wins(&more, &Selection::Only(self.core))
     }
 
-    /// Whether the core can be kept when one of its guarantees is weakened by `unless`, or left
-    /// out.
+    /// Whether the core becomes realizable if one of its guarantees need not hold where `unless`
+    /// does, or is left out. False if the games are exhausted.
     pub fn helps_core_without(
         &mut self,
         guarantee: GuaranteeRef,
         unless: Option<&Expr>,
     ) -> Result<bool, Limit> {
-        if self.spent() {
+        if self.is_exhausted() {
             return Ok(false);
         }
         self.games += 1;
@@ -96,8 +95,9 @@ impl<'a, K: Kernel> Trials<'a, K> {
         )
     }
 
-    /// Like `helps_core_without`, for all guarantees.
-    pub fn mends_without(
+    /// Whether the whole specification becomes realizable if a guarantee need not hold where
+    /// `unless` does, or is left out.
+    pub fn helps_whole_without(
         &self,
         guarantee: GuaranteeRef,
         unless: Option<&Expr>,
@@ -117,83 +117,87 @@ impl<'a, K: Kernel> Trials<'a, K> {
         self.formulas.weakened(guarantee, &unless)
     }
 
-    /// Whether these guarantees can be kept together.
-    pub fn keeps(&self, guarantees: &[GuaranteeRef]) -> Result<bool, Limit> {
+    /// Whether the specification is realizable with only these guarantees.
+    pub fn is_realizable(&self, guarantees: &[GuaranteeRef]) -> Result<bool, Limit> {
         wins(self.formulas, &Selection::Only(guarantees))
     }
 
-    /// Whether all can be kept with one more assumption, by a plant that exists and is not worse
-    /// off than before.
-    pub fn mends(&self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
-        let more = self.formulas.assuming(kind, self.encode(expr)?);
-        if !wins(&more, &Selection::All)? || !Self::possible(&more, &Selection::All)? {
+    /// Whether one more assumption makes the whole specification realizable, is compatible with the
+    /// other formulas, adds no dead end, and leaves the assumptions well-separated.
+    pub fn helps_whole(&self, kind: GuaranteeKind, expr: &Expr) -> Result<bool, Limit> {
+        let more = self.formulas.with_assumption(kind, self.encode(expr)?);
+        if !wins(&more, &Selection::All)? || !Self::is_satisfiable(&more, &Selection::All)? {
             return Ok(false);
         }
         let arena = more.arena(&Selection::All, SPLIT)?;
         let found = findings::examine(&more, &arena, self.specification)?;
         let before = &self.environment;
-        let worse = |now: bool, before: bool| now && !before;
-        Ok(!worse(found.cannot_start, before.cannot_start)
-            && !worse(
+        let is_worse = |now: bool, before: bool| now && !before;
+        Ok(!is_worse(found.cannot_start, before.cannot_start)
+            && !is_worse(
                 found.stuck_at_start.is_some(),
                 before.stuck_at_start.is_some(),
             )
-            && !worse(found.dead_end.is_some(), before.dead_end.is_some())
-            // A controller that wins by forcing the plant to fail is no repair.
+            && !is_worse(found.dead_end.is_some(), before.dead_end.is_some())
+            // A controller must not win by forcing the environment to break an assumption.
             && found.forced.is_none())
     }
 
-    /// Whether some play keeps all rules and all justice of both sides.
-    pub fn possible(formulas: &Formulas<K>, selection: &Selection<'_>) -> Result<bool, Limit> {
-        let arena = formulas.arena_of(selection, SPLIT, Timing::Mealy)?;
+    /// Whether some play keeps all selected formulas of both sides.
+    pub fn is_satisfiable(
+        formulas: &Formulas<K>,
+        selection: &Selection<'_>,
+    ) -> Result<bool, Limit> {
+        let arena = formulas.arena_with_timing(selection, SPLIT, Timing::Mealy)?;
         let m = &arena.kernel;
         let first = m.and(&arena.env_initial, &arena.sys_initial)?;
-        Ok(!m.is_false(&m.and(&first, &together(&arena)?)?))
+        Ok(!m.is_false(&m.and(&first, &cooperating(&arena)?)?))
     }
 
-    /// Whether a guarantee still demands anything if it need not hold where `unless` does.
-    pub fn asks(&self, guarantee: GuaranteeRef, unless: &Expr) -> Result<bool, Limit> {
+    /// Whether a guarantee that need not hold where `unless` does still demands something in a step
+    /// that can occur.
+    pub fn still_demands(&self, guarantee: GuaranteeRef, unless: &Expr) -> Result<bool, Limit> {
         let m = self.formulas.kernel();
         let formula = guarantee.formula(&self.specification.guarantees);
         let weak = m.or(&self.encode(&formula.expr)?, &self.encode(unless)?)?;
         if m.is_false(&m.and_not(&self.steps[1], &weak)?) {
             return Ok(false);
         }
-        // In some step of some controller its condition holds, but not the exception.
+        // In some step that can occur, the guarantee's condition holds but the exception does not.
         let less = self.weakened(guarantee, Some(unless))?;
         let arena = less.arena(&Selection::All, SPLIT)?;
         let Some(region) = winning_region(&arena, None, &Iterations::default())? else {
             return Ok(false);
         };
-        let (reached, moves) = shape::occurring(&arena, &region)?;
-        let mut asked = m.and_not(&m.and(&reached, &moves)?, &self.encode(unless)?)?;
+        let (reached, moves) = shape::reachable_play(&arena, &region)?;
+        let mut demanding = m.and_not(&m.and(&reached, &moves)?, &self.encode(unless)?)?;
         for part in formula.expr.conjuncts() {
             if let Some(condition) = shape::antecedent(part) {
-                asked = m.and(&asked, &self.encode(&condition)?)?;
+                demanding = m.and(&demanding, &self.encode(&condition)?)?;
             }
         }
-        Ok(!m.is_false(&asked))
+        Ok(!m.is_false(&demanding))
     }
 
     /// Whether a guarantee mentions the state of a monitor.
-    pub fn is_of_monitor(&self, guarantee: GuaranteeRef) -> bool {
-        let mut made_up = false;
+    pub fn mentions_monitor(&self, guarantee: GuaranteeRef) -> bool {
+        let mut mentions = false;
         let formula = guarantee.formula(&self.specification.guarantees);
         formula
             .expr
-            .for_each_var(&mut |v, _| made_up |= self.specification.is_auxiliary(v));
-        made_up
+            .for_each_var(&mut |v, _| mentions |= self.specification.is_auxiliary(v));
+        mentions
     }
 
-    /// The share of the environment's steps in which a formula does not hold.
-    pub fn forbids(&self, expr: &Expr) -> Result<f64, Limit> {
+    /// Returns the share of the environment's steps in which a formula does not hold.
+    pub fn forbidden_share(&self, expr: &Expr) -> Result<f64, Limit> {
         let m = self.formulas.kernel();
         let wrong = m.and_not(&self.steps[0], &self.encode(expr)?)?;
         Ok(self.share(&wrong, &self.steps[0]))
     }
 
-    /// The share of all steps in which a formula holds.
-    pub fn holds(&self, expr: &Expr) -> Result<f64, Limit> {
+    /// Returns the share of all steps in which a formula holds.
+    pub fn holding_share(&self, expr: &Expr) -> Result<f64, Limit> {
         let m = self.formulas.kernel();
         let right = m.and(&self.steps[1], &self.encode(expr)?)?;
         Ok(self.share(&right, &self.steps[1]))

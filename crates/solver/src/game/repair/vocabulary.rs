@@ -1,18 +1,19 @@
-//! The vocabulary of repairs: conditions from the user's own formulas, and their negations.
+//! Collects the vocabulary of repairs: conditions from the user's own formulas, and their
+//! negations.
 //!
-//! Only conditions about a single step are used. Conditions on inputs with the values seen in the
-//! play are added if the domain is small enough for a single value to be meaningful.
+//! Only conditions about a single step are used. For inputs with a small domain, conditions with
+//! the values in the play are added.
 
 use crate::game::attack::Play;
-use linewright_core::gr1::text::truth;
+use linewright_core::gr1::text::is_boolean;
 use linewright_core::gr1::{
     BinaryOp, Domain, Expr, Formula, Owner, Specification, Time, UnaryOp, VarId,
 };
 
 /// Maximum number of conditions, not counting negations.
-const MOST: usize = 24;
+const MAX_WORDS: usize = 24;
 
-/// Maximum size of domains whose values are considered one by one.
+/// Maximum size of domains for which single values are considered.
 const SMALL_DOMAIN: u64 = 16;
 
 /// A condition about the current step.
@@ -20,12 +21,12 @@ const SMALL_DOMAIN: u64 = 16;
 pub struct Word {
     /// The condition.
     pub expr: Expr,
-    /// Whether only inputs occur in it.
+    /// Whether the condition mentions only inputs.
     pub inputs: bool,
 }
 
 impl Word {
-    /// The same condition about the next step.
+    /// Returns the same condition about the next step.
     pub fn next(&self) -> Expr {
         self.expr.substitute(&mut |v, _| Expr::next(v))
     }
@@ -39,7 +40,7 @@ fn variables(expr: &Expr) -> Vec<VarId> {
     found
 }
 
-/// The words from these formulas and from the play, each followed by its negation.
+/// Returns conditions from these formulas and from the play, each followed by its negation.
 pub fn words<'f>(
     specification: &Specification,
     formulas: impl Iterator<Item = &'f Formula>,
@@ -67,13 +68,13 @@ pub fn words<'f>(
             }
         }
     }
-    // Conditions on the state of monitors are not the user's own.
+    // Conditions on internal variables, such as the states of monitors, are not the user's own.
     atoms.retain(|atom| {
         variables(atom)
             .iter()
             .all(|v| !specification.variable(*v).internal)
     });
-    atoms.truncate(MOST);
+    atoms.truncate(MAX_WORDS);
     let mut words = Vec::new();
     for atom in atoms {
         let vars = variables(&atom);
@@ -87,7 +88,7 @@ pub fn words<'f>(
     words
 }
 
-/// The negation, without double negation.
+/// Negates a formula, without producing a double negation.
 pub fn negation(expr: Expr) -> Expr {
     match expr {
         Expr::Unary(UnaryOp::Not, a) => *a,
@@ -101,10 +102,10 @@ pub fn negation(expr: Expr) -> Expr {
     }
 }
 
-/// Adds the conditions without connectives contained in an expression, moved to the current step.
+/// Adds the conditions that an expression combines with connectives, moved to the current step.
 fn collect(specification: &Specification, expr: &Expr, atoms: &mut Vec<Expr>) {
     use BinaryOp as B;
-    let truth = |e: &Expr| truth(specification, e);
+    let truth = |e: &Expr| is_boolean(specification, e);
     // A condition on inputs alone is also used as a whole.
     if let Expr::Binary(B::And | B::Or, ..) = expr {
         let (mut inputs, mut times) = (true, Vec::new());

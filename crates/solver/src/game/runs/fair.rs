@@ -1,5 +1,5 @@
-//! The states from which some run stays within a set for ever and meets all justice again and
-//! again.
+//! Computes the states from which some infinite run stays within a set and meets all justice
+//! infinitely often.
 //!
 //! ```text
 //! Z = νZ. ⋀ⱼ μY. Pre( (Jⱼ ∧ Z′) ∨ Y′ ) ∧ Z
@@ -8,7 +8,8 @@
 use super::rule_encoder::Steps;
 use crate::symbolic::{Kernel, Limit};
 
-/// The fair states of `within`; justice may refer to next values.
+/// Returns the states of `within` from which some infinite run stays within it and meets all of
+/// `again` infinitely often. Justice can mention next values.
 pub fn fair<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
@@ -18,13 +19,13 @@ pub fn fair<K: Kernel>(
     let one = |states: &K::Function| steps.before(states);
     let met =
         |justice: &K::Function, z: &K::Function| steps.before_step(&m.and(justice, &m.prime(z)?)?);
-    settle(steps, within, again, one, met)
+    fixpoint(steps, within, again, one, met)
 }
 
-/// The states of `within` that have an infinite past in `within` with all justice met again and
-/// again. The set is empty exactly if no run does this for ever, since both need a cycle. Steps
-/// forward from reachable states stay within them and are far cheaper than steps back, which come
-/// from everywhere; so it is checked first if no run is expected.
+/// Returns the states of `within` that have an infinite past in `within` in which all of `again` is
+/// met infinitely often. This set is empty exactly if [`fair`] is empty, since both require a
+/// cycle. It is computed first if no run is expected: forward steps stay within the reachable
+/// states and are far cheaper than backward steps, which also start from unreachable states.
 pub fn past<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
@@ -32,12 +33,12 @@ pub fn past<K: Kernel>(
 ) -> Result<K::Function, Limit> {
     let one = |states: &K::Function| steps.after(states);
     let met = |justice: &K::Function, z: &K::Function| steps.after_step(&steps.m.and(z, justice)?);
-    settle(steps, within, again, one, met)
+    fixpoint(steps, within, again, one, met)
 }
 
-/// The fixpoint in either direction: `one` takes a step, `met(J, Z)` is a step that meets J, to or
-/// from Z.
-fn settle<K: Kernel>(
+/// Computes the fixpoint in either direction. `one` returns the states one step away from a set,
+/// and `met(J, Z)` the states one step away from Z by a step that meets J.
+fn fixpoint<K: Kernel>(
     steps: &Steps<K>,
     within: &K::Function,
     again: &[K::Function],
@@ -48,7 +49,7 @@ fn settle<K: Kernel>(
     let always = [m.constant(true)];
     let again = if again.is_empty() { &always } else { again };
     let mut z = m.and(&steps.states, within)?;
-    // Restricts to runs without an end first: this is the cheapest part, and often sufficient.
+    // First restricts the set to infinite runs: this is the cheapest part, and often sufficient.
     loop {
         let smaller = m.and(&z, &one(&z)?)?;
         if smaller == z {

@@ -1,17 +1,16 @@
-//! Infinite behaviors allowed by a set of rules, with an example: the question behind every proof
-//! about contracts.
+//! Finds runs that a set of rules allows: the basis of every proof about contracts.
 //!
-//! There is no game here. Rules are combined as a question needs them, so that omitting rules shows
-//! what a proof rests on. Two questions suffice:
+//! No game is involved. Each query selects its rules, so that leaving out rules shows which of them
+//! a proof needs. Two kinds of queries suffice:
 //!
-//! - [`Runs::lasso`]: is there an infinite run that keeps these rules in every step, meets those
-//!   again and again, and from some step on breaks some others for ever? Language inclusion,
-//!   equivalence and emptiness all reduce to it. Fair states are computed as by Emerson and Lei
+//! - [`Runs::find_lasso`] searches for an infinite run that keeps some rules in every step, meets
+//!   some justice infinitely often, and other justice only finitely often. Language inclusion,
+//!   equivalence and emptiness all reduce to it. The fair states are computed as by Emerson and Lei
 //!   ("Efficient model checking in fragments of the propositional mu-calculus", LICS 1986), within
 //!   the reachable states.
-//! - [`Runs::step`]: can a rule be broken in a step, although every step before it kept all rules,
-//!   and this one keeps some? It is the step of an induction over time, which is sound even if
-//!   components rely on one another in a circle.
+//! - [`Runs::find_violation`] searches for a step that breaks a rule although all steps before it
+//!   keep their rules, and the step itself keeps some. This is the step of an induction over time,
+//!   which is sound even if components rely on each other in a circle.
 
 mod fair;
 mod path;
@@ -33,20 +32,21 @@ pub enum RuleKind {
     Invariant,
     /// From every step to the next.
     Safety,
-    /// Infinitely often; demanded of a run by [`RunQuery::again`] or [`RunQuery::never_again`].
+    /// Infinitely often; used in [`RunQuery::infinitely_often`] and [`RunQuery::finitely_often`].
     Justice,
 }
 
-/// A formula and when it holds.
+/// A formula with its kind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rule {
-    /// When it holds.
+    /// Kind of the rule.
     pub kind: RuleKind,
     /// The formula.
     pub expr: Expr,
 }
 
-/// An infinite run: some steps, and then a cycle for ever. A step has a value for every variable.
+/// An infinite run: some steps, and a cycle that repeats for ever. A step has a value for every
+/// variable.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Lasso {
     /// The steps before the cycle.
@@ -55,52 +55,54 @@ pub struct Lasso {
     pub cycle: Vec<Vec<i64>>,
 }
 
-/// Properties of a run; rules are given by index in the list passed to [`Runs`].
+/// Required properties of an infinite run. Rules are given by their index in [`Runs::rules`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct RunQuery {
-    /// Initial conditions, invariants and safety that hold throughout.
+    /// Initial conditions, invariants and safety that the run keeps.
     pub keep: Vec<usize>,
-    /// Justice that is met again and again.
-    pub again: Vec<usize>,
-    /// Justice that is not met any more from some step on.
-    pub never_again: Vec<usize>,
+    /// Justice that the run meets infinitely often.
+    pub infinitely_often: Vec<usize>,
+    /// Justice that the run never meets from some step on.
+    pub finitely_often: Vec<usize>,
 }
 
-/// A question for a run that breaks a rule.
+/// Required properties of a finite run whose last step breaks a rule. Rules are given by their
+/// index in [`Runs::rules`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SafetyViolationQuery {
-    /// Rules that every step before the last one keeps.
+    /// Rules that all steps before the last one keep.
     pub before: Vec<usize>,
-    /// Rules that the last step keeps as well.
+    /// Rules that the last step keeps.
     pub last: Vec<usize>,
-    /// The rule that the last step breaks: an initial condition, an invariant, or safety.
+    /// Rule that the last step breaks: an initial condition, an invariant or safety.
     pub broken: usize,
 }
 
-/// Rules over variables; answers questions about them.
+/// Rules over variables, with queries about the runs that they allow.
 ///
-/// A question costs as much as reaching all states allowed by the kept rules.
+/// A query can take as long as computing all states reachable under the rules that it keeps.
 #[derive(Debug)]
 pub struct Runs {
     specification: Specification,
     rules: Vec<Rule>,
     order: Order,
     limits: Limits,
-    asked: Box<dyn Ask>,
-    /// Work done on the small kernel before leaving it.
-    before: u64,
+    engine: Box<dyn Engine>,
+    /// Work done on the small kernel before the switch to the large one.
+    earlier_work: u64,
 }
 
 /// Maximum number of bit pairs for the small kernel.
 const SMALL_PAIRS: usize = 24;
 
-trait Ask: Debug + Send {
-    fn lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Option<Lasso>, Limit>;
-    fn any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit>;
+/// Queries on one kernel; see the methods of [`Runs`].
+trait Engine: Debug + Send {
+    fn lasso(&mut self, rules: &[Rule], query: &RunQuery) -> Result<Option<Lasso>, Limit>;
+    fn has_lasso(&mut self, rules: &[Rule], query: &RunQuery) -> Result<bool, Limit>;
     fn step(
         &mut self,
         rules: &[Rule],
-        slip: &SafetyViolationQuery,
+        query: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit>;
     fn depends(
         &mut self,
@@ -114,7 +116,7 @@ trait Ask: Debug + Send {
 }
 
 impl Runs {
-    /// Prepares questions about these rules.
+    /// Creates the rules and a kernel for queries about them.
     ///
     /// # Errors
     /// Returns an error if the kernel cannot hold the variables.
@@ -123,7 +125,7 @@ impl Runs {
         let encoding = Encoding::new(&specification);
         let pairs = encoding.pairs().max(1);
         let order = structure::order(&specification, &encoding, pairs);
-        let asked: Box<dyn Ask> = if pairs <= SMALL_PAIRS {
+        let engine: Box<dyn Engine> = if pairs <= SMALL_PAIRS {
             Box::new(RuleEncoder::<Biodivine>::new(
                 &specification,
                 &order,
@@ -137,35 +139,35 @@ impl Runs {
             rules,
             order,
             limits: *limits,
-            asked,
-            before: 0,
+            engine,
+            earlier_work: 0,
         })
     }
 
-    /// Work done for all questions so far; see [`Kernel::work`]. It is counted if
-    /// [`Limits::most_work`] is given.
+    /// Returns the work done for all queries so far; see [`Kernel::work`]. Work is counted only if
+    /// [`Limits::max_work`] is given.
     pub fn work(&self) -> u64 {
-        self.before + self.asked.work()
+        self.earlier_work + self.engine.work()
     }
 
-    /// Asks a question, and repeats it on the large kernel if the small one runs out of room.
-    fn ask<T>(
+    /// Runs a query, and repeats it on the large kernel if the small one runs out of memory.
+    fn run_query<T>(
         &mut self,
-        question: impl Fn(&mut dyn Ask, &[Rule]) -> Result<T, Limit>,
+        query: impl Fn(&mut dyn Engine, &[Rule]) -> Result<T, Limit>,
     ) -> Result<T, Limit> {
-        let answer = match question(&mut *self.asked, &self.rules) {
-            Err(Limit::Memory) if self.grow()? => question(&mut *self.asked, &self.rules),
+        let answer = match query(&mut *self.engine, &self.rules) {
+            Err(Limit::Memory) if self.switch_kernel()? => query(&mut *self.engine, &self.rules),
             answer => answer,
         };
-        answer.map_err(|limit| self.limits.name(limit))
+        answer.map_err(|limit| self.limits.attribute(limit))
     }
 
-    /// The rules.
+    /// Returns the rules.
     pub fn rules(&self) -> &[Rule] {
         &self.rules
     }
 
-    /// The variables.
+    /// Returns the variables.
     pub fn variables(&self) -> &[Variable] {
         &self.specification.variables
     }
@@ -176,66 +178,68 @@ impl Runs {
         self.rules.len() - 1
     }
 
-    /// The variables whose values in a step influence which `answer` these rules allow in that
-    /// step, whatever came before. `own` are set together with it and do not count. Kept rules are
-    /// as in [`RunQuery::keep`].
+    /// Returns the variables whose values in a step affect which values of `answer` the rules
+    /// `keep` allow in that step, regardless of earlier steps. The variables `own` are set together
+    /// with `answer` and do not count.
     ///
     /// # Errors
     /// Returns the limit that was reached.
-    pub fn depends(
+    pub fn dependencies(
         &mut self,
         keep: &[usize],
         answer: VarId,
         own: &[VarId],
     ) -> Result<Vec<VarId>, Limit> {
-        self.ask(|asked, rules| asked.depends(rules, keep, answer, own))
+        self.run_query(|engine, rules| engine.depends(rules, keep, answer, own))
     }
 
-    /// A run with these properties, or `None` if there is none. The way into the cycle is a
-    /// shortest one; the cycle itself need not be shortest. Variables that no rule of the question
-    /// mentions have the smallest value of their domain.
+    /// Returns a run with these properties, or `None` if none exists. Neither its prefix nor its
+    /// cycle need be shortest. Variables that no rule of the query mentions have the smallest
+    /// values of their domains.
     ///
     /// # Errors
     /// Returns the limit that was reached.
-    pub fn lasso(&mut self, wanted: &RunQuery) -> Result<Option<Lasso>, Limit> {
-        self.ask(|asked, rules| asked.lasso(rules, wanted))
+    pub fn find_lasso(&mut self, query: &RunQuery) -> Result<Option<Lasso>, Limit> {
+        self.run_query(|engine, rules| engine.lasso(rules, query))
     }
 
-    /// Whether there is a run with these properties: [`Runs::lasso`] without the run, which costs
-    /// less.
+    /// Whether a run with these properties exists. Cheaper than [`Runs::find_lasso`], since no run
+    /// is extracted.
     ///
     /// # Errors
     /// Returns the limit that was reached.
-    pub fn any_lasso(&mut self, wanted: &RunQuery) -> Result<bool, Limit> {
-        self.ask(|asked, rules| asked.any_lasso(rules, wanted))
+    pub fn has_lasso(&mut self, query: &RunQuery) -> Result<bool, Limit> {
+        self.run_query(|engine, rules| engine.has_lasso(rules, query))
     }
 
-    /// The shortest run up to and including a step that breaks the rule; `None` if no step can
-    /// break it.
+    /// Returns a shortest run whose last step breaks the rule; `None` if no step can break it.
     ///
     /// # Errors
     /// Returns the limit that was reached.
-    pub fn step(&mut self, slip: &SafetyViolationQuery) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        self.ask(|asked, rules| asked.step(rules, slip))
+    pub fn find_violation(
+        &mut self,
+        query: &SafetyViolationQuery,
+    ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
+        self.run_query(|engine, rules| engine.step(rules, query))
     }
 
-    /// Number of states reachable under these rules, where a state gives a value to every variable
-    /// that they mention. Exact below 2⁵³.
+    /// Returns the number of states reachable under these rules. A state is a valuation of the
+    /// variables that the rules mention. Exact below 2⁵³.
     ///
     /// # Errors
     /// Returns the limit that was reached.
-    pub fn count(&mut self, keep: &[usize]) -> Result<f64, Limit> {
-        self.ask(|asked, rules| asked.count(rules, keep))
+    pub fn count_states(&mut self, keep: &[usize]) -> Result<f64, Limit> {
+        self.run_query(|engine, rules| engine.count(rules, keep))
     }
 
-    /// Switches to the large kernel, unless that was already done. Returns whether to repeat the
-    /// question.
-    fn grow(&mut self) -> Result<bool, Limit> {
+    /// Switches to the large kernel. Returns whether to repeat the query: not if a large number of
+    /// bits required the large kernel from the start.
+    fn switch_kernel(&mut self) -> Result<bool, Limit> {
         if self.order.pairs().len() > SMALL_PAIRS {
             return Ok(false);
         }
-        self.before = self.asked.work();
-        self.asked = Box::new(RuleEncoder::<OxiDd>::new(
+        self.earlier_work = self.engine.work();
+        self.engine = Box::new(RuleEncoder::<OxiDd>::new(
             &self.specification,
             &self.order,
             &self.limits,
@@ -244,21 +248,21 @@ impl Runs {
     }
 }
 
-impl<K: Kernel> Ask for RuleEncoder<K> {
-    fn lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Option<Lasso>, Limit> {
-        self.find_lasso(rules, wanted)
+impl<K: Kernel> Engine for RuleEncoder<K> {
+    fn lasso(&mut self, rules: &[Rule], query: &RunQuery) -> Result<Option<Lasso>, Limit> {
+        self.find_lasso(rules, query)
     }
 
-    fn any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit> {
-        self.is_any_lasso(rules, wanted)
+    fn has_lasso(&mut self, rules: &[Rule], query: &RunQuery) -> Result<bool, Limit> {
+        self.lasso_exists(rules, query)
     }
 
     fn step(
         &mut self,
         rules: &[Rule],
-        slip: &SafetyViolationQuery,
+        query: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        self.find_slip(rules, slip)
+        self.find_violation(rules, query)
     }
 
     fn depends(
@@ -280,7 +284,7 @@ impl<K: Kernel> Ask for RuleEncoder<K> {
     }
 }
 
-/// Variables and rules as a specification, for the layout and order of bits.
+/// Returns variables and rules as a specification, for the encoding and order of bits.
 fn as_specification(variables: &[Variable], rules: &[Rule]) -> Specification {
     let formulas = rules.iter().map(|rule| Formula {
         defines: false,
@@ -302,7 +306,7 @@ fn as_specification(variables: &[Variable], rules: &[Rule]) -> Specification {
     }
 }
 
-/// The smallest value of every variable: used in a run for variables of which nothing is known.
+/// Returns the smallest value of every variable, for variables that no rule of a query mentions.
 fn smallest(variables: &[Variable]) -> Vec<i64> {
     variables.iter().map(|v| Domain::low(&v.domain)).collect()
 }

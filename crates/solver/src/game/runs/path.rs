@@ -1,9 +1,9 @@
-//! Extracts a run in plain values from sets of states: back along the rings to the start, and round
-//! a cycle that meets everything.
+//! Extracts runs as values from sets of states: back along the rings to the start, and around a
+//! cycle that meets all justice.
 //!
-//! The cycle is searched where there is no way out: as long as states can be reached from a fair
-//! state that do not lead back to it, the search moves on to one of them. After that, everything
-//! reachable leads back, and every justice is met on the way.
+//! The cycle is searched in a component that cannot be left: as long as a fair state reaches fair
+//! states that do not lead back to it, the search moves on to one of them. In the final component,
+//! every state leads back, and every justice is met somewhere.
 
 use super::Lasso;
 use super::rule_encoder::{ReachableStates, Steps};
@@ -11,22 +11,22 @@ use crate::symbolic::{Encoding, Kernel, Limit};
 use linewright_core::gr1::{Time, VarId};
 use std::collections::BTreeSet;
 
-/// Conversion of states to values.
+/// Converts states to values.
 pub struct Path<'a> {
-    /// Bits of the variables.
+    /// Encoding of the variables.
     pub encoding: &'a Encoding,
-    /// Variables that occur.
+    /// Variables that the query mentions.
     pub variables: &'a BTreeSet<VarId>,
-    /// Values for all other variables.
+    /// Smallest value of every variable; used for those that the query does not mention.
     pub smallest: &'a [i64],
 }
 
-/// A state: its values, and the function that holds only there (with respect to the variables that
-/// occur).
+/// A state: the values of all variables, and the function over the mentioned variables that holds
+/// only in this state.
 pub type State<F> = (Vec<i64>, F);
 
 impl Path<'_> {
-    /// Some state of a set.
+    /// Returns some state of a set; `None` if it is empty.
     pub fn state<K: Kernel>(
         &self,
         m: &K,
@@ -45,12 +45,13 @@ impl Path<'_> {
         Ok(Some((values, m.cube(&literals)?)))
     }
 
+    /// Returns some state of a nonempty set.
     fn some<K: Kernel>(&self, m: &K, states: &K::Function) -> Result<State<K::Function>, Limit> {
         let state = self.state(m, states)?;
-        Ok(state.expect("a set with a state in it; please report this"))
+        Ok(state.expect("the set of states is empty; please report this"))
     }
 
-    /// A run from step 0 to a state of `goal`, which lies in this ring.
+    /// Returns a run from step 0 to a state of `goal`, a nonempty subset of this ring.
     pub fn back_to_start<K: Kernel>(
         &self,
         reached: &ReachableStates<K>,
@@ -68,9 +69,9 @@ impl Path<'_> {
         Ok(run)
     }
 
-    /// A shortest way of at least one step from a state into `goal`, within a set of states. The
-    /// state itself is omitted. `None` if there is no way.
-    fn way<K: Kernel>(
+    /// Returns a shortest path of at least one step from a state into `goal` within a set of
+    /// states, without the first state; `None` if no path exists.
+    fn shortest_path<K: Kernel>(
         &self,
         steps: &Steps<K>,
         from: &K::Function,
@@ -87,14 +88,14 @@ impl Path<'_> {
             }
             let here = m.and(last, goal)?;
             if !m.is_false(&here) {
-                let mut way = vec![self.some(m, &here)?];
+                let mut path = vec![self.some(m, &here)?];
                 for ring in rings.iter().rev().skip(1) {
-                    let (_, last) = &way[way.len() - 1];
+                    let (_, last) = &path[path.len() - 1];
                     let before = m.and(ring, &steps.before(last)?)?;
-                    way.push(self.some(m, &before)?);
+                    path.push(self.some(m, &before)?);
                 }
-                way.reverse();
-                return Ok(Some(way));
+                path.reverse();
+                return Ok(Some(path));
             }
             let after = m.and(within, &steps.after(last)?)?;
             let new = m.and_not(&after, &seen)?;
@@ -103,8 +104,8 @@ impl Path<'_> {
         }
     }
 
-    /// Everything that can be reached from a state within a set, by steps in this direction; the
-    /// state itself only if it recurs.
+    /// Returns the states of a set that are reachable from a state by steps within the set, or by
+    /// backward steps if `back`. Contains the state itself only if it lies on a cycle.
     fn closure<K: Kernel>(
         steps: &Steps<K>,
         from: &K::Function,
@@ -129,7 +130,7 @@ impl Path<'_> {
         Ok(all)
     }
 
-    /// A run into the fair states and round a cycle among them that meets all justice.
+    /// Returns a run into the fair states with a cycle in them that meets all of `again`.
     pub fn lasso<K: Kernel>(
         &self,
         reached: &ReachableStates<K>,
@@ -146,11 +147,11 @@ impl Path<'_> {
                 break;
             }
         }
-        let (ring, here) = first.expect("fair states are within reach; please report this");
+        let (ring, here) = first.expect("no fair state is reachable; please report this");
         let run = self.back_to_start(reached, ring, &here)?;
         let mut prefix: Vec<State<K::Function>> = run;
 
-        // Moves on to states that cannot be left for good.
+        // Moves on until all reachable fair states lead back.
         let mut component;
         loop {
             let (_, at) = &prefix[prefix.len() - 1];
@@ -162,12 +163,12 @@ impl Path<'_> {
                 break;
             }
             let at = at.clone();
-            let way = self.way(steps, &at, fair, &away)?;
-            prefix.extend(way.expect("what can be reached; please report this"));
+            let path = self.shortest_path(steps, &at, fair, &away)?;
+            prefix.extend(path.expect("no path to a reachable state; please report this"));
         }
         let start = prefix
             .pop()
-            .expect("at least one state; please report this");
+            .expect("the run has no state; please report this");
         component = m.or(&component, &start.1)?;
 
         let mut cycle = vec![start.clone()];
@@ -177,10 +178,10 @@ impl Path<'_> {
             let (_, at) = &cycle[cycle.len() - 1];
             if m.is_false(&m.and(at, &from)?) {
                 let at = at.clone();
-                let way = self.way(steps, &at, &component, &from)?;
-                cycle.extend(way.expect("justice within reach; please report this"));
+                let path = self.shortest_path(steps, &at, &component, &from)?;
+                cycle.extend(path.expect("no path to a justice; please report this"));
             }
-            // The step that meets it; nothing more is needed if the state alone does.
+            // Adds the step that meets the justice, unless the current values alone meet it.
             let (_, at) = &cycle[cycle.len() - 1];
             let by_state = m.is_false(&m.and_not(at, justice)?);
             if !by_state {
@@ -192,10 +193,10 @@ impl Path<'_> {
         }
         let (_, at) = &cycle[cycle.len() - 1];
         let at = at.clone();
-        let way = self.way(steps, &at, &component, &start.1)?;
-        let mut way = way.expect("a way back; please report this");
-        way.pop();
-        cycle.extend(way);
+        let path = self.shortest_path(steps, &at, &component, &start.1)?;
+        let mut path = path.expect("no path back to the start of the cycle; please report this");
+        path.pop();
+        cycle.extend(path);
         let values = |states: Vec<State<K::Function>>| states.into_iter().map(|s| s.0).collect();
         Ok(Lasso {
             prefix: values(prefix),

@@ -1,4 +1,4 @@
-//! Encodes rules as functions of bits, combined for one question.
+//! Encodes rules as functions of bits, and answers queries with them.
 
 use super::path::Path;
 use super::{Lasso, Rule, RuleKind, RunQuery, SafetyViolationQuery, fair, smallest};
@@ -13,77 +13,77 @@ use std::collections::BTreeSet;
 /// How the parts of a relation are combined.
 const CLUSTERING: Clustering = Clustering::ByBits(3_000);
 
-/// Number of rings after which a cycle is first searched, although there may be more rings.
-const FIRST_LOOK: usize = 6;
+/// Number of rings after which a cycle is first searched before all rings are known.
+const FIRST_SEARCH: usize = 6;
 
 /// Factor by which the number of rings grows until the next search.
-const LOOK_AGAIN: usize = 6;
+const SEARCH_FACTOR: usize = 6;
 
 /// Number of cached sets of reachable states.
-const REMEMBERED: usize = 24;
+const CACHED_SETS: usize = 24;
 
-/// Functions of rules, created on first use.
+/// The rules as functions, encoded on first use, with a cache of reachable states.
 #[derive(Debug)]
 pub struct RuleEncoder<K: Kernel> {
     m: K,
     encoding: Encoding,
     variables: Vec<Variable>,
-    /// Conjuncts by rule.
+    /// Conjuncts of each rule, by index.
     functions: FxHashMap<usize, Vec<K::Function>>,
-    /// Reachable states by set of rules, the latest last.
+    /// Cache of reachable states by rules and variables, the most recently used last.
     reached: Vec<(Vec<usize>, ReachableStates<K>)>,
 }
 
-/// The step relation of a question's rules.
+/// The step relation of a query's rules.
 #[derive(Debug, Clone)]
 pub struct Steps<K: Kernel> {
     /// The kernel.
     pub m: K,
-    /// States that keep invariants and domains.
+    /// States that satisfy the invariants and domains.
     pub states: K::Function,
     /// States of step 0.
     pub initial: K::Function,
-    /// Safety, and invariants of the next step, as parts.
+    /// Conjuncts of the relation: safety, and the invariants and domains of the next step.
     parts: Vec<K::Function>,
-    /// For forward steps: current bits are quantified.
+    /// Relation for forward steps; quantifies current bits.
     forward: Relation<K>,
-    /// For backward steps: next bits are quantified.
+    /// Relation for backward steps; quantifies next bits.
     backward: Relation<K>,
-    /// Current bits of the variables that occur.
+    /// Current bits of the mentioned variables.
     pub now: BitSet,
-    /// Their next bits.
+    /// Next bits of the mentioned variables.
     pub next: BitSet,
 }
 
 /// Reachable states by number of steps.
 #[derive(Debug, Clone)]
 pub struct ReachableStates<K: Kernel> {
-    /// The step relation of the question.
+    /// The step relation of the query.
     pub steps: Steps<K>,
-    /// States by the number of steps after which they are first reached.
+    /// The states that are first reached after 0, 1, 2, ... steps.
     pub rings: Vec<K::Function>,
     /// All reachable states so far.
     pub all: K::Function,
-    /// Whether there are no more.
+    /// Whether all reachable states have been found.
     pub complete: bool,
 }
 
-/// A question about infinite runs.
-struct Question<K: Kernel> {
-    /// The variables that it mentions.
+/// A prepared query about infinite runs.
+struct LassoSearch<K: Kernel> {
+    /// The variables that the query mentions.
     variables: BTreeSet<VarId>,
     /// Key for caching the reachable states.
     key: Vec<usize>,
     /// Reachable states.
     reached: ReachableStates<K>,
-    /// The steps after which no justice is met that must not be met again.
+    /// The steps that meet none of the justice to be met only finitely often.
     steps: Steps<K>,
-    /// Justice that is met again and again.
+    /// Justice to be met infinitely often.
     again: Vec<K::Function>,
 }
 
 impl<K: Kernel> ReachableStates<K> {
-    /// Adds a ring; returns whether there was one.
+    /// Computes the next ring; returns false if there are no new states.
     fn grow(&mut self) -> Result<bool, Limit> {
         if self.complete {
             return Ok(false);
@@ -103,28 +103,28 @@ impl<K: Kernel> ReachableStates<K> {
 }
 
 impl<K: Kernel> Steps<K> {
-    /// The states after a step from one of these.
+    /// Returns the successors of these states.
     pub fn after(&self, states: &K::Function) -> Result<K::Function, Limit> {
         self.m.unprime(&self.forward.product(&self.m, states)?)
     }
 
-    /// The states after one of these steps.
+    /// Returns the states after these steps.
     pub fn after_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
         self.m.unprime(&self.forward.product(&self.m, steps)?)
     }
 
-    /// The states before a step into one of these.
+    /// Returns the predecessors of these states.
     pub fn before(&self, states: &K::Function) -> Result<K::Function, Limit> {
         self.before_step(&self.m.prime(states)?)
     }
 
-    /// The states from which some step is one of these steps.
+    /// Returns the states from which one of these steps is possible.
     pub fn before_step(&self, steps: &K::Function) -> Result<K::Function, Limit> {
         let found = self.backward.product(&self.m, steps)?;
         self.m.and(&self.states, &found)
     }
 
-    /// Restricts the relation to these steps.
+    /// Returns the relation restricted to these steps.
     pub fn only(&self, steps: &K::Function) -> Result<Self, Limit> {
         if self.m.is_true(steps) {
             return Ok(self.clone());
@@ -159,7 +159,7 @@ fn relations<K: Kernel>(
 }
 
 impl<K: Kernel> RuleEncoder<K> {
-    /// Creates an encoder without functions.
+    /// Creates an encoder; no rule is encoded yet.
     pub fn new(
         specification: &Specification,
         order: &Order,
@@ -174,12 +174,12 @@ impl<K: Kernel> RuleEncoder<K> {
         })
     }
 
-    /// The kernel.
+    /// Returns the kernel.
     pub fn kernel(&self) -> &K {
         &self.m
     }
 
-    /// The conjuncts of a rule.
+    /// Returns the conjuncts of a rule.
     fn conjuncts(&mut self, rules: &[Rule], index: usize) -> Result<Vec<K::Function>, Limit> {
         if let Some(known) = self.functions.get(&index) {
             return Ok(known.clone());
@@ -197,7 +197,7 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(encoded)
     }
 
-    /// A formula, restricted to codes that have a value.
+    /// Encodes a formula, restricted to codes that have a value.
     fn encode(&self, part: &Expr) -> Result<K::Function, Limit> {
         let mut function = self.encoding.formula(&self.m, part)?;
         let mut mentioned = BTreeSet::new();
@@ -211,19 +211,19 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(function)
     }
 
-    /// A rule as a single function.
+    /// Returns a rule as a single function.
     pub fn function(&mut self, rules: &[Rule], index: usize) -> Result<K::Function, Limit> {
         let conjuncts = self.conjuncts(rules, index)?;
         self.m.all(&conjuncts)
     }
 
-    /// The codes with values where a rule is broken.
+    /// Returns the valuations that break a rule; also contains codes without a value.
     fn broken(&mut self, rules: &[Rule], index: usize) -> Result<K::Function, Limit> {
         let function = self.function(rules, index)?;
         self.m.not(&function)
     }
 
-    /// The variables that some rules mention.
+    /// Returns the variables that these rules mention.
     fn mentioned(rules: &[Rule], of: impl IntoIterator<Item = usize>) -> BTreeSet<VarId> {
         let mut found = BTreeSet::new();
         for index in of {
@@ -234,7 +234,7 @@ impl<K: Kernel> RuleEncoder<K> {
         found
     }
 
-    /// The step relation of these rules over these variables.
+    /// Returns the step relation of the rules `keep` over these variables.
     fn steps(
         &mut self,
         rules: &[Rule],
@@ -279,9 +279,9 @@ impl<K: Kernel> RuleEncoder<K> {
         })
     }
 
-    /// The states reachable under these rules, as far as computed before; at least the initial
-    /// states. `variables` are those of the whole question. A caller that continues the computation
-    /// returns the result with [`Self::remember`].
+    /// Takes the states reachable under the rules `keep` from the cache, as far as they have been
+    /// computed, or starts with the initial states. `variables` are those of the whole query. The
+    /// caller returns the states to the cache with [`Self::store`].
     fn reach(
         &mut self,
         rules: &[Rule],
@@ -306,32 +306,33 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok((key, reached))
     }
 
-    fn remember(&mut self, key: Vec<usize>, reached: ReachableStates<K>) {
-        if self.reached.len() >= REMEMBERED {
+    /// Puts reachable states into the cache.
+    fn store(&mut self, key: Vec<usize>, reached: ReachableStates<K>) {
+        if self.reached.len() >= CACHED_SETS {
             self.reached.remove(0);
         }
         self.reached.push((key, reached));
     }
 
-    /// Prepares a question about infinite runs.
-    fn question(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<Question<K>, Limit> {
-        let all = wanted
+    /// Prepares a query about infinite runs.
+    fn lasso_search(&mut self, rules: &[Rule], query: &RunQuery) -> Result<LassoSearch<K>, Limit> {
+        let all = query
             .keep
             .iter()
-            .chain(&wanted.again)
-            .chain(&wanted.never_again);
+            .chain(&query.infinitely_often)
+            .chain(&query.finitely_often);
         let variables = Self::mentioned(rules, all.copied());
-        let (key, reached) = self.reach(rules, &wanted.keep, &variables)?;
+        let (key, reached) = self.reach(rules, &query.keep, &variables)?;
         let mut settled = self.m.constant(true);
-        for index in &wanted.never_again {
+        for index in &query.finitely_often {
             let broken = self.broken(rules, *index)?;
             settled = self.m.and(&settled, &broken)?;
         }
-        let again = wanted
-            .again
+        let again = query
+            .infinitely_often
             .iter()
             .map(|index| self.function(rules, *index));
-        Ok(Question {
+        Ok(LassoSearch {
             again: again.collect::<Result<_, _>>()?,
             steps: reached.steps.only(&settled)?,
             variables,
@@ -340,28 +341,24 @@ impl<K: Kernel> RuleEncoder<K> {
         })
     }
 
-    /// See [`super::Runs::lasso`].
-    pub fn find_lasso(
-        &mut self,
-        rules: &[Rule],
-        wanted: &RunQuery,
-    ) -> Result<Option<Lasso>, Limit> {
-        let mut asked = self.question(rules, wanted)?;
-        let (steps, again) = (&asked.steps, &asked.again);
+    /// See [`super::Runs::find_lasso`].
+    pub fn find_lasso(&mut self, rules: &[Rule], query: &RunQuery) -> Result<Option<Lasso>, Limit> {
+        let mut search = self.lasso_search(rules, query)?;
+        let (steps, again) = (&search.steps, &search.again);
         let m = self.m.clone();
-        // Runs are often found near the start.
-        let mut next_look = FIRST_LOOK;
+        // Searches early, since runs are often found near the start.
+        let mut next_search = FIRST_SEARCH;
         let mut fair = m.constant(false);
         loop {
-            let more = asked.reached.grow()?;
-            if asked.reached.rings.len() == next_look {
-                next_look *= LOOK_AGAIN;
-                fair = fair::fair(steps, &asked.reached.all, again)?;
+            let more = search.reached.grow()?;
+            if search.reached.rings.len() == next_search {
+                next_search *= SEARCH_FACTOR;
+                fair = fair::fair(steps, &search.reached.all, again)?;
             } else if !more {
-                // Forward search shows more cheaply that there is no run.
-                let past = fair::past(steps, &asked.reached.all, again)?;
+                // A forward search shows more cheaply that no run exists.
+                let past = fair::past(steps, &search.reached.all, again)?;
                 if !m.is_false(&past) {
-                    fair = fair::fair(steps, &asked.reached.all, again)?;
+                    fair = fair::fair(steps, &search.reached.all, again)?;
                 }
             }
             if !more || !m.is_false(&fair) {
@@ -372,32 +369,32 @@ impl<K: Kernel> RuleEncoder<K> {
             None
         } else {
             let smallest = smallest(&self.variables);
-            let path = self.path(&asked.variables, &smallest);
-            Some(path.lasso(&asked.reached, steps, &fair, again)?)
+            let path = self.path(&search.variables, &smallest);
+            Some(path.lasso(&search.reached, steps, &fair, again)?)
         };
-        self.remember(asked.key, asked.reached);
+        self.store(search.key, search.reached);
         Ok(found)
     }
 
-    /// See [`super::Runs::any_lasso`]. Callers mostly expect that there is no run: so there is one
-    /// early search, and then a complete one.
-    pub fn is_any_lasso(&mut self, rules: &[Rule], wanted: &RunQuery) -> Result<bool, Limit> {
-        let mut asked = self.question(rules, wanted)?;
+    /// See [`super::Runs::has_lasso`]. Callers mostly expect that no run exists, so only one early
+    /// search precedes the complete one.
+    pub fn lasso_exists(&mut self, rules: &[Rule], query: &RunQuery) -> Result<bool, Limit> {
+        let mut search = self.lasso_search(rules, query)?;
         let mut past = self.m.constant(false);
         loop {
-            let more = asked.reached.grow()?;
-            if !more || asked.reached.rings.len() == FIRST_LOOK {
-                past = fair::past(&asked.steps, &asked.reached.all, &asked.again)?;
+            let more = search.reached.grow()?;
+            if !more || search.reached.rings.len() == FIRST_SEARCH {
+                past = fair::past(&search.steps, &search.reached.all, &search.again)?;
             }
             if !more || !self.m.is_false(&past) {
                 break;
             }
         }
-        self.remember(asked.key, asked.reached);
+        self.store(search.key, search.reached);
         Ok(!self.m.is_false(&past))
     }
 
-    /// See [`super::Runs::depends`].
+    /// See [`super::Runs::dependencies`].
     pub fn find_dependencies(
         &mut self,
         rules: &[Rule],
@@ -422,12 +419,13 @@ impl<K: Kernel> RuleEncoder<K> {
             }
             let matters = |f: &K::Function, time: Time| {
                 let mut bits = self.encoding.bits(v, time);
-                // A domain whose size is no power of two is mentioned, but does not matter.
+                // A cheap first test: the function can depend on a variable only through its
+                // domain.
                 bits.any(|bit| m.depends_on(f, bit))
             };
             let within = |time: Time| self.encoding.in_domain(&m, v, time);
-            // Compared where the variable has a value: either the answers are the same for all of
-            // its values, or they are not.
+            // Compares the answers that are possible for some value with those possible for all
+            // values of the variable's domain.
             let differs = |f: &K::Function, time: Time| -> Result<bool, Limit> {
                 if !matters(f, time) {
                     return Ok(false);
@@ -444,35 +442,39 @@ impl<K: Kernel> RuleEncoder<K> {
         Ok(found)
     }
 
-    /// See [`super::Runs::step`].
-    pub fn find_slip(
+    /// See [`super::Runs::find_violation`].
+    pub fn find_violation(
         &mut self,
         rules: &[Rule],
-        slip: &SafetyViolationQuery,
+        query: &SafetyViolationQuery,
     ) -> Result<Option<Vec<Vec<i64>>>, Limit> {
-        let all = slip.before.iter().chain(&slip.last).chain([&slip.broken]);
+        let all = query
+            .before
+            .iter()
+            .chain(&query.last)
+            .chain([&query.broken]);
         let variables = Self::mentioned(rules, all.copied());
-        let broken = self.broken(rules, slip.broken)?;
-        let (key, mut reached) = self.reach(rules, &slip.before, &variables)?;
-        let alike = slip.before == slip.last;
-        let state = rules[slip.broken].kind == RuleKind::Invariant;
-        let run = if alike && state {
+        let broken = self.broken(rules, query.broken)?;
+        let (key, mut reached) = self.reach(rules, &query.before, &variables)?;
+        let same_rules = query.before == query.last;
+        let is_invariant = rules[query.broken].kind == RuleKind::Invariant;
+        let run = if same_rules && is_invariant {
             self.find_state(&variables, &mut reached, &broken)?
         } else {
-            let last = if alike {
+            let last = if same_rules {
                 reached.steps.clone()
             } else {
-                self.steps(rules, &slip.last, &variables)?
+                self.steps(rules, &query.last, &variables)?
             };
-            let kind = rules[slip.broken].kind;
+            let kind = rules[query.broken].kind;
             self.find_step(&variables, &mut reached, &last, (kind, &broken))?
         };
-        self.remember(key, reached);
+        self.store(key, reached);
         Ok(run)
     }
 
-    /// A shortest run to a state that breaks an invariant, where the last step keeps what all
-    /// others do.
+    /// Returns a shortest run to a state that breaks an invariant, if the last step keeps the same
+    /// rules as all others.
     fn find_state(
         &self,
         variables: &BTreeSet<VarId>,
@@ -496,7 +498,7 @@ impl<K: Kernel> RuleEncoder<K> {
         }
     }
 
-    /// A shortest run to a last step, restricted to `last`, that breaks a rule of this kind.
+    /// Returns a shortest run whose last step belongs to `last` and breaks a rule of this kind.
     fn find_step(
         &self,
         variables: &BTreeSet<VarId>,
@@ -519,7 +521,8 @@ impl<K: Kernel> RuleEncoder<K> {
                 m.prime(broken)?
             }
         };
-        // An invariant kept only by the last step does not restrict the states before it.
+        // Uses the backward relation alone: an invariant that only the last step keeps does not
+        // restrict the states before it.
         let from = last.backward.product(m, &bad)?;
         let mut ring = 0;
         loop {
@@ -527,7 +530,7 @@ impl<K: Kernel> RuleEncoder<K> {
             if !m.is_false(&here) {
                 let last = last.only(&bad)?;
                 return self
-                    .up_to(variables, reached, (ring, &here), &last)
+                    .run_with_last_step(variables, reached, (ring, &here), &last)
                     .map(Some);
             }
             ring += 1;
@@ -545,19 +548,19 @@ impl<K: Kernel> RuleEncoder<K> {
         }
     }
 
-    /// See [`super::Runs::count`].
+    /// See [`super::Runs::count_states`].
     pub fn count_states(&mut self, rules: &[Rule], keep: &[usize]) -> Result<f64, Limit> {
         let variables = Self::mentioned(rules, keep.iter().copied());
         let (key, mut reached) = self.reach(rules, keep, &variables)?;
         while reached.grow()? {}
         let share = self.m.export(&[&reached.all]).shares()[0];
         let bits = reached.steps.now.iter().count();
-        self.remember(key, reached);
+        self.store(key, reached);
         Ok(share * 2f64.powi(i32::try_from(bits).unwrap_or(i32::MAX)))
     }
 
-    /// A run to a state in a ring, followed by one more step.
-    fn up_to(
+    /// Returns a run to a state of `here`, a subset of this ring, followed by a step of `last`.
+    fn run_with_last_step(
         &self,
         variables: &BTreeSet<VarId>,
         reached: &ReachableStates<K>,
@@ -572,7 +575,7 @@ impl<K: Kernel> RuleEncoder<K> {
         let run = path.back_to_start(reached, ring, here)?;
         let (_, at) = &run[run.len() - 1];
         let end = path.state(&self.m, &last.after(at)?)?;
-        let (end, _) = end.expect("a step out of what was found; please report this");
+        let (end, _) = end.expect("the last step does not exist; please report this");
         let mut values: Vec<Vec<i64>> = run.into_iter().map(|(v, _)| v).collect();
         values.push(end);
         Ok(values)

@@ -2,14 +2,14 @@
 //! reach the size at which a kernel reorders by itself, so these use a kernel that does so at every
 //! safe point.
 
-use super::super::arena::{Arena, first_order};
+use super::super::arena::{Arena, initial_order};
 use super::super::fixpoint::{Iterations, layers, winning_region};
 use super::super::heuristics::{Heuristic, Heuristics};
 use super::super::progress::Progress;
 use super::super::set_up::set_up;
 use super::{Random, specification, specification_with_goals};
 use crate::symbolic::{
-    Biodivine, Bit, BitSet, Diagram, Effort, Kernel, Limit, Limits, Order, OxiDd,
+    Biodivine, Bit, BitSet, BudgetFactor, Diagram, Kernel, Limit, Limits, Order, OxiDd,
 };
 use linewright_core::deadline::Deadline;
 use linewright_core::gr1::Specification;
@@ -164,10 +164,10 @@ impl Kernel for Restless {
 const SMALL: Limits = Limits {
     deadline: Deadline::NONE,
     memory_mib: None,
-    most_nodes: Some(1 << 16),
-    most_made: None,
-    most_work: None,
-    effort: Effort::ONE,
+    max_nodes: Some(1 << 16),
+    max_created: None,
+    max_work: None,
+    budget_factor: BudgetFactor::ONE,
 };
 
 fn board<K: Kernel>(specification: &Specification, order: &Order, with: Heuristics) -> Arena<K> {
@@ -201,7 +201,7 @@ fn an_order_that_changes_within_the_fixpoint_changes_nothing() {
         };
         // Before the fixpoint the bad order is kept.
         let heuristics = Heuristics::all().without(Heuristic::Sifting);
-        let order = first_order(&specification, heuristics.without(Heuristic::Structure));
+        let order = initial_order(&specification, heuristics.without(Heuristic::Structure));
         let worse: Vec<u16> = order.pairs().iter().rev().copied().collect();
         let worse = Order::new(worse).expect("a permutation");
 

@@ -14,7 +14,7 @@ fn kernel<K: Kernel>(random: &mut Random) -> K {
     }
     let order = Order::new(pairs).expect("each pair once");
     let limits = Limits {
-        most_nodes: Some(1 << 16),
+        max_nodes: Some(1 << 16),
         ..Limits::default()
     };
     K::new(&order, &limits).expect("it is small")

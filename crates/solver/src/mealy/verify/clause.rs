@@ -1,72 +1,73 @@
-//! The clauses in the definitions of a correct machine and a correct counterstrategy, by the way
-//! they can be violated.
+//! The clauses in the definitions of a correct machine and of a correct counterstrategy.
 
 use std::fmt;
 
-/// The clause that a machine or a counterstrategy violates. If a contract's formula is violated,
-/// the clause carries its name.
+/// A clause in the definition of a correct machine or of a correct counterstrategy.
+///
+/// The name of a variant describes the violation, its documentation what must hold. Clauses about
+/// formulas of the contract carry the name of a violated formula.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Clause {
-    /// Its ports equal those of the contract: names, domains, order.
+    /// The ports equal those of the contract: names, domains and order.
     Ports,
-    /// A machine moves when the contract says, a counterstrategy when the contract's machine does
-    /// not.
+    /// A machine has the timing of the contract, a counterstrategy the opposite timing.
     Timing,
     /// Every transition leads to an existing state.
-    Target,
-    /// Every transition gives a value for each port.
-    Values,
-    /// The values in a transition lie in the domains of their ports; carries the port's name.
+    MissingTarget,
+    /// Every transition has one value for each output port.
+    OutputCount,
+    /// The values of every transition lie in the domains of their ports; carries the name of a
+    /// port.
     Domain(String),
-    /// Guards refer to existing ports.
-    Guard,
-    /// The side that moves first gives the same values in all transitions of a state.
-    First,
-    /// A counterstrategy gives something in every state.
-    Nothing,
-    /// There is a transition for every input that keeps the assumptions.
-    Gap,
-    /// There is only one such transition.
-    Overlap,
+    /// Guards refer to existing input ports.
+    UnknownInput,
+    /// If the machine or counterstrategy moves first, all transitions of a state have the same
+    /// values.
+    FirstMover,
+    /// A counterstrategy has a transition in every state.
+    NoTransition,
+    /// A machine has a transition for every input that keeps the assumptions.
+    MissingTransition,
+    /// A machine has at most one transition for every input that keeps the assumptions.
+    AmbiguousTransition,
     /// A counterstrategy has a transition for every answer that keeps the guarantees, or, if the
     /// machine moves first, for every answer.
     Unanswered,
-    /// It has only one such transition.
+    /// A counterstrategy has at most one such transition.
     AnsweredTwice,
-    /// A machine keeps each initial condition, invariant and safety formula that it guarantees.
+    /// A machine keeps every guaranteed initial condition, invariant and safety formula.
     Guarantee(String),
-    /// A machine meets each of its goals in every play that meets all justice assumptions again and
-    /// again.
+    /// A machine meets each of its goals infinitely often in every play that meets all justice
+    /// assumptions infinitely often.
     Justice(String),
-    /// A counterstrategy keeps each initial condition, invariant and safety formula that is
-    /// assumed.
+    /// A counterstrategy keeps every assumed initial condition, invariant and safety formula.
     Assumption(String),
-    /// It meets each justice assumption again and again.
-    Starved(String),
-    /// No play against it meets all goals of the machine.
-    Won,
+    /// A counterstrategy meets every justice assumption infinitely often.
+    StarvedAssumption(String),
+    /// No play against a counterstrategy meets all goals of the machine infinitely often.
+    MachineWins,
 }
 
 impl fmt::Display for Clause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Ports => "the ports are not the contract's",
-            Self::Timing => "it is not said who answers first as in the contract",
-            Self::Target => "a transition leads to a state that does not exist",
-            Self::Values => "a transition has too few or too many values",
-            Self::Domain(port) => return write!(f, "domain of {port}"),
-            Self::Guard => "a guard asks for a port that does not exist",
-            Self::First => "what is given first depends on the answer to it",
-            Self::Nothing => "a state gives nothing",
-            Self::Gap => "no transition for inputs that keep the assumptions",
-            Self::Overlap => "two transitions for the same inputs",
-            Self::Unanswered => "no transition for an answer",
-            Self::AnsweredTwice => "two transitions for the same answer",
-            Self::Won => "the machine keeps all guarantees",
+            Self::Ports => "the ports differ from those of the contract",
+            Self::Timing => "the order of moves differs from the contract",
+            Self::MissingTarget => "a transition leads to a state that does not exist",
+            Self::OutputCount => "a transition has too few or too many output values",
+            Self::Domain(port) => return write!(f, "a value of `{port}` is outside its domain"),
+            Self::UnknownInput => "a guard refers to a port that does not exist",
+            Self::FirstMover => "the side that moves first gives values that depend on the answer",
+            Self::NoTransition => "a state has no transition",
+            Self::MissingTransition => "inputs that keep the assumptions have no transition",
+            Self::AmbiguousTransition => "two transitions match the same inputs",
+            Self::Unanswered => "an answer has no transition",
+            Self::AnsweredTwice => "two transitions match the same answer",
+            Self::MachineWins => "the machine keeps all guarantees in some play",
             Self::Guarantee(name)
             | Self::Justice(name)
             | Self::Assumption(name)
-            | Self::Starved(name) => name,
+            | Self::StarvedAssumption(name) => name,
         })
     }
 }

@@ -1,29 +1,30 @@
 //! Checks a counterstrategy against the specification without the solver: the environment keeps its
-//! safety whatever the machine answers, every legal answer has a transition, and no play meets all
-//! of the machine's goals or starves an assumption.
+//! safety for all answers of the machine, every legal answer has a transition, every play meets all
+//! justice assumptions, and no play meets all of the machine's goals.
 //!
-//! The product of the counterstrategy with every machine is built explicitly, as in
-//! [`super::verify`] with swapped roles: a node is a state, together with what the formulas still
-//! say once the current values are known. Answers are enumerated output by output, and a branch is
-//! cut as soon as a guarantee is known to be broken. Outputs that neither a formula nor a guard
-//! mentions keep their smallest value.
+//! The product of the counterstrategy with all machines is built explicitly, as in
+//! [`super::verify`] with swapped roles: a node is a state with the formulas that remain once the
+//! current values are known. Answers are enumerated output by output, and a branch is cut as soon
+//! as a guarantee is known to be broken. Outputs that neither a formula nor a guard mentions keep
+//! their smallest value.
 //!
-//! Liveness: on every cycle each assumption's justice occurs, and in no strongly connected
-//! component do all goals occur.
+//! Liveness: every cycle meets each justice assumption, and no strongly connected component meets
+//! all goals.
 
 use super::fair::fair_cycle;
 use super::form::{Rules, malformed};
 use super::letter::{Letter, TransitionMatch};
 use super::product::{Edge, Product};
 use super::residual::{Id, Place, Pool, Tree, key};
-use super::{Clause, MOST_PAIRS, Violation};
+use super::{Clause, MAX_PAIRS, Violation};
 use crate::game::{Limit, Limits};
 use crate::mealy::{Machine, Transition};
 use linewright_core::gr1::interval::{Interval, interval};
 use linewright_core::gr1::{Specification, Time, Timing, VarId};
 
-/// Checks a counterstrategy: against any machine it keeps all assumptions of the specification, and
-/// the machine breaks one of its guarantees.
+/// Checks a counterstrategy. `Ok(Ok(()))` means that, against every machine, the counterstrategy
+/// keeps all assumptions of the specification and the machine breaks a guarantee. Limits are those
+/// of [`super::verify`].
 pub fn verify_counterstrategy(
     specification: &Specification,
     counterstrategy: &Machine,
@@ -54,6 +55,7 @@ pub fn verify_counterstrategy(
     Ok(check.liveness()?.map_or(Ok(()), Err))
 }
 
+/// A check in progress.
 struct Check<'a> {
     specification: &'a Specification,
     machine: &'a Machine,
@@ -63,28 +65,28 @@ struct Check<'a> {
     given: Vec<VarId>,
     /// The machine's variables.
     answered: Vec<VarId>,
-    /// Whether a formula or guard mentions them.
+    /// For each variable, whether a formula or a guard mentions it.
     matters: Vec<bool>,
     contexts: Tree,
     legal: Tree,
     broken: Place,
-    /// Number of formulas in a context that are the environment's rules, and the machine's.
+    /// Numbers of the environment's and of the machine's formulas in a context, without justice.
     rules: [usize; 2],
     names: Vec<String>,
     step: Place,
     product: Product,
     pairs: u64,
-    /// The edge whose valuation is searched, once the product is complete.
+    /// Edge whose valuation is searched, once the product is complete.
     wanted: Option<Edge>,
 }
 
-/// A violation: the node, the valuation of the step after it, and the clause.
+/// A violation: the node, the valuation of the next step, and the clause.
 type ClauseViolation = (usize, Vec<i64>, Clause);
 
 /// State of the enumeration of a step's answers.
 struct Answers<'a> {
     node: usize,
-    /// The formulas of the context with the given inputs fixed.
+    /// Formulas of the context with the environment's values fixed.
     formulas: Vec<Id>,
     letter: Letter<'a>,
     edges: Vec<Edge>,
@@ -145,9 +147,9 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The clause that its form violates, if any.
+    /// Returns the clause that the form of the counterstrategy violates, if any.
     fn malformed(&self) -> Option<Clause> {
-        // It moves when the machine of the contract does not.
+        // A counterstrategy has the opposite timing of the contract.
         let timing = match self.specification.timing {
             Timing::Mealy => Timing::Moore,
             Timing::Moore => Timing::Mealy,
@@ -155,9 +157,10 @@ impl<'a> Check<'a> {
         let ports = [&*self.answered, &*self.given];
         let mut lists = std::iter::once(&self.machine.initial).chain(&self.machine.states);
         malformed(self.machine, self.specification, ports, timing)
-            .or_else(|| lists.any(Vec::is_empty).then_some(Clause::Nothing))
+            .or_else(|| lists.any(Vec::is_empty).then_some(Clause::NoTransition))
     }
 
+    /// Builds the product; returns the first violation other than of liveness.
     fn explore(&mut self) -> Result<Option<ClauseViolation>, Limit> {
         while let Some(current) = self.product.next() {
             let transitions = self.machine.transitions(self.product.node(current).0);
@@ -168,7 +171,7 @@ impl<'a> Check<'a> {
                     return Ok(Some(wrong));
                 }
             }
-            if !first && let Some(wrong) = self.answered_always(current, transitions)? {
+            if !first && let Some(wrong) = self.check_all_answered(current, transitions)? {
                 return Ok(Some(wrong));
             }
             self.product.close(edges);
@@ -176,8 +179,8 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Transitions of a node that give the same values. If the environment moves first, all do and
-    /// are examined together.
+    /// Groups the transitions of a node by the environment's values. If the environment moves
+    /// first, all transitions have the same values and form one group; otherwise each is a group.
     fn groups(&self, node: usize) -> Vec<&'a [Transition]> {
         let transitions = self.machine.transitions(self.product.node(node).0);
         match self.specification.timing {
@@ -206,7 +209,7 @@ impl<'a> Check<'a> {
                 *id = self.pool.fix(*id, key(v.index(), Time::Next), value);
             }
         }
-        // A rule of the environment that is broken by every answer.
+        // A formula of the environment that every answer breaks.
         for (index, id) in formulas[..self.rules[0]].iter().enumerate() {
             if self.pool.value(*id) == Some(0) {
                 let name = self.names[index].clone();
@@ -232,7 +235,7 @@ impl<'a> Check<'a> {
         depth: usize,
         place: Place,
     ) -> Result<Option<Clause>, Limit> {
-        // If the machine moves first, the other groups have transitions for these answers.
+        // If the machine moves first, other groups have the transitions for other answers.
         let elsewhere = self.specification.timing == Timing::Moore;
         if place == self.broken || elsewhere && answers.letter.candidates(depth).is_empty() {
             return Ok(None);
@@ -257,14 +260,14 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Counts an examined answer.
+    /// Counts an examined answer; fails above the maximum number.
     fn count(&mut self) -> Result<(), Limit> {
-        // Reporting a result that is already found costs nothing more.
+        // The search for the valuation of a known edge is not limited.
         if self.wanted.is_some() {
             return Ok(());
         }
         self.pairs += 1;
-        if self.pairs > self.limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS) {
+        if self.pairs > self.limits.max_nodes.unwrap_or(MAX_PAIRS).min(MAX_PAIRS) {
             return Err(Limit::Size);
         }
         if self.pairs.is_multiple_of(1 << 14) {
@@ -273,7 +276,7 @@ impl<'a> Check<'a> {
         Ok(())
     }
 
-    /// Handles a legal answer.
+    /// Handles one legal answer.
     fn leaf(&mut self, answers: &mut Answers<'a>) -> Result<Option<Clause>, Limit> {
         self.count()?;
         let next = &answers.letter.next;
@@ -297,7 +300,7 @@ impl<'a> Check<'a> {
         let edge = self.product.edge(answers.node, next, &label, to);
         if self.wanted == Some(edge) {
             // Any value stops the enumeration here.
-            return Ok(Some(Clause::Won));
+            return Ok(Some(Clause::MachineWins));
         }
         if answers.edges.last() != Some(&edge) {
             answers.edges.push(edge);
@@ -305,8 +308,8 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// If the machine moves first, the environment has values for every answer.
-    fn answered_always(
+    /// Checks that every answer has exactly one transition; for a machine that moves first.
+    fn check_all_answered(
         &mut self,
         node: usize,
         transitions: &'a [Transition],
@@ -316,7 +319,8 @@ impl<'a> Check<'a> {
         Ok(wrong.map(|clause| (node, letter.next, clause)))
     }
 
-    /// Searches below for an answer that satisfies no cube, or several.
+    /// Searches for an answer that starts with the `depth` chosen values and satisfies no cube, or
+    /// several.
     fn gap(&mut self, letter: &mut Letter<'a>, depth: usize) -> Result<Option<Clause>, Limit> {
         let here = letter.candidates(depth);
         if here.is_empty() {
@@ -342,7 +346,7 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Finds a cycle on which an assumption is starved or all goals are met.
+    /// Searches for a cycle that never meets an assumption or meets all goals.
     fn liveness(&mut self) -> Result<Option<Violation>, Limit> {
         let assumed = &self.specification.assumptions.justice;
         let goals = self.specification.guarantees.justice.len();
@@ -352,17 +356,17 @@ impl<'a> Check<'a> {
             let starved = |label: u32| !product.satisfies(label, i);
             let cycle = fair_cycle(&product.edges, 0, &starved, &met, self.limits)?;
             if let Some(cycle) = cycle {
-                let clause = Clause::Starved(formula.name.clone());
+                let clause = Clause::StarvedAssumption(formula.name.clone());
                 return self.violation(clause, &cycle).map(Some);
             }
         }
         match fair_cycle(&product.edges, goals, &|_| true, &met, self.limits)? {
-            Some(cycle) => self.violation(Clause::Won, &cycle).map(Some),
+            Some(cycle) => self.violation(Clause::MachineWins, &cycle).map(Some),
             None => Ok(None),
         }
     }
 
-    /// The violation shown by a cycle.
+    /// Returns the violation that a cycle shows.
     fn violation(&mut self, clause: Clause, cycle: &[(usize, Edge)]) -> Result<Violation, Limit> {
         let mut trace = self.product.trace_to(cycle[0].0);
         let repeats_from = Some(trace.len());

@@ -1,12 +1,12 @@
-//! Fair cycles: strongly connected components (Tarjan 1972, without recursion) in which every
-//! assumption's justice occurs.
+//! Searches for fair cycles: strongly connected components (Tarjan 1972, without recursion) that
+//! meet every justice assumption.
 
 use super::product::Edge;
 use crate::game::{Limit, Limits};
 use std::collections::{HashMap, VecDeque};
 
-/// A cycle of `bad` edges on which every one of the `assumptions` is `fair` somewhere, as its edges
-/// with their source nodes.
+/// Returns a cycle of `bad` edges on which every assumption, given by index, is `fair` on some
+/// edge; as edges with their source nodes.
 pub fn fair_cycle(
     edges: &[Vec<Edge>],
     assumptions: usize,
@@ -16,7 +16,7 @@ pub fn fair_cycle(
 ) -> Result<Option<Vec<(usize, Edge)>>, Limit> {
     let part = components(edges, bad, limits)?;
     let inner = |from: usize, edge: &Edge| bad(edge.label) && part[from] == part[edge.to];
-    // The assumptions that occur in a component, and whether it has an edge at all.
+    // The assumptions met in each component that has an edge.
     let mut seen: HashMap<usize, Vec<bool>> = HashMap::new();
     for (from, out) in edges.iter().enumerate() {
         for edge in out.iter().filter(|e| inner(from, e)) {
@@ -33,7 +33,7 @@ pub fn fair_cycle(
         return Ok(None);
     };
 
-    // Walk from one wanted edge to the next, and back to the entry.
+    // Walks to an edge that meets each assumption in turn, and back to the entry.
     let mut cycle = Vec::new();
     let mut at = entry;
     for i in 0..assumptions {
@@ -48,10 +48,10 @@ pub fn fair_cycle(
     Ok(Some(cycle))
 }
 
-/// A shortest path of inner edges whose last one is wanted.
+/// Returns a shortest path of `inner` edges that ends with a `wanted` edge; empty if none exists.
 #[expect(
     clippy::map_entry,
-    reason = "a question and a statement can each be made wrong by the tests of this"
+    reason = "the mutation tests change the condition and the insertion separately"
 )]
 fn path(
     edges: &[Vec<Edge>],
@@ -83,7 +83,7 @@ fn path(
     Vec::new()
 }
 
-/// The strongly connected component of each node, using `bad` edges only.
+/// Returns the strongly connected component of each node, using only `bad` edges.
 fn components(
     edges: &[Vec<Edge>],
     bad: &impl Fn(u32) -> bool,
@@ -113,7 +113,7 @@ fn components(
             if let Some(edge) = edges[node].get(*position) {
                 *position += 1;
                 if !bad(edge.label) {
-                    // Leaves `position` above 0 so that the node is not opened again.
+                    // Skips the edge. `position` is now above 0, so the node is not opened again.
                 } else if index[edge.to] == NEW {
                     calls.push((edge.to, 0));
                 } else if part[edge.to] == NEW {

@@ -1,11 +1,12 @@
-//! Well-formedness of machines and counterstrategies, and the step rules of the formulas.
+//! Checks the form of machines and counterstrategies, and collects the formulas about a step.
 
 use super::Clause;
 use super::residual::{Id, Pool};
 use crate::mealy::{Machine, Port};
 use linewright_core::gr1::{Formula, Specification, Time, Timing, VarId};
 
-/// The clause that the form of a machine violates, if any: its ports, its timing, its transitions.
+/// Returns the clause that the form of a machine violates, if any: ports, timing or transitions.
+/// The machine reads the variables `reads` and sets the variables `gives`.
 pub(super) fn malformed(
     machine: &Machine,
     specification: &Specification,
@@ -29,10 +30,10 @@ pub(super) fn malformed(
     for transitions in std::iter::once(&machine.initial).chain(&machine.states) {
         for transition in transitions {
             if transition.to >= machine.states.len() {
-                return Some(Clause::Target);
+                return Some(Clause::MissingTarget);
             }
             if transition.output.len() != gives.len() {
-                return Some(Clause::Values);
+                return Some(Clause::OutputCount);
             }
             for (port, value) in machine.outputs.iter().zip(&transition.output) {
                 if !port.domain.contains(*value) {
@@ -41,32 +42,32 @@ pub(super) fn malformed(
             }
             let mut tests = transition.guard.0.iter().flat_map(|c| &c.0);
             if tests.any(|t| t.input >= reads.len()) {
-                return Some(Clause::Guard);
+                return Some(Clause::UnknownInput);
             }
             if timing == Timing::Moore && transition.output != transitions[0].output {
-                return Some(Clause::First);
+                return Some(Clause::FirstMover);
             }
         }
     }
     None
 }
 
-/// What the formulas of a specification say about the upcoming step: initial conditions, invariants
+/// The formulas of a specification as conditions on the next step: initial conditions, invariants
 /// and safety of the environment, those of the machine, then the justice of both. Formulas about a
-/// single step refer to the upcoming one.
+/// single step refer to the next step.
 pub(super) struct Rules {
-    /// Rules of step 0, where safety and justice do not apply.
+    /// Conditions on step 0, where safety and justice do not apply.
     pub(super) start: Vec<Id>,
-    /// Rules of later steps, where initial conditions do not apply.
+    /// Conditions on later steps, where initial conditions do not apply.
     pub(super) step: Vec<Id>,
-    /// Number of rules of the environment, and of the machine, without justice.
+    /// Numbers of conditions of the environment and of the machine, without justice.
     pub(super) counts: [usize; 2],
-    /// Names of the rules.
+    /// Names of the formulas, without justice.
     pub(super) names: Vec<String>,
 }
 
 impl Rules {
-    /// The rules of a specification.
+    /// Collects the formulas of a specification.
     pub(super) fn of(specification: &Specification, pool: &mut Pool) -> Self {
         let sides = [&specification.assumptions, &specification.guarantees];
         let (mut start, mut step, mut names) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,15 +1,16 @@
-//! A letter that is chosen variable by variable, and the transitions whose guards it may still
-//! satisfy.
+//! A *letter*, that is, a valuation of the variables that guards test, chosen variable by variable,
+//! and the transitions whose guards it can still satisfy.
 
 use crate::mealy::{Cube, Transition};
 use linewright_core::gr1::{Specification, VarId};
 
-/// A valuation of the next step in which the first of the variables tested by guards are chosen.
-/// The others have the smallest value of their domains.
+/// A valuation of the next step in which the first variables tested by guards are chosen. All other
+/// variables have the smallest value of their domains.
 #[derive(Debug)]
 pub(super) struct Letter<'a> {
     transitions: &'a [Transition],
-    /// By number of chosen variables, the cubes that they satisfy, each with its transition.
+    /// For each number of chosen variables, the cubes that they can still satisfy, each with the
+    /// index of its transition.
     candidates: Vec<Vec<(usize, &'a Cube)>>,
     /// The valuation.
     pub(super) next: Vec<i64>,
@@ -22,7 +23,7 @@ pub(super) enum TransitionMatch<'a> {
     One(&'a Transition),
     /// None.
     Nothing,
-    /// Several, or one by several of its cubes.
+    /// Several transitions, or one transition by several of its cubes.
     Several,
 }
 
@@ -47,7 +48,7 @@ impl<'a> Letter<'a> {
         }
     }
 
-    /// Chooses a value of the variable that comes after `chosen` others.
+    /// Chooses a value of the variable that follows `chosen` others.
     pub(super) fn choose(&mut self, chosen: usize, variable: VarId, value: i64) {
         self.next[variable.index()] = value;
         let (before, after) = self.candidates.split_at_mut(chosen + 1);
@@ -58,12 +59,12 @@ impl<'a> Letter<'a> {
         }));
     }
 
-    /// The cubes that the first `chosen` variables satisfy.
+    /// Returns the cubes that the first `chosen` variables can still satisfy.
     pub(super) fn candidates(&self, chosen: usize) -> &[(usize, &'a Cube)] {
         &self.candidates[chosen]
     }
 
-    /// The transition taken once all variables are chosen.
+    /// Returns the transition of the letter; all variables must be chosen.
     pub(super) fn taken(&self) -> TransitionMatch<'a> {
         match self.candidates.last().map(Vec::as_slice) {
             Some([(t, _)]) => TransitionMatch::One(&self.transitions[*t]),

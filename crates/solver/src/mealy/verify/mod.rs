@@ -2,15 +2,14 @@
 //! every fair cycle against justice.
 //!
 //! The product of the machine with its environment is built explicitly. A node is a state of the
-//! machine and a *context*: what the two-step formulas still say once the current values are known
-//! (`residual.rs`). So current inputs that no formula mentions, or that matter only while something
-//! else holds, do not multiply the nodes. Next inputs are enumerated variable by variable, and a
+//! machine and a *context*: the formulas that remain once the current values are known
+//! (`residual.rs`). So current inputs that no formula mentions, or that matter only under some
+//! condition, do not multiply the nodes. Next inputs are enumerated variable by variable, and a
 //! branch is cut as soon as an assumption is known to be broken.
 //!
-//! Justice: if the machine breaks goal `j`, some play stays for ever in transitions that do not
-//! satisfy it and yet sees every assumption again and again; that is a strongly connected component
-//! of the graph without the transitions that satisfy `j`, in which every assumption's justice
-//! occurs (`fair.rs`).
+//! Justice: if the machine breaks goal `j`, some play never satisfies `j` from some step on and yet
+//! meets every assumption infinitely often. That is a strongly connected component of the graph
+//! without the transitions that satisfy `j`, in which every justice assumption is met (`fair.rs`).
 
 mod clause;
 mod counter;
@@ -34,24 +33,24 @@ use residual::{Id, Place, Pool, Tree, key};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Maximum number of examined pairs of a node and a letter.
-pub const MOST_PAIRS: u64 = 50_000_000;
+/// Maximum number of examined pairs of a node and an input valuation.
+pub const MAX_PAIRS: u64 = 50_000_000;
 
-/// A violation by a machine, with the play that shows it.
+/// A violation by a machine or counterstrategy, with a play that shows it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Violation {
     /// The violated clause.
     pub clause: Clause,
-    /// The valuations of all variables step by step up to the violation. If there is no transition,
-    /// or more than one, the outputs of the last step are the smallest values of their domains.
+    /// The valuations of all variables, step by step, up to the violation. If the machine has no
+    /// transition, or several, the outputs of the last step are the smallest values of their
+    /// domains. Empty if the form is wrong.
     pub trace: Vec<Vec<i64>>,
-    /// For a justice formula: index of the step to which the play returns for ever.
+    /// For a violation of justice, the index of the step to which the play returns for ever.
     pub repeats_from: Option<usize>,
 }
 
-/// Checks a machine. `Ok(Ok(()))` means that it keeps its contract. Beyond [`MOST_PAIRS`], or when
-/// the pairs reach the maximum number of nodes ([`Limits::most_nodes`]), it gives up with
-/// [`Limit::Size`].
+/// Checks a machine. `Ok(Ok(()))` means that the machine keeps its contract. Above [`MAX_PAIRS`] or
+/// [`Limits::max_nodes`] examined pairs, the check gives up with [`Limit::Size`].
 pub fn verify(
     specification: &Specification,
     machine: &Machine,
@@ -72,16 +71,17 @@ pub fn verify(
     check.justice()
 }
 
-/// A node's formulas by purpose; over next values only.
+/// The remaining formulas of a node, by purpose; they mention only next values.
 struct Context {
-    /// Where the enumeration of legal inputs starts.
+    /// Place in `legal` at which the enumeration of legal inputs starts.
     legal: Place,
     /// The remaining guarantees, with their indices among the names.
     guarantees: Vec<(Id, usize)>,
-    /// Justice of both sides, first the environment's.
+    /// Justice formulas, first the environment's, then the machine's.
     justice: Vec<Id>,
 }
 
+/// A check in progress.
 struct Check<'a> {
     specification: &'a Specification,
     machine: &'a Machine,
@@ -89,19 +89,20 @@ struct Check<'a> {
     pool: Pool,
     inputs: Vec<VarId>,
     outputs: Vec<VarId>,
-    /// Tree over current values, outputs first.
+    /// Tree that asks for current values, outputs first.
     contexts: Tree,
-    /// Tree over next inputs.
+    /// Tree that asks for next inputs.
     legal: Tree,
-    /// Number of formulas in a context that are the environment's rules.
+    /// Number of the environment's formulas in a context, without justice; they come first.
     assumptions: usize,
     guarantee_names: Vec<String>,
     known: HashMap<Place, Rc<Context>>,
+    /// Place in `contexts` of the formulas about a later step.
     step: Place,
     product: Product,
     pairs: u64,
-    most_pairs: u64,
-    /// The place in `legal` that means a broken assumption.
+    max_pairs: u64,
+    /// Place in `legal` at which an assumption is broken.
     broken: Place,
 }
 
@@ -153,7 +154,7 @@ impl<'a> Check<'a> {
             step,
             product: Product::new(start),
             pairs: 0,
-            most_pairs: limits.most_nodes.unwrap_or(MOST_PAIRS).min(MOST_PAIRS),
+            max_pairs: limits.max_nodes.unwrap_or(MAX_PAIRS).min(MAX_PAIRS),
             broken,
         })
     }
@@ -182,7 +183,7 @@ impl<'a> Check<'a> {
         context
     }
 
-    /// Builds the product; returns the first violation of safety.
+    /// Builds the product; returns the first violation other than of justice.
     fn explore(&mut self) -> Result<Option<Violation>, Limit> {
         while let Some(current) = self.product.next() {
             let context = self.context(self.product.node(current).1);
@@ -220,9 +221,9 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Calls `visit` with the machine's transition and the valuation of the next step for all next
-    /// inputs that keep the assumptions. Stops when it returns a violated clause, or when there is
-    /// no transition or more than one, and returns the clause with the valuation.
+    /// Calls `visit` with the machine's transition and the valuation of the next step, for all next
+    /// inputs that keep the assumptions. Stops at the first violated clause, from `visit` or
+    /// because the number of transitions is not one, and returns the clause with the valuation.
     fn letters(
         &mut self,
         node: usize,
@@ -262,14 +263,14 @@ impl<'a> Check<'a> {
         Ok(None)
     }
 
-    /// Handles inputs that keep the assumptions.
+    /// Handles one input valuation that keeps the assumptions.
     fn leaf(
         &mut self,
         letter: &mut Letter<'a>,
         visit: &mut Visit<'_, 'a>,
     ) -> Result<Option<Clause>, Limit> {
         self.pairs += 1;
-        if self.pairs > self.most_pairs {
+        if self.pairs > self.max_pairs {
             return Err(Limit::Size);
         }
         if self.pairs.is_multiple_of(1 << 16) {
@@ -282,17 +283,17 @@ impl<'a> Check<'a> {
                 }
                 return Ok(visit(self, transition, &letter.next));
             }
-            TransitionMatch::Nothing => Clause::Gap,
-            TransitionMatch::Several => Clause::Overlap,
+            TransitionMatch::Nothing => Clause::MissingTransition,
+            TransitionMatch::Several => Clause::AmbiguousTransition,
         };
-        // Resets the values of the previous letter.
+        // Resets the outputs that an earlier letter has set.
         for v in &self.outputs {
             letter.next[v.index()] = self.specification.variable(*v).domain.low();
         }
         Ok(Some(clause))
     }
 
-    /// Searches for a fair play that breaks a justice guarantee.
+    /// Searches for a play that meets all justice assumptions and breaks a justice guarantee.
     fn justice(&mut self) -> Result<Result<(), Violation>, Limit> {
         let assumed = self.specification.assumptions.justice.len();
         for (j, formula) in self.specification.guarantees.justice.iter().enumerate() {
@@ -317,7 +318,7 @@ impl<'a> Check<'a> {
         Ok(Ok(()))
     }
 
-    /// A valuation that takes the product along an edge.
+    /// Returns a valuation of the step along an edge.
     fn letter_of(&mut self, from: usize, edge: Edge) -> Result<Vec<i64>, Limit> {
         let context = self.context(self.product.node(from).1);
         let target = self.product.node(edge.to);
@@ -328,11 +329,12 @@ impl<'a> Check<'a> {
                 check.product.satisfies(edge.label, i) == (check.pool.eval(*id, next) != 0)
             });
             // Any value stops the enumeration here.
-            (same && target == (Some(transition.to), place)).then_some(Clause::Gap)
+            (same && target == (Some(transition.to), place)).then_some(Clause::MissingTransition)
         })?;
         Ok(found.map(|(_, next)| next).unwrap_or_default())
     }
 }
 
-/// Callback for every letter, with the transition taken and the valuation of the step.
+/// Callback for every legal letter, with the transition and the valuation of the step; returns a
+/// violated clause, if any.
 type Visit<'v, 'a> = dyn FnMut(&mut Check<'a>, &Transition, &[i64]) -> Option<Clause> + 'v;

@@ -1,41 +1,44 @@
-//! The product built by both checkers, node by node: what is checked, against everything that may
-//! play against it.
+//! The product graph of both checkers: the checked machine in all plays against its opponent. It is
+//! built node by node.
 
 use super::residual::Place;
 use std::collections::HashMap;
 
-/// A step of the product.
+/// A step of the product graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Edge {
+    /// Index of the target node.
     pub(super) to: usize,
-    /// Which justice formulas the transition satisfies.
+    /// Number of the label, that is, of the set of justice formulas that the step satisfies.
     pub(super) label: u32,
 }
 
-/// A state of the product.
+/// A node of the product graph.
 #[derive(Debug)]
 struct Node {
-    /// `None` before step 0.
+    /// State of the machine; `None` before step 0.
     state: Option<usize>,
+    /// The formulas that remain once the current values are known.
     context: Place,
-    /// How it was first reached: source node and valuation.
+    /// Source node and valuation of the step that first reached the node.
     from: Option<(usize, Vec<i64>)>,
 }
 
-/// The reached nodes, and the steps between those examined. Node 0 is the start of every play.
+/// The nodes reached so far, and the steps from the examined ones. Node 0 is the start of every
+/// play.
 #[derive(Debug)]
 pub(super) struct Product {
     nodes: Vec<Node>,
     numbers: HashMap<(usize, Place), usize>,
-    /// Edges by node, only for the nodes examined so far.
+    /// Edges of each node examined so far.
     pub(super) edges: Vec<Vec<Edge>>,
-    /// By label number, whether each justice formula is satisfied.
+    /// For each label, whether each justice formula is satisfied.
     pub(super) labels: Vec<Vec<bool>>,
     label_numbers: HashMap<Vec<bool>, u32>,
 }
 
 impl Product {
-    /// Creates the start node.
+    /// Creates the graph with its start node.
     pub(super) fn new(start: Place) -> Self {
         Self {
             nodes: vec![Node {
@@ -50,27 +53,27 @@ impl Product {
         }
     }
 
-    /// The next node to examine; `None` once all have been.
+    /// Returns the next node to examine; `None` once all reached nodes are examined.
     pub(super) fn next(&self) -> Option<usize> {
         let next = self.edges.len();
         (next < self.nodes.len()).then_some(next)
     }
 
-    /// Stores the steps from the node that [`Self::next`] returned.
+    /// Stores the steps from the node that [`Self::next`] returned, which is examined then.
     pub(super) fn close(&mut self, mut edges: Vec<Edge>) {
         edges.sort_unstable();
         edges.dedup();
         self.edges.push(edges);
     }
 
-    /// The state of a node, and what the formulas still say there.
+    /// Returns the state and the context of a node.
     pub(super) fn node(&self, node: usize) -> (Option<usize>, Place) {
         let Node { state, context, .. } = self.nodes[node];
         (state, context)
     }
 
-    /// The step with this valuation and label from one node to a state and a context, whose node is
-    /// created if necessary.
+    /// Returns the step with this valuation and label from a node to the node of a state and a
+    /// context, which is created if necessary.
     pub(super) fn edge(
         &mut self,
         from: usize,
@@ -98,12 +101,12 @@ impl Product {
         Edge { to, label }
     }
 
-    /// Whether a label says that the justice formula with this index is satisfied.
+    /// Whether the steps with a label satisfy the justice formula with this index.
     pub(super) fn satisfies(&self, label: u32, place: usize) -> bool {
         self.labels[label as usize][place]
     }
 
-    /// The valuations of the play by which a node was first reached.
+    /// Returns the valuations of the play that first reached a node.
     pub(super) fn trace_to(&self, mut node: usize) -> Vec<Vec<i64>> {
         let mut trace = Vec::new();
         while let Some((from, valuation)) = &self.nodes[node].from {

@@ -1,9 +1,9 @@
-//! Residuals: what is left of formulas when some variables are known.
+//! Residuals: the formulas that remain when the values of some variables are known.
 //!
-//! Expressions are shared in a [`Pool`]; fixing a variable simplifies them. A [`Tree`] queries
-//! variables one after the other, and only those that the rest still mentions. Two valuations that
-//! leave the same formulas end in the same place of the tree and cannot be distinguished by the
-//! formulas. No diagrams of the solver are involved.
+//! A [`Pool`] shares expressions; fixing a variable simplifies them. A [`Tree`] asks for the values
+//! of variables one after the other, but only of those that the remaining formulas mention. Two
+//! valuations that leave the same formulas lead to the same place in the tree; the formulas cannot
+//! distinguish them. No diagrams of the solver are involved.
 
 use linewright_core::gr1::eval;
 use linewright_core::gr1::{BinaryOp, Expr, Time, UnaryOp};
@@ -11,8 +11,8 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::rc::Rc;
 
-/// A fast hash for small internal keys; the default one guards against attackers, of which there
-/// are none here.
+/// A fast hash for small internal keys. Protection against attackers, which the default hash
+/// offers, is not needed here.
 #[derive(Debug, Default)]
 pub struct Mixer(u64);
 
@@ -48,13 +48,14 @@ impl Hasher for Mixer {
     }
 }
 
-/// The number of an expression in its pool.
+/// Number of an expression in its pool.
 pub type Id = u32;
 
-/// A variable at a time, as a number: `2 · variable`, plus one for its next value.
+/// The current or next value of a variable, as a number: `2 · variable`, plus one for the next
+/// value.
 pub type Key = u32;
 
-/// The key of a variable.
+/// Returns the key of a variable at a time.
 pub fn key(variable: usize, time: Time) -> Key {
     2 * variable as u32 + u32::from(time == Time::Next)
 }
@@ -72,7 +73,7 @@ enum Node {
 #[derive(Debug, Default)]
 pub struct Pool {
     nodes: Vec<Node>,
-    /// The keys mentioned by each expression, in order.
+    /// Keys that each expression mentions, ascending.
     keys: Vec<Rc<[Key]>>,
     ids: HashMap<Node, Id, Mix>,
     fixed: HashMap<(Id, Key, i64), Id, Mix>,
@@ -100,12 +101,12 @@ impl Pool {
         id
     }
 
-    /// A constant.
+    /// Returns a constant.
     pub fn constant(&mut self, value: i64) -> Id {
         self.intern(Node::Const(value))
     }
 
-    /// Its value, if it is a constant.
+    /// Returns the value of an expression, if it is a constant.
     pub fn value(&self, id: Id) -> Option<i64> {
         match self.nodes[id as usize] {
             Node::Const(value) => Some(value),
@@ -113,12 +114,13 @@ impl Pool {
         }
     }
 
-    /// The keys an expression mentions, in order.
+    /// Returns the keys that an expression mentions, ascending.
     pub fn keys(&self, id: Id) -> &[Key] {
         &self.keys[id as usize]
     }
 
-    /// Adds an expression; `time` maps the written time of every variable.
+    /// Adds an expression. `time` maps the time of every variable as written to the time of its
+    /// key.
     pub fn add(&mut self, expr: &Expr, time: &impl Fn(Time) -> Time) -> Id {
         match expr {
             Expr::Const(c) => self.constant(*c),
@@ -172,7 +174,7 @@ impl Pool {
         }
     }
 
-    /// The expression with the value of one variable fixed.
+    /// Returns an expression with the value of one key fixed.
     pub fn fix(&mut self, id: Id, key: Key, value: i64) -> Id {
         if self.keys[id as usize].binary_search(&key).is_err() {
             return id;
@@ -200,7 +202,7 @@ impl Pool {
         result
     }
 
-    /// The value of an expression that mentions next values only.
+    /// Evaluates an expression that mentions only next values; `next` is indexed by variable.
     pub fn eval(&self, id: Id, next: &[i64]) -> i64 {
         match self.nodes[id as usize] {
             Node::Const(value) => value,
@@ -227,40 +229,43 @@ impl Pool {
     }
 }
 
-/// A place in a [`Tree`].
+/// Number of a node of a [`Tree`].
 pub type Place = u32;
 
+/// A node of a [`Tree`].
 #[derive(Debug)]
 struct Branch {
+    /// The remaining formulas.
     formulas: Rc<[Id]>,
-    /// The index in [`Tree::order`] of the next query; `None` if nothing queried is mentioned any
-    /// more.
+    /// Index in [`Tree::order`] of the key to ask for next; `None` if the formulas mention none of
+    /// them.
     question: Option<u32>,
-    /// Children by value, from the smallest; `u32::MAX` if not yet known.
+    /// Children by value of the key, from the smallest value; [`UNKNOWN`] until computed.
     children: Vec<Place>,
 }
 
-/// Lists of formulas, and their residuals as variables become known.
+/// Lists of formulas, with their residuals as variables become known.
 #[derive(Debug)]
 pub struct Tree {
-    /// The queries in this order, with the smallest and largest value.
+    /// Keys in the order of asking, with the smallest and largest value.
     order: Vec<(Key, i64, i64)>,
-    /// Index in the order by key.
+    /// Index in `order` of each key; [`NEVER`] if it is not asked for.
     ranks: Vec<u32>,
-    /// Whether the lists are conjunctions: then true formulas are dropped, and a false one leaves
-    /// nothing else.
+    /// Whether the lists are conjunctions. If so, true formulas are dropped, and a false formula
+    /// replaces the whole list.
     pub conjunction: bool,
     branches: Vec<Branch>,
     places: HashMap<Rc<[Id]>, Place, Mix>,
 }
 
+/// Marks a child that is not computed yet.
 const UNKNOWN: Place = u32::MAX;
 
-/// Rank of a key that is not queried.
+/// Rank of a key that the tree does not ask for.
 const NEVER: u32 = u32::MAX;
 
 impl Tree {
-    /// Creates a tree with these queries.
+    /// Creates a tree that asks for these keys, in this order; with smallest and largest values.
     pub fn new(order: Vec<(Key, i64, i64)>) -> Self {
         let ends = order.iter().map(|(k, ..)| *k as usize + 1);
         let mut ranks = vec![NEVER; ends.max().unwrap_or_default()];
@@ -276,7 +281,7 @@ impl Tree {
         }
     }
 
-    /// The place of a list.
+    /// Finds or creates the place of a list of formulas.
     pub fn place(&mut self, pool: &Pool, mut formulas: Vec<Id>) -> Place {
         if self.conjunction {
             formulas.sort_unstable();
@@ -306,17 +311,17 @@ impl Tree {
         place
     }
 
-    /// The formulas left at a place.
+    /// Returns the formulas that remain at a place.
     pub fn formulas(&self, place: Place) -> &[Id] {
         &self.branches[place as usize].formulas
     }
 
-    /// The query at a place, as an index into the order.
+    /// Returns the key to ask for at a place, as an index into the order.
     pub fn question(&self, place: Place) -> Option<usize> {
         self.branches[place as usize].question.map(|q| q as usize)
     }
 
-    /// The place after an answer.
+    /// Returns the place after the key asked for at `place` has this value.
     pub fn answer(&mut self, pool: &mut Pool, place: Place, value: i64) -> Place {
         let branch = &self.branches[place as usize];
         let Some(question) = branch.question else {
@@ -338,8 +343,8 @@ impl Tree {
         child
     }
 
-    /// The place after the value of the variable with this index: unchanged unless it is the next
-    /// query.
+    /// Returns the place after the key with index `rank` in the order has this value; `place`
+    /// itself if it does not ask for that key.
     pub fn follow(&mut self, pool: &mut Pool, place: Place, rank: usize, value: i64) -> Place {
         if self.question(place) == Some(rank) {
             self.answer(pool, place, value)
@@ -348,8 +353,8 @@ impl Tree {
         }
     }
 
-    /// Answers with the values of a valuation until there is no further query. Keys are looked up
-    /// by their variable.
+    /// Follows, from `place` on, the branches that a valuation (`values`, by variable) selects;
+    /// returns the place where no further variable is tested.
     pub fn descend(&mut self, pool: &mut Pool, mut place: Place, values: &[i64]) -> Place {
         while let Some(question) = self.question(place) {
             let variable = (self.order[question].0 / 2) as usize;

@@ -2,7 +2,7 @@
 //! and form are evaluated by the textbook semantics on many runs that end in a loop.
 
 use super::*;
-use Strength::{Assumed, Less, More, Same};
+use Strength::{Assumed, Equivalent, Stronger, Weaker};
 use linewright_core::source::FileId;
 use linewright_syntax::ast::{ContractItem, Item, PastOp, Pattern, Quantifier, UntilOp};
 use std::fmt::Write as _;
@@ -31,7 +31,7 @@ const GUARANTEES: &[(&str, Strength, &[&str])] = &[
     // Persistence.
     (
         "eventually always p",
-        More,
+        Stronger,
         &[
             "always (settled -> next settled)",
             "always (settled -> p)",
@@ -40,7 +40,7 @@ const GUARANTEES: &[(&str, Strength, &[&str])] = &[
     ),
     (
         "always (p -> eventually always q)",
-        More,
+        Stronger,
         &[
             "always (settled -> next settled)",
             "always (settled -> q)",
@@ -48,105 +48,109 @@ const GUARANTEES: &[(&str, Strength, &[&str])] = &[
         ],
     ),
     // Negations.
-    ("not always p", Same, &["eventually not p"]),
-    ("not eventually p", Same, &["always not p"]),
-    ("not never p", Same, &["eventually p"]),
+    ("not always p", Equivalent, &["eventually not p"]),
+    ("not eventually p", Equivalent, &["always not p"]),
+    ("not never p", Equivalent, &["eventually p"]),
     (
         "not (p precedes q)",
-        Same,
+        Equivalent,
         &["eventually (q and not once p)"],
     ),
     (
         "not eventually always p",
-        Same,
+        Equivalent,
         &["always eventually not p"],
     ),
     // Disjunctions.
     (
         "always (p or eventually q)",
-        Same,
+        Equivalent,
         &["always (not p -> eventually q)"],
     ),
     (
         "always (p or always eventually q)",
-        Same,
+        Equivalent,
         &["always eventually (q or historically p)"],
     ),
     (
         "always (p or always q)",
-        Same,
+        Equivalent,
         &["always (once not p -> q)"],
     ),
     (
         "(always p) or (always q)",
-        Same,
+        Equivalent,
         &["always (historically p or historically q)"],
     ),
     (
         "(always p) or (eventually q)",
-        Same,
+        Equivalent,
         &["always eventually (historically p or once q)"],
     ),
     (
         "(always eventually p) or (always eventually q)",
-        Same,
+        Equivalent,
         &["always eventually (p or q)"],
     ),
     (
         "(eventually p) or (eventually q)",
-        Same,
+        Equivalent,
         &["eventually (p or q)"],
     ),
     (
         "always (p or (always q) or always r)",
-        Same,
+        Equivalent,
         &["always (historically (once not p -> q) or historically (once not p -> r))"],
     ),
     (
         "always (p -> eventually q) or always eventually r",
-        Same,
+        Equivalent,
         &["always eventually (not q since (p and not q) -> r)"],
     ),
     (
         "(always (p -> eventually q)) or (always r)",
-        Same,
+        Equivalent,
         &["always eventually (not q since (p and not q) -> historically r)"],
     ),
     // Implications.
     (
         "p -> eventually q",
-        Same,
+        Equivalent,
         &["always (p and not previous true -> eventually q)"],
     ),
     (
         "p -> always q",
-        Same,
+        Equivalent,
         &["always (once (p and not previous true) -> q)"],
     ),
     (
         "p -> always eventually q",
-        Same,
+        Equivalent,
         &["always eventually (once (p and not previous true) -> q)"],
     ),
-    ("always (p -> always q)", Same, &["always (once p -> q)"]),
+    (
+        "always (p -> always q)",
+        Equivalent,
+        &["always (once p -> q)"],
+    ),
     (
         "always (p -> always (q -> eventually r))",
-        Same,
+        Equivalent,
         &["always (once p and q -> eventually r)"],
     ),
     (
         "(always p) -> (always q)",
-        Same,
+        Equivalent,
         &["always eventually (historically p -> historically q)"],
     ),
     (
         "(eventually p) -> (always q)",
-        Same,
+        Equivalent,
         &["always (once p -> historically q)"],
     ),
     (
         "(eventually p) -> (eventually q)",
-        Same,
+        Equivalent,
         &["always eventually (once p -> once q)"],
     ),
     (
@@ -161,98 +165,122 @@ const GUARANTEES: &[(&str, Strength, &[&str])] = &[
     ),
     (
         "(always eventually p) -> (always eventually q)",
-        More,
+        Stronger,
         &[
             "always (settled -> next settled)",
             "always (settled -> not p)",
             "always eventually (settled or q)",
         ],
     ),
-    ("p <-> always q", Same, &[]),
-    ("if p then always q else always r", Same, &[]),
+    ("p <-> always q", Equivalent, &[]),
+    ("if p then always q else always r", Equivalent, &[]),
     // Chains.
     (
         "eventually (p and eventually q)",
-        Same,
+        Equivalent,
         &["eventually (q and once p)"],
     ),
     (
         "always eventually (p and eventually q)",
-        Same,
+        Equivalent,
         &["always eventually p", "always eventually q"],
     ),
     (
         "always (p -> eventually (q and eventually r))",
-        More,
+        Stronger,
         &["always (p -> eventually q)", "always (q -> eventually r)"],
     ),
     // Until.
-    ("p until q", Same, &["always (p or once q)", "eventually q"]),
-    ("p W q", Same, &["always (p or once q)"]),
-    ("p R q", Same, &["always (q or once (p and q))"]),
+    (
+        "p until q",
+        Equivalent,
+        &["always (p or once q)", "eventually q"],
+    ),
+    ("p W q", Equivalent, &["always (p or once q)"]),
+    ("p R q", Equivalent, &["always (q or once (p and q))"]),
     (
         "not (p U q)",
-        Same,
+        Equivalent,
         &["always (q -> once (not p and not q))"],
     ),
     (
         "always (p U q)",
-        Same,
+        Equivalent,
         &["always (p or q)", "always eventually q"],
     ),
-    ("always (p W q)", Same, &["always (p or q)"]),
-    ("always (p -> q W r)", Same, &["always q after p until r"]),
+    ("always (p W q)", Equivalent, &["always (p or q)"]),
+    (
+        "always (p -> q W r)",
+        Equivalent,
+        &["always q after p until r"],
+    ),
     (
         "always (p -> q U r)",
-        Same,
+        Equivalent,
         &["always q after p until r", "always (p -> eventually r)"],
     ),
     // Next.
-    ("next p", Same, &["always (not previous true -> next p)"]),
+    (
+        "next p",
+        Equivalent,
+        &["always (not previous true -> next p)"],
+    ),
     (
         "p -> next q",
-        Same,
+        Equivalent,
         &["always (not previous true -> p -> next q)"],
     ),
-    ("always next (eventually p)", Same, &["always eventually p"]),
+    (
+        "always next (eventually p)",
+        Equivalent,
+        &["always eventually p"],
+    ),
     (
         "always (p -> next (eventually q))",
-        Same,
+        Equivalent,
         &["always (previous p -> eventually q)"],
     ),
     (
         "always (p -> next (always q))",
-        Same,
+        Equivalent,
         &["always (once previous p -> q)"],
     ),
-    ("next (always p)", Same, &["always (previous true -> p)"]),
+    (
+        "next (always p)",
+        Equivalent,
+        &["always (previous true -> p)"],
+    ),
     (
         "next (eventually p)",
-        Same,
+        Equivalent,
         &["eventually (p and previous true)"],
     ),
 ];
 
 const ASSUMPTIONS: &[(&str, Strength, &[&str])] = &[
-    ("eventually always i", Less, &["assume always eventually i"]),
+    (
+        "eventually always i",
+        Weaker,
+        &["assume always eventually i"],
+    ),
     (
         "always (i -> eventually always j)",
-        Less,
+        Weaker,
         &["assume always eventually (once i -> j)"],
     ),
     (
         "always (i -> eventually (j and eventually not i))",
-        Less,
+        Weaker,
         &["assume always (i -> eventually j)"],
     ),
     (
         "always (i -> always j)",
-        Same,
+        Equivalent,
         &["assume always (once i -> j)"],
     ),
     (
         "(always eventually i) -> (always eventually j)",
-        Less,
+        Weaker,
         &["assume always eventually (i -> j)"],
     ),
 ];
@@ -285,7 +313,7 @@ fn shapes_have_these_forms() {
             .iter()
             .map(|(guarantee, e)| {
                 let word = if *guarantee { "" } else { "assume " };
-                format!("{word}{}", format::expression(e))
+                format!("{word}{}", format::format_expression(e))
             })
             .collect();
         if form.strength != strength || !rules.is_empty() && found != rules {
@@ -293,10 +321,10 @@ fn shapes_have_these_forms() {
         }
         // The form is parsed back as itself.
         for (_, rule) in &form.rules {
-            let again = formula(&format::expression(rule));
+            let again = formula(&format::format_expression(rule));
             assert_eq!(
-                format::expression(&again),
-                format::expression(rule),
+                format::format_expression(&again),
+                format::format_expression(rule),
                 "{text}"
             );
         }
@@ -361,7 +389,7 @@ fn every_form_of_a_small_formula_means_what_is_said() {
     let mut report = String::new();
     for text in formulas.iter().flatten().chain(&shapes) {
         let original = formula(text);
-        if !temporal(&original) && !speaks_of_next(&original) {
+        if !temporal(&original) && !mentions_next(&original) {
             continue;
         }
         for guarantee in [false, true] {
@@ -377,11 +405,11 @@ fn every_form_of_a_small_formula_means_what_is_said() {
                 form.strength == Assumed || form.rules.iter().all(|(side, _)| *side == guarantee),
                 "{text}: on the other side"
             );
-            // A machine may promise more than necessary, and a plant less.
+            // A guarantee can be stronger than necessary, and an assumption weaker.
             let fits = match form.strength {
-                Same => true,
-                More | Assumed => guarantee,
-                Less => !guarantee,
+                Equivalent => true,
+                Stronger | Assumed => guarantee,
+                Weaker => !guarantee,
             };
             assert!(fits, "{text}: {:?}", form.strength);
             let runs = &runs[usize::from(form.variable.is_some())];
@@ -606,8 +634,8 @@ fn counterexample(original: &Expr, form: &Form) -> Option<Run> {
 fn deviates(wanted: bool, run: &Run, form: &Form) -> bool {
     let found = run.keeps(form);
     match form.strength {
-        Same | Assumed => found != wanted,
-        More => found && !wanted,
-        Less => wanted && !found,
+        Equivalent | Assumed => found != wanted,
+        Stronger => found && !wanted,
+        Weaker => wanted && !found,
     }
 }

@@ -139,7 +139,7 @@ impl StationModel {
                     return (state, Err(refusal), steps);
                 }
             }
-            if let Some(error) = CallError::unmeasured(seconds, joules) {
+            if let Some(error) = CallError::check_measurable(seconds, joules) {
                 let refusal = Refusal {
                     operation: *operation,
                     error,
