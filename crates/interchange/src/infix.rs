@@ -422,8 +422,16 @@ impl Yard<'_, '_> {
     fn infix(&mut self, infix: Infix, range: Range<usize>) -> Option<()> {
         use BinaryOp as B;
         let level = binding(infix, self.dialect);
-        if let Some(Waiting::Infix(before)) = self.waiting.last() {
-            let unusual = match (*before, infix) {
+        // Operators that bind tighter, as in `a | x < 1 & c`, belong to the operand in between.
+        let waiting = self.waiting.iter().rev();
+        let before = waiting
+            .take_while(|w| !matches!(w, Waiting::Open(..)))
+            .find_map(|w| match w {
+                Waiting::Infix(op) if binding(*op, self.dialect) <= level => Some(*op),
+                _ => None,
+            });
+        if let Some(before) = before {
+            let unusual = match (before, infix) {
                 (Infix::Op(B::Or), Infix::Op(B::And)) if self.dialect == Dialect::Spc => Some((
                     "`a | b & c` is read as `(a | b) & c`: `&` and `|` bind equally here",
                     "write the parentheses",

@@ -488,6 +488,10 @@ fn what_another_game_asks_for_is_refused() {
         ["LW202"]
     );
     assert_eq!(codes(Format::Spc, ""), ["LW002"]);
+    for operand in ["x", "y < 1", "!x", "y' >= 1"] {
+        let text = format!("ENV: a c;\nSYS: x y [0,3];\nSYSTRANS: [](a | {operand} & c);\n");
+        assert_eq!(codes(Format::Spc, &text), ["LW005"], "{operand}");
+    }
     // What an export that failed leaves is no specification.
     assert_eq!(codes(Format::Slugsin, ""), ["LW002"]);
     assert_eq!(codes(Format::StructuredSlugs, "# nothing\n"), ["LW002"]);

@@ -418,7 +418,7 @@ static void check(const char *token)
     }
 #if FMI == 2
     REFUSED(set_whole(c, ENABLED, 'b', 2), "enabled");
-    REFUSED(plain("fmi2CancelStep", c), "does not offer");
+    REFUSED(plain("fmi2CancelStep", c), "does not support");
     {
         CALL(int, fmi2GetRealStatus, (void *, int, double *));
         CALL(int, fmi2GetBooleanStatus, (void *, int, int *));
@@ -431,7 +431,7 @@ static void check(const char *token)
         if (value != 0.0 || truth != 0) { fail("status"); }
         REFUSED(fmi2GetRealStatus(c, 0, &value), "kind");
         REFUSED(fmi2GetString(c, &reference, 1, &text), "another type");
-        if (fmi2Instantiate("unit", 0, token, NULL, &callbacks, 0, 0) != NULL || strstr(said, "co-simulation only") == NULL) {
+        if (fmi2Instantiate("unit", 0, token, NULL, &callbacks, 0, 0) != NULL || strstr(said, "only co-simulation") == NULL) {
             fail("model exchange");
         }
         /* A host without callbacks is told nothing. */
@@ -440,14 +440,14 @@ static void check(const char *token)
     if (strcmp(((const char *(*)(void))need("fmi2GetVersion"))(), "2.0") != 0
         || strcmp(((const char *(*)(void))need("fmi2GetTypesPlatform"))(), "default") != 0) { fail("version"); }
 #else
-    REFUSED(plain("fmi3EnterEventMode", c), "does not offer");
-    REFUSED(plain("fmi3EnterConfigurationMode", c), "does not offer");
+    REFUSED(plain("fmi3EnterEventMode", c), "does not support");
+    REFUSED(plain("fmi3EnterConfigurationMode", c), "does not support");
     {
         CALL(int, fmi3GetFloat64, (void *, const vr_t *, size_t, double *, size_t));
         CALL(int, fmi3GetString, (void *, const vr_t *, size_t, const char **, size_t));
         CALL(int, fmi3DoStep, (void *, double, double, bool, bool *, bool *, bool *, double *));
         const char *text;
-        REFUSED(fmi3GetFloat64(c, &reference, 1, &value, 2), "as many values");
+        REFUSED(fmi3GetFloat64(c, &reference, 1, &value, 2), "the number of values differs");
         REFUSED(fmi3GetString(c, &reference, 1, &text, 1), "another type");
         REFUSED(fmi3DoStep(c, 0.0, h, true, NULL, NULL, NULL, NULL), "missing");
     }
@@ -468,15 +468,15 @@ static void check(const char *token)
     GOOD(state_size(c, state, &size));
     bytes = malloc(size);
     GOOD(to_bytes(c, state, bytes, size));
-    REFUSED(set_state(c, NULL), "no state");
-    REFUSED(set_state(c, (void *)memset(malloc(size), 0, size)), "no state");
-    REFUSED(to_bytes(c, state, bytes, size - 1), "too little");
-    REFUSED(to_bytes(c, state, NULL, size), "too little");
-    REFUSED(get_state(c, NULL), "no place");
-    REFUSED(from_bytes(c, bytes, size - 1, &other), "no state");
+    REFUSED(set_state(c, NULL), "does not belong to this unit");
+    REFUSED(set_state(c, (void *)memset(malloc(size), 0, size)), "does not belong to this unit");
+    REFUSED(to_bytes(c, state, bytes, size - 1), "too small");
+    REFUSED(to_bytes(c, state, NULL, size), "too small");
+    REFUSED(get_state(c, NULL), "the pointer for the state");
+    REFUSED(from_bytes(c, bytes, size - 1, &other), "do not have the size");
     for (size_t i = 0; i < size; i += 97) {
         bytes[i] = (char)(bytes[i] ^ 1);
-        REFUSED(from_bytes(c, bytes, size, &other), "no state");
+        REFUSED(from_bytes(c, bytes, size, &other), "do not belong to this unit");
         bytes[i] = (char)(bytes[i] ^ 1);
     }
     GOOD(from_bytes(c, bytes, size, &other));
@@ -502,7 +502,7 @@ static void check(const char *token)
     while (count < 1100 && (many[count] = instantiate("one of many", token)) != NULL) {
         count++;
     }
-    if (count < 1000 || count >= 1100 || strstr(said, "no room") == NULL) { fail("a thousand instances"); }
+    if (count < 1000 || count >= 1100 || strstr(said, "all slots") == NULL) { fail("a thousand instances"); }
     for (int i = 0; i < count; i++) {
         GOOD(initialize(many[i], 0.0, 0, 0.0));
         GOOD(set_whole(many[i], ENABLED, 'b', i % 2));

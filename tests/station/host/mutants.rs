@@ -117,7 +117,7 @@ impl Tables {
             splits,
             leaves: table(lines, &format!("{prefix}_leaves")),
             answers: table(lines, &format!("{prefix}_answers")),
-            ways: table(lines, &format!("{prefix}_way")),
+            ways: table(lines, &format!("{prefix}_root")),
         }
     }
 

@@ -256,6 +256,28 @@ impl Line {
         let mut nodes = self.nodes.iter();
         nodes.any(|n| matches!(n.kind, NodeKind::Sink { reorder, .. } if reorder == Some(source)))
     }
+
+    /// Returns whether a route brings parts of this type to a node.
+    pub fn is_brought(&self, node: usize, part: usize) -> bool {
+        self.routes.iter().any(|r| r.to == node && r.part == part)
+    }
+
+    /// Returns whether a station joins components to parts of this type; see [`Task::part`]. False
+    /// for parts without a bill of materials.
+    pub fn is_joined_at(&self, node: usize, part: usize) -> bool {
+        let NodeKind::Station { tasks, .. } = &self.nodes[node].kind else {
+            return false;
+        };
+        let bill = &self.parts[part].bill;
+        let has_task = |part: usize| tasks.iter().any(|t| t.part == part);
+        // If the joined part also comes here, its components may only pass through: they are joined
+        // here only if all of them come, and none for a task of its own.
+        let joins = !self.is_brought(node, part)
+            || bill
+                .iter()
+                .all(|(c, _)| self.is_brought(node, *c) && !has_task(*c));
+        has_task(part) && !bill.is_empty() && joins
+    }
 }
 
 /// Work of a station on one part type.

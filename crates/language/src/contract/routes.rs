@@ -34,7 +34,7 @@ pub(super) fn check(line: &Line, findings: &mut Vec<Diagnostic>) {
                     ty.span,
                     format!("nothing makes a `{}`", ty.name),
                 )
-                .with_help("add a `source`, stock in a `store`, or a station that performs an operation on it"),
+                .with_help(missing_origin(line, part)),
             );
         }
         let origins: BTreeSet<usize> = open.iter().copied().collect();
@@ -167,16 +167,35 @@ fn origins(line: &Line, part: usize) -> Vec<usize> {
     line.nodes
         .iter()
         .enumerate()
-        .filter(|(_, n)| match &n.kind {
+        .filter(|(i, n)| match &n.kind {
             NodeKind::Source { part: p, .. } => *p == part,
             NodeKind::Store { stock } => stock.iter().any(|(p, _)| *p == part),
-            NodeKind::Station { tasks, .. } => {
-                !line.parts[part].bill.is_empty() && tasks.iter().any(|t| t.part == part)
-            }
+            NodeKind::Station { .. } => line.is_joined_at(*i, part),
             _ => false,
         })
         .map(|(i, _)| i)
         .collect()
+}
+
+/// Returns how to make parts of a type that has no origin.
+fn missing_origin(line: &Line, part: usize) -> String {
+    let kind = &line.parts[part].name;
+    let mut stations = line.nodes.iter().enumerate();
+    let passed = stations.find(|(i, n)| {
+        let NodeKind::Station { tasks, .. } = &n.kind else {
+            return false;
+        };
+        let has_task = tasks.iter().any(|t| t.part == part);
+        has_task && !line.parts[part].bill.is_empty() && line.is_brought(*i, part)
+    });
+    match passed {
+        Some((_, station)) => format!(
+            "`{}` does not join its components, since a route brings a `{kind}` there, and not all components, or components that have a `perform` of their own: join it at another station",
+            station.name
+        ),
+        None => "add a `source`, stock in a `store`, or a station that performs an operation on it"
+            .to_owned(),
+    }
 }
 
 /// Returns whether the part type is the product, or occurs in a route or a bill of materials.

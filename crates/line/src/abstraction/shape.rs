@@ -7,7 +7,7 @@
 
 use super::belt::{self, Room};
 use crate::undecided::UndecidedReason;
-use linewright_language::contract::line::{Belt, Line, Node, NodeKind, Task};
+use linewright_language::contract::line::{Belt, Line, Node, NodeKind};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -535,10 +535,7 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
             }
         }
         NodeKind::Station { tasks, .. } => PlaceKind::Station {
-            tasks: tasks
-                .iter()
-                .map(|t| work(line, node, t.part, tasks))
-                .collect(),
+            tasks: tasks.iter().map(|t| work(line, node, t.part)).collect(),
         },
         NodeKind::Conveyor { places, belt, .. } => PlaceKind::Conveyor {
             places: *places,
@@ -553,16 +550,15 @@ fn kind(line: &Line, node: usize) -> PlaceKind {
 
 /// The work of a task, as defined by
 /// [`Task::part`](linewright_language::contract::line::Task::part).
-fn work(line: &Line, node: usize, part: usize, all: &[Task]) -> Work {
-    let comes = |kind: usize| line.routes.iter().any(|r| r.to == node && r.part == kind);
+fn work(line: &Line, node: usize, part: usize) -> Work {
     let bill = &line.parts[part].bill;
-    let joins = !comes(part)
-        || bill
-            .iter()
-            .all(|(c, _)| comes(*c) && !all.iter().any(|t| t.part == *c));
     Work {
         part,
-        plain: bill.is_empty() || comes(part),
-        bill: if joins { bill.clone() } else { Vec::new() },
+        plain: bill.is_empty() || line.is_brought(node, part),
+        bill: if line.is_joined_at(node, part) {
+            bill.clone()
+        } else {
+            Vec::new()
+        },
     }
 }

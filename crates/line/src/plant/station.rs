@@ -81,20 +81,6 @@ impl Station {
         let until_failure = failures
             .as_mut()
             .map_or(f64::INFINITY, |(f, stream)| stream.exponential(f.mtbf));
-        let comes = |kind| {
-            line.routes
-                .iter()
-                .any(|route| route.to == node && route.part == kind)
-        };
-        // If the product itself also comes here, its components may only pass through: they are
-        // joined here only if all of them come, and none for a task of its own.
-        let joins = |task: &Task| {
-            !comes(task.part)
-                || line.parts[task.part]
-                    .bill
-                    .iter()
-                    .all(|&(kind, _)| comes(kind) && tasks.iter().all(|other| other.part != kind))
-        };
         Self {
             bills: tasks
                 .iter()
@@ -102,7 +88,7 @@ impl Station {
                     lines: line.parts[task.part]
                         .bill
                         .iter()
-                        .filter(|_| joins(task))
+                        .filter(|_| line.is_joined_at(node, task.part))
                         .map(|&(kind, count)| (kind, count as usize, Vec::new()))
                         .collect(),
                     complete: None,
@@ -110,7 +96,9 @@ impl Station {
                 .collect(),
             plain: tasks
                 .iter()
-                .map(|task| line.parts[task.part].bill.is_empty() || comes(task.part))
+                .map(|task| {
+                    line.parts[task.part].bill.is_empty() || line.is_brought(node, task.part)
+                })
                 .collect(),
             kinds: tasks.iter().map(|task| task.part).collect(),
             phase: Phase::Free,
