@@ -33,7 +33,7 @@ impl From<anyhow::Error> for EarlyExit {
 }
 
 impl EarlyExit {
-    /// Converts an exceeded bound to an early exit; `also_helps` is what helps also_helps fewer
+    /// Converts an exceeded bound to an early exit; `also_helps` is what helps besides fewer
     /// rules.
     pub fn gave_up(also_helps: Option<&'static str>) -> impl Fn(BoundExceeded) -> Self {
         move |error| Self::GaveUp { error, also_helps }

@@ -137,7 +137,7 @@ impl ClosedDecider<'_> {
             (StepObligation::Assumption(_), None) if self.is_silent(obligation.component) => {}
             (StepObligation::Assumption(at), None) => self.record_met(at),
             (StepObligation::Assumption(at), Some(trace)) => {
-                self.record_open(at, Refutation::Trace(trace))
+                self.record_open(at, Refutation::Trace(trace));
             }
             (StepObligation::HasOutputs | StepObligation::HasRow, None) => {}
             (StepObligation::HasOutputs | StepObligation::HasRow, Some(trace)) => {
@@ -278,7 +278,7 @@ impl ClosedDecider<'_> {
             }
             match self.violation(self.book.keep.clone(), rule)? {
                 Some(trace) if self.can_continue(rule)? => {
-                    self.record_open(at, Refutation::Trace(trace))
+                    self.record_open(at, Refutation::Trace(trace));
                 }
                 _ => self.record_met(at),
             }

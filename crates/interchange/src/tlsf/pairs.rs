@@ -28,7 +28,7 @@ impl Meaning<'_, '_, '_> {
                     None => first = Some((found, when)),
                     Some((_, known)) if same(known, when) => {}
                     Some(_) => {
-                        refusals.push(pair(found, "another guarantee has a different condition"))
+                        refusals.push(pair(found, "another guarantee has a different condition"));
                     }
                 },
                 _ => {}

@@ -105,7 +105,7 @@ impl<'a> Scope<'a> {
         names.shapes.clone_from(&self.shapes);
         names.defines.clone_from(&self.defines);
         names.broken.clone_from(&self.broken);
-        names.file_names = FileNames {
+        names.of_file = FileNames {
             constants: self.values.clone(),
             defines: self.defines.clone(),
         };

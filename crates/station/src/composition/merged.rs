@@ -149,7 +149,7 @@ struct Operations {
     /// Values of the wire; empty for a machine without operations.
     values: Vec<i64>,
     /// Values that stand for operations.
-    operations: Vec<i64>,
+    requested: Vec<i64>,
     /// Condition over the wires that the operation is done.
     done: Expr,
     /// First wire of the coordinators.
@@ -166,7 +166,7 @@ impl Operations {
             .filter(|p| matches!(p.source, PlantSource::Operation));
         Self {
             values: wire.map_or_else(Vec::new, |p| (p.domain.low()..=p.domain.high()).collect()),
-            operations: machine.operations.iter().map(|o| o.value).collect(),
+            requested: machine.operations.iter().map(|o| o.value).collect(),
             done: machine.done.clone().unwrap_or(Expr::FALSE),
             first: machine.plant.len(),
             input: inputs,
@@ -182,7 +182,7 @@ impl Operations {
                 None => Expr::Var(v, time),
             }
         });
-        let continues = done.simplify() == Expr::FALSE && self.operations.contains(&operation);
+        let continues = done.simplify() == Expr::FALSE && self.requested.contains(&operation);
         continues.then_some(operation)
     }
 }

@@ -223,7 +223,7 @@ pub struct Monitors {
     taken: BTreeSet<String>,
     /// Last number used for each name stem.
     numbers: BTreeMap<&'static str, u32>,
-    monitors: Vec<Monitor>,
+    list: Vec<Monitor>,
     /// Monitors by domain, initial value and update, in which [`SELF_VALUE`] stands for the
     /// monitor.
     known: HashMap<(Domain, i64, Expr), VarId>,
@@ -240,7 +240,7 @@ impl Monitors {
             first: first.0,
             taken: taken.into_iter().collect(),
             numbers: BTreeMap::new(),
-            monitors: Vec::new(),
+            list: Vec::new(),
             known: HashMap::new(),
             delays: HashMap::new(),
         }
@@ -251,7 +251,7 @@ impl Monitors {
     pub fn rename(&mut self, value: &Expr, name: &str) {
         if let Expr::Var(id, Time::Now) = value
             && let Some(place) = id.0.checked_sub(self.first)
-            && let Some(monitor) = self.monitors.get_mut(place as usize)
+            && let Some(monitor) = self.list.get_mut(place as usize)
         {
             name.clone_into(&mut monitor.variable.name);
         }
@@ -259,13 +259,13 @@ impl Monitors {
 
     /// Returns all monitors in the order of their ids.
     pub fn all(&self) -> &[Monitor] {
-        &self.monitors
+        &self.list
     }
 
     /// Returns the monitor with this id; `None` if the variable is not a monitor.
     pub fn get(&self, id: VarId) -> Option<&Monitor> {
         let place = id.0.checked_sub(self.first)?;
-        self.monitors.get(place as usize)
+        self.list.get(place as usize)
     }
 
     /// Returns whether an expression reads a monitor.
@@ -277,17 +277,17 @@ impl Monitors {
 
     /// Returns the variables that a specification has to append, in order.
     pub fn variables(&self) -> impl Iterator<Item = &Variable> {
-        self.monitors.iter().map(|m| &m.variable)
+        self.list.iter().map(|m| &m.variable)
     }
 
     /// Adds the guarantees that define the monitors.
     pub fn define(&self, guarantees: &mut Side) {
         guarantees
             .initial
-            .extend(self.monitors.iter().map(Monitor::initial_formula));
+            .extend(self.list.iter().map(Monitor::initial_formula));
         guarantees
             .safety
-            .extend(self.monitors.iter().map(Monitor::update_formula));
+            .extend(self.list.iter().map(Monitor::update_formula));
     }
 
     /// Appends the monitors to a specification: variables and guarantees. The specification's
@@ -385,7 +385,7 @@ impl Monitors {
         if let Some(id) = self.known.get(&key) {
             return Expr::now(*id);
         }
-        let id = VarId(self.first + self.monitors.len() as u32);
+        let id = VarId(self.first + self.list.len() as u32);
         let update = replace_self(definition, &Expr::now(id));
         let domain = key.0.clone();
         self.known.insert(key, id);
@@ -393,7 +393,7 @@ impl Monitors {
             self.delays.entry(update.clone()).or_insert(id);
         }
         let name = self.name(stem);
-        self.monitors.push(Monitor {
+        self.list.push(Monitor {
             id,
             variable: Variable {
                 name,

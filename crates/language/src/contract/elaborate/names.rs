@@ -35,7 +35,7 @@ pub(in crate::contract) struct Names<'a> {
     /// Names whose declaration has a reported error: their uses are not reported again.
     pub broken: BTreeSet<String>,
     /// Names declared at the top level of files.
-    pub file_names: FileNames<'a>,
+    pub of_file: FileNames<'a>,
     /// Quantified names, innermost last.
     bound: BoundNames,
 }
@@ -62,7 +62,7 @@ impl<'a> Names<'a> {
             defines: self.defines.clone(),
             counters: BTreeMap::new(),
             broken: self.broken.clone(),
-            file_names: self.file_names.clone(),
+            of_file: self.of_file.clone(),
             bound: BoundNames::new(),
         }
     }
@@ -159,7 +159,7 @@ impl<'a> Names<'a> {
     /// Removes all names except those declared at the top level of files, until
     /// [`Names::restore_local`].
     pub(super) fn hide_local(&mut self) -> LocalNames<'a> {
-        let FileNames { constants, defines } = self.file_names.clone();
+        let FileNames { constants, defines } = self.of_file.clone();
         LocalNames {
             variables: std::mem::take(&mut self.variables),
             constants: std::mem::replace(&mut self.constants, constants),

@@ -124,7 +124,7 @@ impl<'a> Elaborator<'a> {
         self.expansion.defining.push(name.clone());
         let is_top_level = self
             .names
-            .file_names
+            .of_file
             .defines
             .get(name)
             .is_some_and(|d| std::ptr::eq(*d, define));

@@ -160,7 +160,7 @@ impl Names<'_> {
             ExprKind::Neg(inner) => self.is_literal(inner),
             ExprKind::Path(names) => match names.as_slice() {
                 [name] => {
-                    let constant = self.file_names.constants.get(&name.text);
+                    let constant = self.of_file.constants.get(&name.text);
                     matches!(
                         constant,
                         Some(Value::Scalar(Term::Int(_) | Term::Real(_), _))
