@@ -443,3 +443,42 @@ fn the_guide_lists_all_patterns() {
         assert!(page.contains(&line), "{line}");
     }
 }
+
+/// Counters have a row in the table of a play, and monitors one in the table of `step`.
+#[test]
+fn counters_and_monitors_are_shown() {
+    let text = checked(
+        "spec A\nenv boolean e;\nsys boolean o;\n\
+         counter moves(0..5) { moves = 0; inc: !o; reset: o; overflow: false; }\n\
+         gar never: G !o;\n",
+    );
+    assert!(text.contains("machine  moves  0"), "{text}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = "spec A\nenv boolean tick;\nsys boolean lamp;\n\
+                monitor Int(0..3) count {\n  ini count = 0;\n  G next(count) = count;\n}\n\
+                gar o: GF lamp;\n";
+    std::fs::write(folder.path().join("a.spectra"), file).expect("a file can be written");
+    std::fs::write(folder.path().join("s.txt"), "tick = true\nstate\n").expect("a script");
+    let arguments = ["step", "a.spectra", "--script", "s.txt"];
+    let output = crate::support::linewright(folder.path(), &arguments);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.lines().any(|l| l.starts_with("count ")), "{text}");
+}
+
+/// `G p` binds each step that has a successor, `always p` every step. Here the environment has no
+/// step after the first.
+#[test]
+fn g_and_always_differ_in_the_last_step() {
+    let text = |operator: &str| {
+        checked(&format!(
+            "spec A\nenv boolean e;\nsys boolean o;\nasm dead: G next(e) & !next(e);\n\
+             gar p: {operator} (o & !o);\n"
+        ))
+    };
+    assert!(text("G").contains("  realizable"), "{}", text("G"));
+    assert!(
+        text("always").contains("unrealizable"),
+        "{}",
+        text("always")
+    );
+}

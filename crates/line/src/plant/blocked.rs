@@ -298,10 +298,10 @@ impl Run<'_> {
         }
     }
 
-    /// Sources that make no part because of their `at most N in the line`, in words.
-    fn paused_sources(&self) -> Vec<String> {
-        let nodes = self.line.nodes.iter().zip(&self.places);
-        let paused = nodes.filter_map(|(node, place)| match (&node.kind, place) {
+    /// The part type of a source and its `at most N in the line`, if that keeps it from making a
+    /// part.
+    fn limit_reached(&self, node: usize) -> Option<(usize, u32)> {
+        match (&self.line.nodes[node].kind, &self.places[node]) {
             (
                 NodeKind::Source {
                     part,
@@ -310,13 +310,20 @@ impl Run<'_> {
                 },
                 Place::Source(source),
             ) if !source.exhausted() && self.counters.in_line[*part] >= u64::from(*most) => {
-                let name = &node.name;
-                let part = self.type_name(*part);
-                Some(format!(
-                    "{name} makes no part while {most} {part} are in the line or kept by a source"
-                ))
+                Some((*part, *most))
             }
             _ => None,
+        }
+    }
+
+    /// Sources that make no part because of their `at most N in the line`, in words.
+    fn paused_sources(&self) -> Vec<String> {
+        let paused = (0..self.places.len()).filter_map(|node| {
+            let (part, most) = self.limit_reached(node)?;
+            let (name, part) = (self.name(node), self.type_name(part));
+            Some(format!(
+                "{name} makes no part while {most} {part} are in the line or kept by a source"
+            ))
         });
         paused.collect()
     }
@@ -328,7 +335,7 @@ impl Run<'_> {
         for (node, declared) in self.line.nodes.iter().enumerate() {
             let name = &declared.name;
             match (&declared.kind, &self.places[node]) {
-                (NodeKind::Source { part, supply, most }, Place::Source(source)) if is(*part) => {
+                (NodeKind::Source { part, supply, .. }, Place::Source(source)) if is(*part) => {
                     texts.push(match supply {
                         Supply::OnOrder if source.exhausted() => {
                             format!("{name} has made all {} that were ordered", source.made())
@@ -336,14 +343,12 @@ impl Run<'_> {
                         _ if source.exhausted() => {
                             format!("{name} has made all {} of its limit", source.made())
                         }
-                        _ => match most {
-                            Some(most) if self.counters.in_line[*part] >= u64::from(*most) => {
-                                format!(
-                                    "{name} makes no part while {most} {} are in the line",
-                                    self.type_name(*part)
-                                )
-                            }
-                            _ => format!("{name} makes more, but no route brings them here"),
+                        _ => match self.limit_reached(node) {
+                            Some((_, most)) => format!(
+                                "{name} makes no part while {most} {} are in the line",
+                                self.type_name(*part)
+                            ),
+                            None => format!("{name} makes more, but no route brings them here"),
                         },
                     });
                 }

@@ -237,9 +237,8 @@ impl Builder {
 
 /// Returns the second word of a statement: `queue` of `buffer queue capacity`.
 fn second_word(statement: &str) -> String {
-    let mut words = statement.split(|c: char| !c.is_alphanumeric() && c != '_');
-    words
-        .by_ref()
+    statement
+        .split(|c: char| !c.is_alphanumeric() && c != '_')
         .filter(|word| !word.is_empty())
         .nth(1)
         .unwrap_or_default()

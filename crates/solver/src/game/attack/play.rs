@@ -113,7 +113,7 @@ pub fn play<K: Kernel>(
         let Some(step) = player.best_step(&possible, steps.last())? else {
             let bits = player.last_step(&given, steps.last())?;
             let last = player.valuation(&bits);
-            let clash = player.clash(formulas, steps.last(), &last)?;
+            let clash = player.clash(formulas, &current_safety, steps.last(), &last)?;
             steps.push(last);
             return Ok(Play {
                 steps,
@@ -256,6 +256,7 @@ impl<K: Kernel> Player<'_, K> {
     fn clash(
         &self,
         formulas: &Formulas<K>,
+        current_safety: &[(GuaranteeRef, K::Function)],
         before: Option<&Vec<i64>>,
         last: &[i64],
     ) -> Result<Vec<GuaranteeRef>, Limit> {
@@ -285,9 +286,8 @@ impl<K: Kernel> Player<'_, K> {
             }
         }
         let mut rules = formulas.step_guarantees(before.is_none())?;
-        let current_safety = self.current_safety(formulas)?;
         rules.retain(|(guarantee, _)| current_safety.iter().all(|(g, _)| g != guarantee));
-        rules.extend(current_safety);
+        rules.extend_from_slice(current_safety);
         let mut left = Vec::new();
         for (guarantee, function) in rules {
             left.push((guarantee, m.restrict(&function, &fixed)?));
