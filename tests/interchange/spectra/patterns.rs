@@ -482,3 +482,17 @@ fn g_and_always_differ_in_the_last_step() {
         text("always")
     );
 }
+
+/// In `step`, a violated `G p` is shown with the values of the step that violates it.
+#[test]
+fn a_violated_guarantee_is_shown_with_the_values_of_its_step() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = "spec A\nenv boolean e;\nsys boolean r;\nasm blink: G next(e) <-> !e;\n\
+                asm first: ini e;\ngar low: G e -> r;\ngar high: G e -> !r;\n";
+    std::fs::write(folder.path().join("a.spectra"), file).expect("a file can be written");
+    std::fs::write(folder.path().join("s.txt"), "r = true\n").expect("a script");
+    let arguments = ["step", "a.spectra", "--script", "s.txt"];
+    let output = crate::support::linewright(folder.path(), &arguments);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("before e = true, r = true"), "{text}");
+}

@@ -1,7 +1,7 @@
 //! Lines that stand still, and their findings.
 
 use crate::models::{Builder, Shift1, constant, every, refusing};
-use linewright::contract::line::{InitialValue, Supply};
+use linewright::contract::line::{InitialValue, NodeKind, Supply};
 use linewright::contract::machine::RealExpr;
 use linewright::deadline::Deadline;
 use linewright::diagnostics::{Diagnostic, Severity};
@@ -231,4 +231,28 @@ fn for_a_time_only_a_starved_line_is_no_error() {
     LW403: nothing moves any more from 0:00:11 on: warehouse waits for cell, cell waits for a part of type Printed, but printer has made all 3 of its limit
       Make sure that enough of the missing parts are made or stocked and that rejected parts are reordered, or require fewer products.
     "#);
+}
+
+/// A source that its limit keeps from making a part is named: the cause may be the limit.
+#[test]
+fn a_source_paused_by_its_limit_is_named() {
+    let mut builder = Builder::new(&["Raw", "Toy"]);
+    builder
+        .bill("Toy", &[("Raw", 2)])
+        .endless("source", "Raw")
+        .conveyor("belt", 4, 1.0)
+        .station("cell", &["Toy"], constant(2.0))
+        .sink("sink")
+        .route("Raw", &["source", "belt", "cell"])
+        .route("Toy", &["cell", "sink"]);
+    let nodes = &mut builder.line.nodes;
+    let source = nodes.iter_mut().find(|n| n.name == "source");
+    if let NodeKind::Source { most, .. } = &mut source.expect("a source").kind {
+        *most = Some(1);
+    }
+    let trace = builder.run(3);
+    assert_eq!(trace.end, End::Blocked);
+    let finding = &trace.findings[0];
+    let note = "source makes no part while 1 Raw are in the line or kept by a source";
+    assert!(finding.notes.iter().any(|n| n == note), "{finding:?}");
 }
