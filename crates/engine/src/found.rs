@@ -24,11 +24,11 @@ pub fn of_proof(
         let (message, help) = printer.describe_loop(found);
         findings.push(Diagnostic::error(codes::SAME_STEP_LOOP, at(part), message).with_help(help));
     }
-    for circle in &proof.circles {
-        let part = circle.assumptions.first().and_then(|a| a.component);
-        let (message, help) = printer.describe_circle(circle);
-        let mut finding = Diagnostic::error(codes::JUSTICE_CIRCLE, at(part), message);
-        for assumption in &circle.assumptions {
+    for cycle in &proof.cycles {
+        let part = cycle.assumptions.first().and_then(|a| a.component);
+        let (message, help) = printer.describe_cycle(cycle);
+        let mut finding = Diagnostic::error(codes::JUSTICE_CYCLE, at(part), message);
+        for assumption in &cycle.assumptions {
             let formula = printer.formula(*assumption);
             finding = finding.with_label(formula.span, "this waits for the other");
         }

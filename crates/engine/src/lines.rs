@@ -201,7 +201,7 @@ fn follow<'a>(
     }
 }
 
-/// Finding for a line in which parts can move in a circle without time passing.
+/// Finding for a line in which parts can move in a cycle without time passing.
 fn timeless(line: &Line, calls: &Calls) -> Option<Diagnostic> {
     let found = calls.timeless.as_ref()?;
     let [from, to] = [found.from, found.to].map(|node| &line.nodes[node]);

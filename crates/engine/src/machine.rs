@@ -11,7 +11,7 @@ use crate::words::{
 };
 use linewright_algebra::closed::{ClosedComposition, DischargeMethod, Form, Verdict};
 use linewright_algebra::machine::{COMPLETES, of_machine, of_refined_contract};
-use linewright_algebra::proof::{Circle, Claim, Proof, prove};
+use linewright_algebra::proof::{Claim, Cycle, Proof, prove};
 use linewright_algebra::system::{FormulaRef, System};
 use linewright_core::diagnostics::{Diagnostic, Severity, codes};
 use linewright_core::source::Span;
@@ -257,11 +257,11 @@ impl CombinedProof<'_> {
                 }
             }
             let is_met = |at: &FormulaRef| verdict.is_met(*at).is_some();
-            let (resolved, circles) = proof
-                .circles
+            let (resolved, cycles) = proof
+                .cycles
                 .into_iter()
-                .partition(|c: &Circle| c.assumptions.iter().any(is_met));
-            proof.circles = circles;
+                .partition(|c: &Cycle| c.assumptions.iter().any(is_met));
+            proof.cycles = cycles;
             self.report_resolved(resolved, findings);
             self.report_open(verdict, &members(&proof), findings);
             let settled =
@@ -271,7 +271,7 @@ impl CombinedProof<'_> {
             let shown = self.by_the_walk(&proof);
             let is_met = |at: &FormulaRef| shown.iter().any(|(known, _)| known == at);
             proof.open.retain(|o| !is_met(&o.what));
-            proof.circles.retain(|c| !c.assumptions.iter().any(is_met));
+            proof.cycles.retain(|c| !c.assumptions.iter().any(is_met));
             entries.extend(shown);
         }
         entries.sort_by_key(|(at, _)| (at.component.unwrap_or(usize::MAX), at.kind, at.index));
@@ -314,7 +314,7 @@ impl CombinedProof<'_> {
         skipped: &[FormulaRef],
         findings: &mut Vec<Diagnostic>,
     ) {
-        // Completion is reported per operation, and a circle as one finding.
+        // Completion is reported per operation, and a cycle as one finding.
         let open = verdict.open.iter();
         let open =
             open.filter(|o| !closed::is_completion(self.closed, o) && !skipped.contains(&o.what));
@@ -326,7 +326,7 @@ impl CombinedProof<'_> {
     /// meet nor violate.
     fn report_unsettled(&self, proof: &mut Proof, findings: &mut Vec<Diagnostic>) {
         let circular = members(proof);
-        // A circle is one finding, without extra findings for its members.
+        // A cycle is one finding, without extra findings for its members.
         proof.open.retain(|o| !circular.contains(&o.what));
         for mut finding in found::of_proof(self.printer, proof, &|part| Some(self.at(part))) {
             let of_justice = proof.open.iter().any(|o| {
@@ -343,10 +343,10 @@ impl CombinedProof<'_> {
         }
     }
 
-    /// Reports circles of contracts in which the actual controllers do not wait for ever.
-    fn report_resolved(&self, circles: Vec<Circle>, findings: &mut Vec<Diagnostic>) {
+    /// Reports cycles of contracts in which the actual controllers do not wait for ever.
+    fn report_resolved(&self, cycles: Vec<Cycle>, findings: &mut Vec<Diagnostic>) {
         let proof = Proof {
-            circles,
+            cycles,
             ..Proof::default()
         };
         for mut finding in found::of_proof(self.printer, &proof, &|part| Some(self.at(part))) {
@@ -381,12 +381,10 @@ impl CombinedProof<'_> {
     }
 }
 
-/// Assumptions that are members of circles.
+/// Assumptions that are members of cycles.
 fn members(proof: &Proof) -> Vec<FormulaRef> {
-    let circles = proof.circles.iter();
-    circles
-        .flat_map(|c| c.assumptions.iter().copied())
-        .collect()
+    let cycles = proof.cycles.iter();
+    cycles.flat_map(|c| c.assumptions.iter().copied()).collect()
 }
 
 /// The closed composition as an entry of the document.

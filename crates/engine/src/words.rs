@@ -4,7 +4,7 @@
 use crate::findings::list;
 use crate::findings::play::{Row, grid};
 use linewright_algebra::proof::{
-    Circle, Claim, Discharge, DischargeRule, Open, Proof, Refutation, SameStepLoop,
+    Claim, Cycle, Discharge, DischargeRule, Open, Proof, Refutation, SameStepLoop,
 };
 use linewright_algebra::replay;
 use linewright_algebra::system::{FormulaRef, System, formulas};
@@ -228,15 +228,15 @@ impl<'a> ProofPrinter<'a> {
         found.into_iter().filter(|v| !hidden(v)).collect()
     }
 
-    /// Returns a message about a circle of justice assumptions, and a help text with a pattern that
+    /// Returns a message about a cycle of justice assumptions, and a help text with a pattern that
     /// avoids it.
-    pub fn describe_circle(&self, circle: &Circle) -> (String, String) {
-        let members: Vec<String> = circle
+    pub fn describe_cycle(&self, cycle: &Cycle) -> (String, String) {
+        let members: Vec<String> = cycle
             .assumptions
             .iter()
             .map(|at| format!("`{}`", self.name(*at)))
             .collect();
-        let texts: Vec<&str> = circle
+        let texts: Vec<&str> = cycle
             .assumptions
             .iter()
             .map(|at| self.formula(*at).text.as_str())

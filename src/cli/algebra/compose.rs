@@ -101,7 +101,7 @@ fn text(printer: ProofPrinter<'_>, proof: &Proof, synth: bool) -> String {
                 1 => "1 assumption is not discharged".to_owned(),
                 n => format!("{n} assumptions are not discharged"),
             },
-            match proof.circles.len() {
+            match proof.cycles.len() {
                 0 => String::new(),
                 1 => "; 1 cycle".to_owned(),
                 n => format!("; {n} cycles"),

@@ -69,7 +69,7 @@ pub struct ProofEntry {
     pub discharges: Vec<DischargeEntry>,
     /// Obligations that are not discharged.
     pub open: Vec<OpenEntry>,
-    /// Circles of justice assumptions that depend on each other.
+    /// Cycles of justice assumptions that depend on each other.
     pub circles: Vec<Vec<FormulaReference>>,
     /// Loops of variables that depend on each other within a step.
     pub loops: Vec<Vec<String>>,
@@ -224,7 +224,7 @@ pub fn proof(printer: ProofPrinter<'_>, proof: &Proof) -> ProofEntry {
             .collect(),
         open: proof.open.iter().map(|o| open(printer, o)).collect(),
         circles: proof
-            .circles
+            .cycles
             .iter()
             .map(|c| {
                 c.assumptions

@@ -92,7 +92,7 @@ pub struct Common {
     linewright compose std.handling.turn std.handling.place --rename Turn.desired=cell
 
 Variables of the same name are one wire. For each assumption the proof names what discharges \
-it: guarantees of the others step by step, their justice in an order without circles, or the \
+it: guarantees of the others step by step, their justice in an order without cycles, or the \
 environment. Assumptions about inputs from outside become assumptions of the composition. An \
 assumption that is not discharged is shown with a run that breaks it. The proof assumes \
 that each component keeps its guarantees; whether a controller can is a question for `check`.")]

@@ -44,7 +44,7 @@ fn the_papers_own_pair_leaves_four_assumptions_open_and_has_one_circle() {
     ]);
     assert_eq!(proof.discharges, []);
     assert_eq!(proof.open.len(), 4);
-    assert_eq!(proof.circles.len(), 1);
+    assert_eq!(proof.cycles.len(), 1);
     insta::assert_snapshot!(table(&system, &claim, &proof), @"
     Coordinator: assumption 1 | OPEN | a cycle of 1 steps
     Coordinator: assumption 2 | OPEN | a cycle of 1 steps

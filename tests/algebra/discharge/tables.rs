@@ -41,7 +41,7 @@ pub fn table(system: &System, claim: &Claim, proof: &Proof) -> String {
         };
         let _ = writeln!(text, "{} | OPEN | {how}", name(system, claim, o.what));
     }
-    for circle in &proof.circles {
+    for circle in &proof.cycles {
         let names: Vec<String> = circle
             .assumptions
             .iter()

@@ -560,7 +560,7 @@ fn proofs_hold_of_all_machines() {
             }
             check_open(&system, &claim, &proof, open);
         }
-        counts.justice_circles += u32::from(!proof.circles.is_empty());
+        counts.justice_circles += u32::from(!proof.cycles.is_empty());
         let Some(composed) = Composed::new(&system, &claim, &proof) else {
             counts.unrealizable += 1;
             continue;

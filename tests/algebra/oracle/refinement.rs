@@ -161,7 +161,7 @@ fn check_open(question: &Question, open: &Open, counts: &mut Counts) {
 /// Every formula to be proved is discharged or open, and the reported reason is true.
 fn check(question: &Question, lassos: &[Lasso], counts: &mut Counts) {
     let proof = &question.proof;
-    assert!(proof.loops.is_empty() && proof.circles.is_empty());
+    assert!(proof.loops.is_empty() && proof.cycles.is_empty());
     let mut goals: Vec<FormulaRef> = Vec::new();
     for kind in KINDS {
         let count = list(&question.claim.goal, kind).len();

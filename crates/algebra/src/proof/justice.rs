@@ -2,7 +2,7 @@
 
 use super::loops::cycle_through;
 use super::prover::{ALL, Prover, is_assumption, is_given, is_guarantee};
-use super::{Circle, DischargeRule, Open, Refutation};
+use super::{Cycle, DischargeRule, Open, Refutation};
 use linewright_solver::game::{Lasso, Limit, RuleKind, RunQuery};
 use std::collections::BTreeSet;
 
@@ -48,7 +48,7 @@ impl Prover<'_> {
                     self.proof.open.push(Open { what, why });
                 }
             }
-            self.proof.circles = self.circles(&left);
+            self.proof.cycles = self.cycles(&left);
             return Ok(reliable);
         }
     }
@@ -205,9 +205,9 @@ impl Prover<'_> {
         }
     }
 
-    /// Returns circles among the open justice assumptions. An assumption waits for the assumptions
+    /// Returns cycles among the open justice assumptions. An assumption waits for the assumptions
     /// of the components that set its variables.
-    fn circles(&self, left: &[usize]) -> Vec<Circle> {
+    fn cycles(&self, left: &[usize]) -> Vec<Cycle> {
         let waits_for = |a: usize| -> BTreeSet<usize> {
             let own = self.component_of(a);
             let drivers = self.book.entries[a].mentions.iter();
@@ -221,18 +221,18 @@ impl Prover<'_> {
         };
         let edges: Vec<BTreeSet<usize>> = left.iter().map(|a| waits_for(*a)).collect();
         let mut shown: BTreeSet<usize> = BTreeSet::new();
-        let mut circles = Vec::new();
+        let mut cycles = Vec::new();
         for start in 0..left.len() {
             if shown.contains(&start) {
                 continue;
             }
             if let Some(way) = cycle_through(|i: usize| edges[i].iter().copied().collect(), start) {
                 shown.extend(&way);
-                circles.push(Circle {
+                cycles.push(Cycle {
                     assumptions: way.into_iter().map(|i| self.at(left[i])).collect(),
                 });
             }
         }
-        circles
+        cycles
     }
 }

@@ -21,7 +21,7 @@ pub struct AnswerDependencies {
 }
 
 impl AnswerDependencies {
-    /// Computes the dependencies. For components that are on no circle of wires, `components` has
+    /// Computes the dependencies. For components that are on no cycle of wires, `components` has
     /// the wires, and `variables` has nothing.
     pub fn new(book: &mut ProofRules<'_>) -> Result<Self, Limit> {
         let system = book.system;
@@ -29,7 +29,7 @@ impl AnswerDependencies {
             components: wires(system),
             ..Self::default()
         };
-        for component in in_circles(&waits.components) {
+        for component in in_cycles(&waits.components) {
             waits.components[component].clear();
             let own = system.components[component].drives.clone();
             let rules: Vec<usize> = (0..book.entries.len())
@@ -118,8 +118,8 @@ fn wires(system: &System) -> Vec<BTreeSet<usize>> {
     reads.collect()
 }
 
-/// Returns the components that are on a circle.
-fn in_circles(edges: &[BTreeSet<usize>]) -> Vec<usize> {
+/// Returns the components that are on a cycle.
+fn in_cycles(edges: &[BTreeSet<usize>]) -> Vec<usize> {
     let leads_back = |start: usize| {
         let mut open: Vec<usize> = edges[start].iter().copied().collect();
         let mut seen = BTreeSet::new();

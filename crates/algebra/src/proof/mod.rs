@@ -1,7 +1,7 @@
 //! The proof that components discharge one another's assumptions, and together keep the goal of the
 //! claim.
 //!
-//! Components rely on one another in circles, above all the coordinator and its actions. So it is
+//! Components rely on one another in cycles, above all the coordinator and its actions. So it is
 //! not sufficient that each assumption follows from guarantees of others. These rules are sound:
 //!
 //! - **Safety, step by step.** By induction, no assumption is the first formula to be broken: up to
@@ -13,7 +13,7 @@
 //!   does, neither is proved (McMillan, "Circular compositional reasoning about liveness", CHARME
 //!   1999). So the proof proceeds in turns: a component's justice guarantees are relied on only
 //!   after all its own justice assumptions were discharged. Assumptions that remain wait for one
-//!   another in circles, which are reported.
+//!   another in cycles, which are reported.
 //!
 //! The proof has a premise: a component that answers first is relied on to keep its guarantees
 //! about its own answer, without checking its assumptions in that step. If the assumptions of a
@@ -166,10 +166,10 @@ pub struct SameStepLoop {
     pub variables: Vec<VarId>,
 }
 
-/// A circle of justice assumptions that wait for one another.
+/// A cycle of justice assumptions that wait for one another.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Circle {
-    /// Assumptions of the circle: each is kept by the component that makes the next assumption, and
+pub struct Cycle {
+    /// Assumptions of the cycle: each is kept by the component that makes the next assumption, and
     /// that component keeps it only under its own assumption; the last one waits for the first.
     pub assumptions: Vec<FormulaRef>,
 }
@@ -184,14 +184,14 @@ pub struct Proof {
     pub open: Vec<Open>,
     /// Loops within a step. If the outputs of components form a loop, nothing else is decided.
     pub loops: Vec<SameStepLoop>,
-    /// Circles of justice assumptions.
-    pub circles: Vec<Circle>,
+    /// Cycles of justice assumptions.
+    pub cycles: Vec<Cycle>,
 }
 
 impl Proof {
     /// Returns whether all obligations are discharged.
     pub fn holds(&self) -> bool {
-        self.open.is_empty() && self.loops.is_empty() && self.circles.is_empty()
+        self.open.is_empty() && self.loops.is_empty() && self.cycles.is_empty()
     }
 }
 

@@ -289,10 +289,10 @@ impl<'a> Prover<'a> {
         }
         for (rule, needed, by) in needs {
             let component = self.component_of(rule);
-            let circle = needed
+            let cycle = needed
                 .iter()
                 .any(|j| reachable(&edges, *j).contains(&component));
-            if circle {
+            if cycle {
                 let variables = self.loop_of(rule, &needed);
                 if !self.proof.loops.iter().any(|l| l.variables == variables) {
                     self.proof.loops.push(super::SameStepLoop { variables });

@@ -121,7 +121,7 @@ codes! {
     OPERATION = "LW306", "an operation does not fit its coordinator";
     COORDINATOR_KIND = "LW307", "a coordinator must be a moore contract";
     PROPERTY = "LW308", "a property of the part is used wrongly";
-    JUSTICE_CIRCLE = "LW309", "justice assumptions depend on one another";
+    JUSTICE_CYCLE = "LW309", "justice assumptions depend on one another";
     GUARANTEE_UNPROVED = "LW310", "a guarantee of the whole does not follow from its components";
     PORTS = "LW311", "the ports of contracts do not fit together";
     INCOMPATIBLE = "LW312", "no environment fits the contracts";
@@ -138,7 +138,7 @@ codes! {
     LINE_VIOLATION = "LW405", "a contract was violated while the line ran";
     LINE_REQUIREMENT = "LW406", "a requirement does not hold";
     LINE_PART_LOST = "LW407", "a conveyor lost or doubled a part";
-    LINE_CIRCLE = "LW408", "parts can deadlock (circular wait)";
+    LINE_CYCLE = "LW408", "parts can deadlock (circular wait)";
     LINE_UNFINISHED = "LW409", "an order may stay unfinished for ever";
     LINE_UNDECIDED = "LW410", "a line is too large to be proved";
     LINE_FORBIDDEN_REQUEST = "LW411", "a line may request what a machine forbids";

@@ -234,7 +234,7 @@ impl Reader {
                 codes::NOT_CONSTANT,
                 span,
                 format!("`{}` is defined in terms of itself", name.text),
-                "avoid the circle; for a value that changes over time, declare a variable, a monitor or a counter",
+                "avoid the cycle; for a value that changes over time, declare a variable, a monitor or a counter",
             );
             return None;
         }

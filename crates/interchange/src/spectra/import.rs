@@ -2,7 +2,7 @@
 //!
 //! An import includes types, defines, predicates, patterns and regular expressions. As in Spectra,
 //! it does not include variables, monitors, counters, assumptions and guarantees. Therefore files
-//! can import each other in a circle.
+//! can import each other in a cycle.
 //!
 //! The published patterns can be imported even if their file does not exist; see
 //! [`dwyer`](super::dwyer).
@@ -154,7 +154,7 @@ impl Sources {
 
     /// Adds a note to each import whose file has declarations that the import does not include.
     fn note_omissions(&mut self) {
-        // All declarations of the main file are used, even if a circle imports it.
+        // All declarations of the main file are used, even if a cycle imports it.
         let others = self.files[1..].iter();
         let left: BTreeMap<FileId, usize> = others
             .map(|s| {

@@ -160,7 +160,7 @@ impl Reader<'_> {
                     .iter()
                     .position(|i| self.sources.file(self.files[*i].id).name == name)
                 {
-                    let circle: Vec<String> = path[position..]
+                    let cycle: Vec<String> = path[position..]
                         .iter()
                         .map(|i| self.sources.file(self.files[*i].id).name.clone())
                         .chain([name])
@@ -169,7 +169,7 @@ impl Reader<'_> {
                         Diagnostic::error(
                             codes::IMPORT_CIRCULAR,
                             import.span,
-                            format!("these files import each other: {}", circle.join(" -> ")),
+                            format!("these files import each other: {}", cycle.join(" -> ")),
                         )
                         .with_help("move the shared declarations to a third file"),
                     );

@@ -1,4 +1,4 @@
-//! In a state of the abstraction, follows who waits for whom until a circle closes or the chain
+//! In a state of the abstraction, follows who waits for whom until a cycle closes or the chain
 //! ends at something that never comes.
 
 use super::Abstraction;
@@ -18,7 +18,7 @@ pub(super) struct Chain {
     /// Types of the parts that wait in these places, where a part waits.
     pub(super) waiting: Vec<Option<usize>>,
     /// Whether the last place waits for the first.
-    pub(super) circle: bool,
+    pub(super) cycle: bool,
 }
 
 /// Why a place does not proceed.
@@ -50,12 +50,12 @@ impl View<'_> {
         &self.abstraction.shape.places[place].name
     }
 
-    /// Returns the first circle reachable from these places, or else the longest chain.
+    /// Returns the first cycle reachable from these places, or else the longest chain.
     pub(super) fn chain(&self, starts: impl IntoIterator<Item = usize>) -> Chain {
         let mut open = Chain::default();
         for start in starts {
             let chain = self.follow(start);
-            if chain.circle {
+            if chain.cycle {
                 return chain;
             }
             if chain.texts.len() > open.texts.len() {
@@ -79,7 +79,7 @@ impl View<'_> {
                 chain.places.drain(..first);
                 chain.texts.drain(..first);
                 chain.waiting.drain(..first);
-                chain.circle = true;
+                chain.cycle = true;
                 break;
             }
             chain.places.push(next);

@@ -60,7 +60,7 @@ fn stuck(line: &Line, abstraction: &Abstraction, trace: &[Vec<i64>]) -> Diagnost
     if !chain.texts.is_empty() {
         message = format!("{message}: {}", chain.texts.join(", "));
     }
-    let mut finding = Diagnostic::warning(codes::LINE_CIRCLE, line.span, message);
+    let mut finding = Diagnostic::warning(codes::LINE_CYCLE, line.span, message);
     for place in &chain.places {
         let node = &line.nodes[abstraction.shape.places[*place].node];
         finding = finding.with_label(node.span, format!("{} is here", node.name));
@@ -99,9 +99,9 @@ fn unfinished(
         })
     });
     let chain = view.chain(quiet);
-    let (code, mut message) = if chain.circle {
+    let (code, mut message) = if chain.cycle {
         (
-            codes::LINE_CIRCLE,
+            codes::LINE_CYCLE,
             "some parts can deadlock (circular wait) while others go on".to_owned(),
         )
     } else if goal.name == ORDERS_ARE_FINISHED {
@@ -169,7 +169,7 @@ fn moves(abstraction: &Abstraction, run: &[&Vec<i64>]) -> String {
 /// The remedy for what a chain shows.
 fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     let shape = &abstraction.shape;
-    if !chain.circle {
+    if !chain.cycle {
         let limits: Vec<String> = supplies(line, shape)
             .filter_map(|(place, _, most)| {
                 Some(format!(
@@ -210,7 +210,7 @@ fn advice(line: &Line, abstraction: &Abstraction, chain: &Chain) -> String {
     }
 }
 
-/// How to admit fewer of the parts that wait in a circle, and of their components. A limit below
+/// How to admit fewer of the parts that wait in a cycle, and of their components. A limit below
 /// the number of parts in one product would leave the line without products.
 fn fewer(line: &Line, shape: &Shape, chain: &Chain) -> Vec<String> {
     let mut found = Vec::new();

@@ -1,9 +1,9 @@
 //! Lemmas about single places that help to prove a line: formulas that hold of most lines and that
 //! the claim may rest on where they do.
 //!
-//! A circle of places keeps moving because it is never full, and a station that joins parts keeps
+//! A cycle of places keeps moving because it is never full, and a station that joins parts keeps
 //! working because its components arrive. Each lemma involves few places; without them, anything
-//! that passes through a circle could only be proved for all places at once. If a supply limits the
+//! that passes through a cycle could only be proved for all places at once. If a supply limits the
 //! number of its parts in the line, the lemmas rest on a proof in many small steps
 //! ([`super::limited`]).
 

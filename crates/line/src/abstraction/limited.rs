@@ -35,9 +35,9 @@ pub(super) struct LimitedSupply<'a> {
     in_line: VarId,
     most: u32,
     /// Places where its parts may be. Each follows its predecessors, unless parts may go round in a
-    /// circle.
+    /// cycle.
     stages: Vec<Stage>,
-    /// Whether its parts may go round in a circle.
+    /// Whether its parts may go round in a cycle.
     is_round: bool,
 }
 
@@ -115,15 +115,15 @@ impl<'a> LimitedSupply<'a> {
 
     /// Adds its lemmas. `others` are lemmas about other components, by place.
     pub fn add(&self, book: &mut ClaimBuilder<'_>, others: &[(usize, FormulaRef)]) {
-        let circles = self.circles();
+        let cycles = self.cycles();
         let joins = !self.is_round && self.stages.iter().any(|s| s.at.bill.is_some());
-        if circles.is_empty() && !joins {
+        if cycles.is_empty() && !joins {
             return;
         }
         let counted = self.counts(book);
         let mut known = BTreeSet::from([counted]);
-        for circle in circles {
-            known.insert(self.never_overrun(book, &circle, counted));
+        for cycle in cycles {
+            known.insert(self.never_overrun(book, &cycle, counted));
         }
         book.rests_on(NO_CIRCULAR_WAIT, known);
         if joins {
@@ -208,23 +208,23 @@ impl<'a> LimitedSupply<'a> {
     }
 
     /// Sets of places within which its parts may move from each place to every other.
-    fn circles(&self) -> BTreeSet<BTreeSet<usize>> {
+    fn cycles(&self) -> BTreeSet<BTreeSet<usize>> {
         let places: BTreeSet<usize> = self.stages.iter().map(|s| s.at.place).collect();
-        let mut circles = all_circles(self.model);
-        circles.retain(|circle| !circle.is_disjoint(&places));
-        circles
+        let mut cycles = all_cycles(self.model);
+        cycles.retain(|cycle| !cycle.is_disjoint(&places));
+        cycles
     }
 
-    /// A circle holds no more of its parts than the line.
+    /// A cycle holds no more of its parts than the line.
     fn never_overrun(
         &self,
         book: &mut ClaimBuilder<'_>,
-        circle: &BTreeSet<usize>,
+        cycle: &BTreeSet<usize>,
         counted: FormulaRef,
     ) -> FormulaRef {
-        let held = self.total(|place| circle.contains(&place));
+        let held = self.total(|place| cycle.contains(&place));
         let few = Expr::binary(BinaryOp::Le, held, Expr::Const(i64::from(self.most)));
-        let names: Vec<&str> = circle
+        let names: Vec<&str> = cycle
             .iter()
             .map(|p| self.model.shape.places[*p].name.as_str())
             .collect();
@@ -497,7 +497,7 @@ fn after(model: Model<'_>, at: Spot) -> Vec<Spot> {
 }
 
 /// Sets of places within which parts may move from each place to every other.
-fn all_circles(model: Model<'_>) -> BTreeSet<BTreeSet<usize>> {
+fn all_cycles(model: Model<'_>) -> BTreeSet<BTreeSet<usize>> {
     let reached = |from: usize| {
         let mut seen = BTreeSet::new();
         let mut open = vec![from];

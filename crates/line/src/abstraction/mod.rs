@@ -33,7 +33,7 @@
 //!   it is a premise.
 //! - *Calls.* Every call of a station is answered; [`super::calls`] shows it.
 //!
-//! If parts of one type may go round in a circle, each of them is assumed to leave it eventually;
+//! If parts of one type may go round in a cycle, each of them is assumed to leave it eventually;
 //! the claim is then that all places proceed.
 
 mod belt;

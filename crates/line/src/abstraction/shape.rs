@@ -259,7 +259,7 @@ impl Shape {
         )))
     }
 
-    /// Two places between which parts can move for ever without time passing: on a circle, or from
+    /// Two places between which parts can move for ever without time passing: on a cycle, or from
     /// an endless source or a stock to a sink or a store, which are never full.
     fn timeless(&self) -> Option<(usize, usize)> {
         let mut starts = self.places.iter().enumerate();
@@ -407,7 +407,7 @@ impl Shape {
         let mut contents = vec![vec![0_u64; types]; types];
         for (whole, row) in contents.iter_mut().enumerate() {
             let mut level = vec![(whole, 1_u64)];
-            // Bills have no circles (the resolver rejects them); bounding the rounds guarantees
+            // Bills have no cycles (the resolver rejects them); bounding the rounds guarantees
             // termination.
             for _ in 0..types {
                 let mut below = Vec::new();

@@ -256,7 +256,7 @@ impl Vocabulary {
             let pairs = (1..takers.len()).flat_map(|a| (a + 1..takers.len()).map(move |b| (a, b)));
             let compete =
                 |(a, b): (usize, usize)| turns && compete(shape, place, &vars.joins, a, b);
-            // With four or more, an order of only some pairs could be a circle.
+            // With four or more, an order of only some pairs could be a cycle.
             let of_all = takers.len() > 4 && pairs.clone().any(compete);
             for (a, b) in pairs {
                 {

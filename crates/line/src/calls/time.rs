@@ -2,9 +2,9 @@
 //!
 //! Moving, waiting in a buffer or a store, and work shorter than [`MIN_SECONDS`] take no time.
 //! Such ways are followed with the values of parts, so that a part that goes round three times and
-//! then leaves is no circle. Parts move for ever at one instant
+//! then leaves is no cycle. Parts move for ever at one instant
 //!
-//! - on a circle of such ways, or
+//! - on a cycle of such ways, or
 //! - where a source that always has another part leads to a sink or a store by such ways alone,
 //!   since neither is ever full. The stock of a store is finite, but a very large one counts as
 //!   endless. A joined part comes as often as the slowest of its components.
@@ -20,7 +20,7 @@ use std::collections::BTreeSet;
 pub struct Timeless {
     /// Start node.
     pub from: usize,
-    /// End node; the same as the start for a circle.
+    /// End node; the same as the start for a cycle.
     pub to: usize,
     /// Whether a part on it never takes any other way; otherwise values, chance or the order of
     /// parts may lead to where time passes.
@@ -51,7 +51,7 @@ pub(super) fn timeless(walk: &Walk<'_>) -> Option<Timeless> {
         walk,
         edges: all.map(|at| edges(walk, at)).collect(),
     };
-    let (from, to, always) = timed.circle().or_else(|| timed.endless())?;
+    let (from, to, always) = timed.cycle().or_else(|| timed.endless())?;
     let stations = 0..walk.stations.len();
     Some(Timeless {
         from,
@@ -102,9 +102,9 @@ impl Timed<'_> {
         &self.walk.vertices[at]
     }
 
-    /// Finds a circle: what is left after repeatedly removing vertices without outgoing or without
+    /// Finds a cycle: what is left after repeatedly removing vertices without outgoing or without
     /// incoming edges.
-    fn circle(&self) -> Option<(usize, usize, bool)> {
+    fn cycle(&self) -> Option<(usize, usize, bool)> {
         let count = self.edges.len();
         let mut before = vec![Vec::new(); count];
         for (from, edges) in self.edges.iter().enumerate() {

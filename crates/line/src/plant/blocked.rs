@@ -1,9 +1,9 @@
-//! Explains why a line stands still: follows who waits for whom until a circle closes or the chain
+//! Explains why a line stands still: follows who waits for whom until a cycle closes or the chain
 //! ends at something that will never come.
 //!
 //! A part at an outlet waits for one node, so each waiting node has one successor: the node it
 //! waits for; for a station that lacks a component, the node that holds or makes one. Following the
-//! successors from every outlet in order finds a circle if there is one.
+//! successors from every outlet in order finds a cycle if there is one.
 
 use super::{Place, Run};
 use crate::plant::part::PartIndex;
@@ -22,7 +22,7 @@ struct Chain {
     nodes: Vec<usize>,
     texts: Vec<String>,
     /// Whether the last node waits for the first.
-    circle: bool,
+    cycle: bool,
 }
 
 impl Run<'_> {
@@ -31,7 +31,7 @@ impl Run<'_> {
     pub(super) fn end_blocked(&mut self) -> End {
         let chain = self.chain();
         if let (Some(horizon), None) = (self.setup.horizon, self.setup.target)
-            && !chain.as_ref().is_some_and(|chain| chain.circle)
+            && !chain.as_ref().is_some_and(|chain| chain.cycle)
             && self.journal.unroutable.is_empty()
         {
             if let Some(chain) = chain {
@@ -124,10 +124,10 @@ impl Run<'_> {
                 NodeKind::Conveyor { .. } | NodeKind::Buffer { .. }
             )
         });
-        if !chain.circle && !self.journal.unroutable.is_empty() {
+        if !chain.cycle && !self.journal.unroutable.is_empty() {
             return "Give every part a route onward from every place that it can reach.".to_owned();
         }
-        match (chain.circle, roomy) {
+        match (chain.cycle, roomy) {
             (true, Some(node)) => format!(
                 "Keep the cycle from filling up: add room in {}, admit fewer parts at a time, or add another route \
                  out of it.",
@@ -144,7 +144,7 @@ impl Run<'_> {
         }
     }
 
-    /// The first circle; otherwise the first chain that ends somewhere; `None` if no part waits.
+    /// The first cycle; otherwise the first chain that ends somewhere; `None` if no part waits.
     fn chain(&self) -> Option<Chain> {
         let waiting = self
             .outlets
@@ -159,7 +159,7 @@ impl Run<'_> {
         let mut open = None;
         for start in waiting.chain(begun) {
             let chain = self.follow(start);
-            if chain.circle {
+            if chain.cycle {
                 return Some(chain);
             }
             open = open.or((!chain.texts.is_empty()).then_some(chain));
@@ -176,7 +176,7 @@ impl Run<'_> {
                 return Chain {
                     nodes,
                     texts,
-                    circle: false,
+                    cycle: false,
                 };
             };
             texts.push(reason.text);
@@ -184,14 +184,14 @@ impl Run<'_> {
                 return Chain {
                     nodes,
                     texts,
-                    circle: false,
+                    cycle: false,
                 };
             };
             if let Some(first) = nodes.iter().position(|&seen| seen == next) {
                 return Chain {
                     nodes: nodes.split_off(first),
                     texts: texts.split_off(first),
-                    circle: true,
+                    cycle: true,
                 };
             }
             nodes.push(next);

@@ -8,7 +8,7 @@
 //!
 //! - **Safety assumptions.** In every reachable step of the coordinator, every assumption of every
 //!   component must follow from the coordinator's outputs, from the guarantees of the actions, and
-//!   from what stays constant during an operation. Circles of safety are sound, step by step, since
+//!   from what stays constant during an operation. Cycles of safety are sound, step by step, since
 //!   no step contains a loop (Abadi and Lamport, Conjoining Specifications, 1995).
 //! - **Justice assumptions.** While a justice assumption of the coordinator does not hold, it must
 //!   hold in the next step, or one fixed action must have a justice guarantee that implies it; an

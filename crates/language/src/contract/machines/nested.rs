@@ -81,13 +81,13 @@ pub(super) fn nested<'a>(
     };
     let name = machine.header.name.text.as_str();
     if let Some(first) = parts.path.iter().position(|p| *p == name) {
-        let circle: Vec<&str> = (parts.path[first..].iter().copied())
+        let cycle: Vec<&str> = (parts.path[first..].iter().copied())
             .chain([name])
             .collect();
         e.findings.error_with(
             codes::MACHINE_IN_ITSELF,
             c.contract.span,
-            format!("`{name}` contains itself: {}", circle.join(" -> ")),
+            format!("`{name}` contains itself: {}", cycle.join(" -> ")),
             "break the cycle: remove one of these components, or use another machine for it",
         );
         return None;

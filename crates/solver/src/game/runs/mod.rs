@@ -10,7 +10,7 @@
 //!   the reachable states.
 //! - [`Runs::find_violation`] searches for a step that breaks a rule although all steps before it
 //!   keep their rules, and the step itself keeps some. This is the step of an induction over time,
-//!   which is sound even if components rely on each other in a circle.
+//!   which is sound even if components rely on each other in a cycle.
 
 mod fair;
 mod path;
